@@ -15,10 +15,10 @@ _MOST_AT_ONCE = 20
 
 
 class DatagramSocket:
-    """Passes each datagram to `take`, at most `most` bytes of it, on the node's thread."""
+    """Passes each datagram to `take`, at most `most` bytes of it, on the node's thread; sends back what it returns."""
 
     def __init__(
-        self, node: Node, folder: str, period: float, most: int, take: Callable[[bytes], None], without: str
+        self, node: Node, folder: str, period: float, most: int, take: Callable[[bytes], bytes], without: str
     ) -> None:
         """Bind a socket in `folder`, read every `period` s; if that fails, log the effect `without` a socket."""
         self._take, self._most = take, most
@@ -40,7 +40,11 @@ class DatagramSocket:
         """Take the datagrams that have arrived."""
         with suppress(OSError):
             for _ in range(_MOST_AT_ONCE):
-                self._take(self._socket.recv(self._most))
+                data, sender = self._socket.recvfrom(self._most)
+                answer = self._take(data)
+                if answer and sender:
+                    with suppress(OSError):  # a client that has ended, or that reads nothing
+                        self._socket.sendto(answer, sender)
 
     def close(self) -> None:
         """Remove the socket."""

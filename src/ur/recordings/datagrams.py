@@ -18,25 +18,30 @@ def open_folder(folder: str) -> Iterator[str]:
         os.close(descriptor)
 
 
-def send_to_all(folder: str, data: bytes) -> int:
-    """Send a datagram to all sockets of a folder; return the number of those that take it. Never waits."""
+def send_to_all(folder: str, data: bytes, sender: socket.socket | None = None) -> int:
+    """Send a datagram to all sockets of a folder; return the number of those that take it. Never waits.
+
+    They answer to `sender`, where there is one.
+    """
     try:
         with open_folder(folder) as place:
-            return sum(_send(f"{place}/{name}", data) for name in os.listdir(place))  # noqa: PTH208 - starts faster
+            names = os.listdir(place)  # noqa: PTH208 - starts faster
+            if sender is not None:
+                return sum(_send(f"{place}/{name}", data, sender) for name in names)
+            with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as own:
+                return sum(_send(f"{place}/{name}", data, own) for name in names)
     except OSError:
         return 0
 
 
-def _send(path: str, data: bytes) -> bool:
+def _send(path: str, data: bytes, sender: socket.socket) -> bool:
     """Send to a socket; return whether it takes the datagram."""
-    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
-        sender.setblocking(False)
-        try:
-            sender.sendto(data, path)
-        except ConnectionRefusedError:  # its node was killed
-            with suppress(OSError):
-                os.unlink(path)  # noqa: PTH108 - pathlib is not worth its import here
-            return False
-        except OSError:
-            return False  # it ends, or has more waiting than it takes
+    try:
+        sender.sendto(data, socket.MSG_DONTWAIT, path)
+    except ConnectionRefusedError:  # its node was killed
+        with suppress(OSError):
+            os.unlink(path)  # noqa: PTH108 - pathlib is not worth its import here
+        return False
+    except OSError:
+        return False  # it ends, or has more waiting than it takes
     return True

@@ -20,8 +20,9 @@ class EventSocket:
         without = "the end of other nodes is not noticed"
         self._socket = DatagramSocket(node, sockets_folder(environment), _LOOK, MOST_BYTES, self._take, without)
 
-    def _take(self, data: bytes) -> None:
+    def _take(self, data: bytes) -> bytes:
         self._happened(printable(data.decode("utf-8", "replace")).strip() or "unnamed event")
+        return b""
 
     def close(self) -> None:
         """Handle the received texts, and remove the socket."""

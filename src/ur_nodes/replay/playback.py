@@ -9,14 +9,14 @@ from pathlib import Path
 from ur.recordings.mcap_channels import Dialect
 from ur.recordings.mcap_file import RecordingFile, RecordingTopic, StoredMessage, open_recording
 from ur.recordings.message_types import MessageTypes
-from ur.recordings.replays import ReplayCommand
+from ur.recordings.replays import FASTEST, SLOWEST, ReplayCommand, ReplayState, describe_state
 from ur.source.diagnostic import UserError, error_about
 from ur_nodes.ports.node import Node, Publisher
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Fields
 from ur_nodes.ports.values import ClockTime
 from ur_nodes.replay.control_socket import open_control_socket
-from ur_nodes.replay.player import FASTEST, SLOWEST, Player
+from ur_nodes.replay.player import Player
 
 _STEP = 0.01  # s
 _SETTLE = 2.0  # s, in which subscribers connect before the first message
@@ -123,8 +123,10 @@ class ReplayNode:
             for message in self._player.jump(seconds):
                 self._send(message)
 
-    def _control(self, command: ReplayCommand) -> None:
+    def _control(self, command: ReplayCommand) -> ReplayState:
         player = self._player
+        if command.name == "state":
+            return player.state
         if command.name == "pause":
             player.pause()
         elif command.name == "play":
@@ -135,9 +137,8 @@ class ReplayNode:
             self._jump(command.value)
         else:
             self._jump(max(0.0, player.state.position + command.value * (1 if command.name == "ahead" else -1)))
-        state = player.state
-        doing = "playing" if state.playing else "paused"
-        self._print(f"{doing} at {state.position:.1f} of {state.length:.1f} s, speed {state.speed:g}")
+        self._print(describe_state(player.state))
+        return player.state
 
 
 def _can_be_sent(topic: RecordingTopic) -> bool:

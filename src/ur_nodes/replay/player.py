@@ -3,23 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Set
-from dataclasses import dataclass
 
 from ur.recordings.mcap_file import RecordingFile, StoredMessage
+from ur.recordings.replays import FASTEST, SLOWEST, ReplayState
 
-SLOWEST, FASTEST = 0.01, 100.0
 _MOST_AT_ONCE = 2000  # messages of one step at most; the next step continues
-
-
-@dataclass(frozen=True, slots=True)
-class PlayerState:
-    """A position in seconds, the length of the recording, and the speed; `playing` is False while it is paused."""
-
-    position: float
-    length: float
-    speed: float
-    playing: bool
-    ended: bool
 
 
 class Player:
@@ -41,10 +29,10 @@ class Player:
         self._begin(recording.start)
 
     @property
-    def state(self) -> PlayerState:
+    def state(self) -> ReplayState:
         """The state of now."""
         position = (self.time - self._recording.start) / 1e9
-        return PlayerState(position, self._recording.seconds, self._speed, self._playing, self._next is None)
+        return ReplayState(position, self._recording.seconds, self._speed, self._playing, self._next is None)
 
     def pause(self) -> None:
         """Stay at the position of now."""

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import socket
 from pathlib import Path
 
 import pytest
 from tests.recordings.test_mcap_file import BEGIN, write_recording
 
+from ur.recordings.datagrams import send_to_all
 from ur.recordings.mcap_file import StoredMessage, open_recording
-from ur.recordings.replays import ReplayCommand, send_command
+from ur.recordings.replays import CommandName, ReplayCommand, ReplayState, sockets_folder, write_command
 from ur.source.diagnostic import UserError
+from ur.source.foreign.json_values import read_json
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.raw import RawMessage
 from ur_nodes.replay.playback import ReplayNode
@@ -75,6 +78,12 @@ def test_end_is_reached_and_play_begins_again(tmp_path: Path) -> None:
     assert played.step(102.0015) == [0, 1]
 
 
+def command(folder: Path, name: CommandName, value: float = 0.0, sender: socket.socket | None = None) -> int:
+    """Send a command to the replays of a user; the number of those that take it."""
+    path = sockets_folder({"XDG_STATE_HOME": str(folder)})
+    return send_to_all(path, write_command(ReplayCommand(name, value)), sender)
+
+
 def test_node_publishes_a_recording_with_its_clock(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     bus = Bus()
@@ -94,17 +103,24 @@ def test_node_publishes_a_recording_with_its_clock(tmp_path: Path, monkeypatch: 
     listener.raw.subscribe("map", maps.append, Quality.LATCHED)
     bus.run(0.1)
     assert [each.data for each in maps] == [b"map"]
-    assert send_command(ReplayCommand("jump", 15.0), {"XDG_STATE_HOME": str(tmp_path)}) == 1
-    assert send_command(ReplayCommand("pause"), {"XDG_STATE_HOME": str(tmp_path)}) == 1
+    assert command(tmp_path, "jump", 15.0) == 1
+    assert command(tmp_path, "pause") == 1
     heard.clear()
     bus.run(1.0)
     assert len(heard) <= 2
-    assert send_command(ReplayCommand("play"), {"XDG_STATE_HOME": str(tmp_path)}) == 1
-    assert send_command(ReplayCommand("back", 5.0), {"XDG_STATE_HOME": str(tmp_path)}) == 1
+    assert command(tmp_path, "play") == 1
+    assert command(tmp_path, "back", 5.0) == 1
     bus.run(0.5)
     assert int(heard[-1]) == pytest.approx(105, abs=3)
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as client:
+        client.bind("")
+        client.settimeout(10.0)
+        assert command(tmp_path, "speed", 2.0, client) == 1
+        bus.run(0.1)
+        state = read_json(client.recv(1000), ReplayState)
+    assert (state.speed, state.playing, state.length) == (2.0, True, pytest.approx(19.9))
     node.end("test")
-    assert send_command(ReplayCommand("play"), {"XDG_STATE_HOME": str(tmp_path)}) == 0
+    assert command(tmp_path, "play") == 0
 
 
 def test_node_without_a_recording_ends() -> None:

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import click
 
-from ur.recordings.replays import ReplayCommand, send_command
+from ur.recordings.replays import ReplayCommand, ask_replay, describe_state
 from ur.request.arguments import Argument, split_argv
+from ur.source.ansi import is_plain
 from ur.source.diagnostic import UserError, error, error_about
 
 
@@ -53,7 +54,7 @@ def command(
     FILE is an MCAP file, of the black box or another recorder. The program starts without the nodes of the robot, and
     shows what the recording holds. With --into, nodes of the program run in one process without ROS, as fast as they
     can, and get what was recorded: the same file gives the same run to the last bit. Without FILE, the options reach
-    the replay that runs.
+    the replay that runs; without options, too, this terminal shows it, and takes keys.
     """
     if recording is None:
         return _control(speed, jump, back, pause=pause, play=play)
@@ -85,13 +86,17 @@ def _control(speed: float | None, jump: float | None, back: float | None, *, pau
     commands += [ReplayCommand("speed", speed)] if speed is not None else []
     commands += [ReplayCommand("jump", jump)] if jump is not None else []
     commands += [ReplayCommand("back", back)] if back is not None else []
-    if not commands:
-        raise UserError(error("expected the file of a recording", rule="bad-options", help="ur replay --help"))
-    for each in commands:
-        if not send_command(each, os.environ):
-            raise UserError(
-                error("no replay runs on this computer", rule="no-replay", help="ur replay FILE starts one")
-            )
+    shown = not commands
+    for each in commands or [ReplayCommand("state")]:
+        state = ask_replay(each, os.environ)
+        if state is None:
+            message = "no replay runs on this computer, expected the file of a recording"
+            raise UserError(error(message, rule="no-replay", help="ur replay FILE starts one"))
+    if shown and sys.stdin.isatty() and sys.stdout.isatty() and not is_plain(os.environ):
+        from ur.cli.runs.replay_screen import show_replay
+
+        return show_replay(os.environ)
+    sys.stdout.write(f"{describe_state(state)}\n")
     return 0
 
 

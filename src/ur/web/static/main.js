@@ -78,6 +78,8 @@ export class Page {
     this.places = null;
     /** @type {import("./map_list.js").MapList | null} */
     this.mapList = null;
+    /** @type {import("./data/recording_panel.js").RecordingPanel | null} */
+    this.recordings = null;
     /** @type {import("./walls.js").WallTool | null} */
     this.walls = null;
     this.status = new Status(this);
@@ -171,6 +173,7 @@ export class Page {
   /** @param {any} answer */
   take(answer) {
     if (answer.what === "save_map") this.mapList?.answered(answer);
+    if (answer.what === "save_recording") return this.recordings?.answered(answer);
     if (answer.what === "draw_walls" || answer.what === "restore_walls") this.walls?.answered(answer);
     if (answer.t !== "refused" || answer.what === "save_map") return;
     const why = TEXTS.refused[/** @type {"late"} */ (answer.why)] ?? answer.why;

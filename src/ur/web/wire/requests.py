@@ -128,6 +128,10 @@ class SwitchObstacleStop(PageRequest, frozen=True, tag="obstacles"):
     on: bool
 
 
+class SaveRecording(PageRequest, frozen=True, tag="save_recording"):
+    """Have the black box of the robot write what has happened."""
+
+
 _DriveRequest = (
     Alive
     | Stick
@@ -143,6 +147,7 @@ _DriveRequest = (
     | AskPatrol
     | LimitSpeed
     | SwitchObstacleStop
+    | SaveRecording
 )
 Request = _DriveRequest | MapRequest
 

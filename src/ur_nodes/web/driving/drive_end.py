@@ -16,6 +16,7 @@ from ur.web.wire.requests import (
     LimitSpeed,
     ReleaseAll,
     Request,
+    SaveRecording,
     Stick,
     StopAll,
     SwitchObstacleStop,
@@ -24,9 +25,11 @@ from ur.web.wire.requests import (
 from ur_nodes.client.mux import MuxLink
 from ur_nodes.client.patrol_link import PatrolLink
 from ur_nodes.client.patrol_text import PatrolRequest, PatrolRoute, PatrolStop
+from ur_nodes.client.saving import request_recording
 from ur_nodes.motion.challenge.freshness import Stamp
 from ur_nodes.motion.lease.text import clean_computer, clean_name, is_client
 from ur_nodes.ports.node import Node
+from ur_nodes.ports.values import Result
 from ur_nodes.web.driving.driver_link import DriverLink
 from ur_nodes.web.driving.page_goals import GoalPage, PageGoals
 from ur_nodes.web.driving.page_lease import PageLease, may_drive, request_action, step_page, takes_part
@@ -145,6 +148,8 @@ class DriverSession:
             self._robot.mux.ask("obstacles on" if request.on else "obstacles off")
         elif isinstance(request, Cancel):
             self._robot.goals.cancel()
+        elif isinstance(request, SaveRecording):
+            self._save_recording(client)
         elif not isinstance(request, MapRequest | AskPatrol):
             after = self._robot.goals.take(page, request, lambda what, why: self._refuse(client, what, why))
             self._pages[client] = after
@@ -210,6 +215,15 @@ class DriverSession:
         asked = PatrolRequest(request.action, route, id, page.lease.client, page.name, request.answers)
         if not self._robot.patrol.request(asked, answer):
             answer("no patrol")
+
+    def _save_recording(self, client: str) -> None:
+        """Have the black box write what has happened, and pass its answer on."""
+
+        def answer(result: Result) -> None:
+            what = {"t": "done", "place": result.text} if result.success else {"t": "refused", "why": result.text}
+            self._reply(client, {**what, "what": "save_recording"})
+
+        request_recording(self._node, answer)
 
     def _find_stop(self, stop: str | tuple[float, ...]) -> PatrolStop | None:
         if not isinstance(stop, str):

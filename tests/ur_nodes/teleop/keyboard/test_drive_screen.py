@@ -116,8 +116,8 @@ def test_map_has_all_but_the_lines_about_the_drive_and_a_long_note_covers_its_ed
     assert (columns, rows) == (60, 19)
     lines = draw_map_screen(STATE, CommandTopic("/cmd_vel", 1), FREE, 60, ["#" * 60] * rows)
     assert len(lines) == 24
-    assert "■ stopped" in plain(lines[20:])
-    assert "n: save what happened" in plain(lines[20:])
+    assert "■ stopped" in plain(lines[19:])
+    assert "n: save what happened" in plain(lines[19:])
     long = draw_map_screen(STATE, CommandTopic("/cmd_vel" * 12, 0), FREE, 60, ["#" * 60] * rows)
     assert len(long) == 24
     assert "is the robot running?" in plain(long).replace("\n", " ")

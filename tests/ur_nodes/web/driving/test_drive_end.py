@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from tests.ur_nodes.teleop.recordings import PLACE, serve_recordings
 from tests.ur_nodes.web.robot_world import DrivingPage, RobotWorld
 
 from ur_nodes.motion.lease.text import read_lease
@@ -249,3 +250,13 @@ def test_lease_that_is_no_text_of_a_mux_changes_nothing(world: RobotWorld) -> No
     world.bus.node("rogue").publish("cmd_vel_mux/lease", str, Quality.LATCHED).send("{")
     assert read_lease("{") is None
     assert lease_of(world) == before
+
+
+def test_what_happened_is_saved_by_the_black_box_where_there_is_one(world: RobotWorld) -> None:
+    page = DrivingPage(world)
+    page.ask("save_recording")
+    refused = {"t": "refused", "why": "no service /black_box/write within 30 s", "what": "save_recording"}
+    assert page.told(31.0) == [refused]
+    serve_recordings(world.bus)
+    page.ask("save_recording")
+    assert page.told() == [{"t": "done", "place": PLACE, "what": "save_recording"}]

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.recordings.fake_replay import fake_replay
 from tests.ros_session import free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
@@ -135,3 +136,15 @@ async def test_page_starts_and_stops_a_recording(server: RecordingServer) -> Non
     assert len(state["files"]) == 2
     made = server.folder / state["files"][0]["name"]
     assert made.read_text() == "/scan\n"
+
+
+async def test_replay_that_runs_is_shown_and_controlled_by_who_may_drive(server: RecordingServer) -> None:
+    await server.log_in(Role.LOOK)
+    assert await server.read("/api/replay") is None
+    with fake_replay(server.folder.parents[2]) as replay:
+        assert (await server.read("/api/replay"))["position"] == 3.0
+        assert (await server.post("/api/replay", {"name": "pause"}))[0] == 403
+        await server.log_in(Role.DRIVE)
+        assert (await server.post("/api/replay", {"name": "jump", "value": 95.0}))[0] == 200
+        assert (await server.post("/api/replay", {"name": "rewind"}))[0] == 400
+        assert replay.commands == [("jump", 95.0)]

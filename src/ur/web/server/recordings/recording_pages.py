@@ -1,14 +1,15 @@
-"""Recordings over the web: state and list, start, stop, download and removal."""
+"""Recordings over the web: state and list, start, stop, download and removal; and the replay that runs."""
 
 from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 
 from aiohttp import web
 
+from ur.recordings.replays import CommandName, ReplayCommand, ask_replay
 from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.source.diagnostic import UserError
 from ur.system.ros import graph_address
@@ -18,6 +19,14 @@ from ur.web.server.recordings.recorder import Recorder, RecorderError, Recording
 from ur.web.server.recordings.store import RecordingBusyError, Store, recordings_folder
 from ur.web.server.recordings.topics import ChosenTopics, PublishedTopic, list_topics, select
 from ur.web.server.recordings.writer import RecordingWriter, Rosbag
+
+
+@dataclass(frozen=True, slots=True)
+class _ReplayRequest:
+    """A command for the replay that runs."""
+
+    name: CommandName
+    value: float = 0.0
 
 
 class RecordingPages:
@@ -31,7 +40,7 @@ class RecordingPages:
         limits: RecordingLimits | None = None,
         ask_topics: Callable[[str], tuple[PublishedTopic, ...]] = list_topics,
     ) -> None:
-        self._log, self._ask_master = log, ask_topics
+        self._log, self._ask_master, self._environment = log, ask_topics, environment
         self._master = graph_address(environment)
         writer = writer or Rosbag(environment)
         self._store = Store(recordings_folder(environment), writer.ending, writer.unfinished)
@@ -46,6 +55,8 @@ class RecordingPages:
             web.post("/api/recordings/start", self._start),
             web.post("/api/recordings/stop", self._stop),
             web.post("/api/recordings/delete", self._delete),
+            web.get("/api/replay", self._describe_replay),
+            web.post("/api/replay", self._control_replay),
         ]
 
     async def close(self) -> None:
@@ -109,6 +120,21 @@ class RecordingPages:
         except OSError as problem:
             raise web.HTTPConflict(text=f"{path.name}: {(problem.strerror or str(problem)).lower()}\n") from None
         return web.json_response({"ok": True})
+
+    async def _describe_replay(self, _request: web.Request) -> web.Response:
+        """Return the state of the replay that runs on this computer; null if there is none."""
+        return await self._ask_replay(ReplayCommand("state"))
+
+    async def _control_replay(self, request: web.Request) -> web.Response:
+        """Pause it, let it go on, jump, or change its speed; return its state then."""
+        demand_drive(request)
+        asked = await read_body(request, _ReplayRequest)
+        return await self._ask_replay(ReplayCommand(asked.name, asked.value))
+
+    async def _ask_replay(self, command: ReplayCommand) -> web.Response:
+        loop = asyncio.get_running_loop()
+        state = await loop.run_in_executor(None, ask_replay, command, self._environment)
+        return web.json_response(asdict(state) if state else None)
 
     async def _ask_topics(self) -> tuple[PublishedTopic, ...]:
         """List the topics. Raises HTTPConflict if no master answers."""

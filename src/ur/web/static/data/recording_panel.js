@@ -1,7 +1,8 @@
 // @ts-check
-/** Recordings of topics: started, stopped, downloaded and deleted. */
+/** What happened, as the black box saves it; recordings of topics, and the replay that runs. */
 
 import { make, makeButton, makeNote, makeSureButton, replaceRows } from "../elements.js";
+import { ReplayView } from "./replay_view.js";
 import { DATA_TEXTS } from "./texts.js";
 
 /**
@@ -14,7 +15,8 @@ const MOST = 40; // topics, see ur.web.server.recordings.topics
 
 /** @type {import("./data_panels.js").Maker} */
 export function makeRecordingPanel(box, page) {
-  const panel = new RecordingPanel(box, page.mayDrive);
+  const panel = new RecordingPanel(box, page);
+  page.recordings = panel;
   let timer = 0;
   return {
     show: (open) => {
@@ -26,9 +28,19 @@ export function makeRecordingPanel(box, page) {
   };
 }
 
-class RecordingPanel {
-  /** @param {HTMLElement} box @param {boolean} mayDrive */
-  constructor(box, mayDrive) {
+export class RecordingPanel {
+  /** @param {HTMLElement} box @param {import("../main.js").Page} page */
+  constructor(box, page) {
+    this.page = page;
+    this.happened = makeButton(DATA_TEXTS.saveHappened, () => this.saveHappened());
+    this.happenedAnswer = makeNote();
+    this.happenedAnswer.hidden = true;
+    const replay = make("section");
+    this.replay = new ReplayView(replay, page.mayDrive);
+    const happened = make("section");
+    happened.append(make("h3", DATA_TEXTS.happened), make("p", DATA_TEXTS.happenedHelp), this.happened, this.happenedAnswer);
+    box.append(replay);
+    if (page.mayDrive) box.append(happened, make("h3", DATA_TEXTS.record));
     this.note = makeNote(DATA_TEXTS.connecting);
     this.problem = makeNote();
     this.problem.className = "problem";
@@ -49,10 +61,11 @@ class RecordingPanel {
     const row = make("div", "", "row");
     row.append(this.start, this.stop);
     box.append(this.note, this.end, this.problem);
-    if (mayDrive) box.append(row, make("p", DATA_TEXTS.recordingHelp), this.choice, make("h3", DATA_TEXTS.finished), this.none, this.list);
+    if (page.mayDrive) box.append(row, make("p", DATA_TEXTS.recordingHelp), this.choice, make("h3", DATA_TEXTS.finished), this.none, this.list);
   }
 
   async load() {
+    this.replay.load();
     const answer = await fetch("/api/recordings").catch(() => null);
     if (!answer?.ok) return this.say(this.note, answer ? await answer.text() : DATA_TEXTS.noAnswer);
     /** @type {State} */
@@ -66,6 +79,18 @@ class RecordingPanel {
     this.shown = shown;
     this.none.hidden = Boolean(files?.length);
     replaceRows(this.list, (files ?? []).map((file) => this.makeRow(file)));
+  }
+
+  saveHappened() {
+    if (!this.page.drive?.send({ t: "save_recording" })) return this.page.sayNotSent();
+    this.happened.disabled = true;
+    this.say(this.happenedAnswer, DATA_TEXTS.savingHappened);
+  }
+
+  /** Take the answer of the black box. @param {{place?: string, why?: string}} answer */
+  answered({ place, why = "" }) {
+    this.happened.disabled = false;
+    this.say(this.happenedAnswer, place ? DATA_TEXTS.happenedSaved(place) : DATA_TEXTS.happenedNotSaved(why));
   }
 
   /** @param {Recorded} file */

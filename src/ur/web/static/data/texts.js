@@ -78,6 +78,24 @@ export const DATA_TEXTS = {
   /** @param {string} name @param {string} problem */
   noMesh: (name, problem) => `${name} is drawn as a box. ${problem}`,
   recordings: "Recording",
+  happened: "What happened",
+  saveHappened: "Save what happened",
+  happenedHelp: "The robot keeps the last two minutes in memory. This writes them to a file on its computer, with the next 5 s.",
+  savingHappened: "Saving what happened ...",
+  /** @param {string} place */
+  happenedSaved: (place) => `Saved: ${place}`,
+  /** @param {string} why */
+  happenedNotSaved: (why) => `Not saved: ${why}`,
+  record: "Record for longer",
+  replay: "Replay",
+  pauseReplay: "Pause",
+  playReplay: "Play",
+  backReplay: "Back 10 s",
+  aheadReplay: "Ahead 10 s",
+  replaySpeed: "Speed",
+  replayPosition: "Position in seconds",
+  /** @param {number} position @param {number} length @param {boolean} ended */
+  replayState: (position, length, ended) => `${duration(position)} of ${duration(length)}${ended ? ", ended" : ""}`,
   recordingHelp: "All topics but pictures and point clouds are recorded, unless you choose some. At most 60 minutes, and 2 GB in all.",
   nothingRecorded: "Nothing is recorded.",
   /** @param {number} size @param {number} seconds @param {number} topics */
