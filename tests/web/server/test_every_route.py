@@ -39,6 +39,7 @@ LOOK = {  # for every login
     ("GET", "/three.js"),
     ("GET", "/ws/data"),  # as /ws/runs
     ("GET", "/api/recordings"),  # without the files: tests/web/server/recordings
+    ("GET", "/api/replay"),
     ("GET", "/api/maps"),  # without pictures: test_map_pages
     ("GET", "/ws/runs"),  # what changes something is refused there: test_role_that_looks_changes_nothing
     ("GET", "/api/robots"),
@@ -60,6 +61,7 @@ DRIVE = {  # for logins that may drive
     ("POST", "/api/recordings/start"),
     ("POST", "/api/recordings/stop"),
     ("POST", "/api/recordings/delete"),
+    ("POST", "/api/replay"),
     ("POST", "/api/assistants/connect"),
     ("POST", "/api/assistants/grant"),
 }

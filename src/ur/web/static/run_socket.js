@@ -30,13 +30,14 @@ export class RunSocket extends PanelSocket {
     this.onLog = [];
   }
 
+  /** @override */
   dropped() {
     this.state = null;
     for (const show of this.onState) show(null);
     for (const show of this.onLog) show(null);
   }
 
-  /** @param {any} message */
+  /** @override @param {any} message */
   take(message) {
     if (super.take(message)) return true;
     if (message.t === "log") for (const show of this.onLog) show(message);

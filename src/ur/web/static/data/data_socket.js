@@ -39,10 +39,12 @@ export class DataSocket extends PanelSocket {
     }, GATHER);
   }
 
+  /** @override */
   opened() {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify({ t: "show", ...this.shown }));
   }
 
+  /** @override */
   dropped() {
     this.enter("");
   }
@@ -54,14 +56,14 @@ export class DataSocket extends PanelSocket {
     this.tell("state", end);
   }
 
-  /** @param {any} message */
+  /** @override @param {any} message */
   take(message) {
     if (!super.take(message)) this.tell(message.t, message);
     else if (message.t === "beat") this.enter(message.end);
     return true;
   }
 
-  /** @param {ArrayBuffer} bytes */
+  /** @override @param {ArrayBuffer} bytes */
   takeBytes(bytes) {
     this.tell("binary", bytes);
   }
