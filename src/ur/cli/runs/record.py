@@ -12,6 +12,7 @@ from ur.source.diagnostic import UserError, error
 from ur.source.project import launch_library
 
 _LAUNCH = "n_record/launch/n_record.launch.xml"
+_RUN = "n_record"
 
 
 @click.command("record")
@@ -21,15 +22,16 @@ _LAUNCH = "n_record/launch/n_record.launch.xml"
     "--split", "megabytes", type=click.FloatRange(min=1), metavar="MB", help="Begin a new file after so many MB."
 )
 @click.option("--keep-free", "free", type=click.FloatRange(min=10), metavar="MB", help="End while so many MB are free.")
-@click.option("--detach", is_flag=True, help="Record in the background, until 'ur stop n_record'.")
+@click.option("--detach", is_flag=True, help="Record in the background, until 'ur record --stop'.")
+@click.option("--stop", is_flag=True, help="End the recording that runs in the background, or on the robot.")
 def command(
-    topics: tuple[str, ...], folder: str | None, megabytes: float | None, free: float | None, detach: bool
+    topics: tuple[str, ...], folder: str | None, megabytes: float | None, free: float | None, detach: bool, stop: bool
 ) -> int:
     """Record topics to MCAP files, for as long as you like.
 
     TOPICS are names, in which `*` stands for any characters; all topics unless given. The files are compressed and
     split, and the disk is never filled. On a selected robot they are on the robot, and the recording continues without
-    this computer until `ur stop n_record` there. On this computer, Ctrl-C ends the recording.
+    this computer until `ur record --stop`. On this computer, Ctrl-C ends the recording.
     """
     from ur.request.environment import current_selection
 
@@ -41,17 +43,27 @@ def command(
     argv = [f"topics:={' '.join(topics)}"] if topics else []
     argv += [f"{name}:={value:g}" for name, value in given.items() if value is not None]
     selection = current_selection(os.environ)
-    if selection.simulated or os.uname().nodename.partition(".")[0] == selection.robot:
+    here = selection.simulated or os.uname().nodename.partition(".")[0] == selection.robot
+    if stop:
+        from ur.cli.runs.stop import stop_run
+
+        return stop_run(_RUN) if here else _run_there(selection.robot, ["stop", _RUN])
+    if here:
         from ur.cli.launch.act import act_on
         from ur.request.options import LaunchOptions
 
         place = [f"folder:={os.path.abspath(folder)}"] if folder else []  # noqa: PTH100 - a text
         return act_on([str(launch_library() / _LAUNCH), *argv, *place], LaunchOptions(detach=detach, watch=True))
-    return _record_there(selection.robot, [*argv, *([f"folder:={folder}"] if folder else [])])
+    place = [f"folder:={folder}"] if folder else []
+    launch = ["launch", "--detach", "--watch", "ubiquity_launches", "n_record.launch.xml"]
+    code = _run_there(selection.robot, [*launch, *argv, *place])
+    if code == 0:
+        sys.stderr.write(f"{selection.robot} records without this computer from now on; end it: ur record --stop\n")
+    return code
 
 
-def _record_there(robot: str, argv: Sequence[str]) -> int:
-    """Start the recording on the robot, where it runs on without this computer."""
+def _run_there(robot: str, words: Sequence[str]) -> int:
+    """Run a command of `ur` on the robot."""
     from ur.cli.robots.shell import run_in_front
     from ur.request.remote.connection import connect_robot, robot_address
     from ur.request.remote.over_ssh import find_robot_file, remote_script
@@ -59,7 +71,6 @@ def _record_there(robot: str, argv: Sequence[str]) -> int:
     with connect_robot(robot_address(robot)) as shell:
         found = find_robot_file(shell)
         ros2 = found.ros2 if found is not None else None
-        words = ["launch", "--detach", "--watch", "ubiquity_launches", "n_record.launch.xml", *argv]
         script = remote_script(robot, ros2, words)
         sys.stdout.flush()
         return run_in_front([*shell.words, "-T", "--", shell.place, script])

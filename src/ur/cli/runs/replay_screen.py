@@ -28,14 +28,15 @@ class ReplayScreen(FullScreenApp[None]):
     """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("space", "toggle", "Pause, play"),
-        Binding("left", "command('back', 10)", "Back 10 s"),
-        Binding("right", "command('ahead', 10)", "Ahead 10 s"),
-        Binding("comma", "command('back', 1)", "Back 1 s"),
-        Binding("full_stop", "command('ahead', 1)", "Ahead 1 s"),
-        Binding("home,0", "command('jump', 0)", "To the start"),
+        Binding("left", "command('back', 10)", "10 s", key_display="←"),
+        Binding("right", "command('ahead', 10)", "10 s", key_display="→"),
+        Binding("comma", "command('back', 1)", "Back 1 s", show=False),
+        Binding("full_stop", "command('ahead', 1)", "Ahead 1 s", show=False),
+        Binding("home,0", "command('jump', 0)", "Start", key_display="0"),
         Binding("minus,down", "speed(-1)", "Slower", key_display="-"),
         Binding("plus,equals_sign,up", "speed(1)", "Faster", key_display="+"),
-        Binding("q,escape,ctrl+c", "quit", "Leave", priority=True),
+        Binding("q,escape", "quit", "Leave", key_display="q"),
+        Binding("ctrl+c", "quit", "Leave", priority=True, show=False),
     ]
 
     def __init__(self, environment: Mapping[str, str], *, light: bool = False) -> None:

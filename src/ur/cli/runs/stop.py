@@ -31,6 +31,11 @@ def command(run: str | None, node: str | None, every: bool) -> int:
     A run ends as with Ctrl-C; the command returns when all of its processes have ended. RUN may be left out where there
     is only one.
     """
+    return stop_run(run, node, every=every)
+
+
+def stop_run(run: str | None, node: str | None = None, *, every: bool = False) -> int:
+    """End a run of this computer, one of its nodes, or all runs. Returns the exit code."""
     if every:
         if run or node:
             raise UserError(error("--all cannot be used with RUN or --node", rule="bad-options"))
