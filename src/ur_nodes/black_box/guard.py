@@ -66,8 +66,9 @@ class GuardedMemory:
             writer = self._start(reading, PIPE)
         finally:
             os.close(reading)
-            with suppress(BrokenPipeError), open(pipe, "w", encoding="utf-8") as file:  # noqa: PTH123 - a descriptor
-                file.write("".join(f"{each}\n" for each in reasons))
+            with suppress(BrokenPipeError):  # it was killed
+                os.write(pipe, "".join(f"{each}\n" for each in reasons).encode())
+            os.close(pipe)
         try:
             path, problem = writer.communicate(timeout=_LONGEST_WRITE)
         except TimeoutExpired:
