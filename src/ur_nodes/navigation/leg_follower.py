@@ -25,6 +25,7 @@ _ALIGNED = 0.03  # rad
 _STILL = 0.02  # m/s
 _SLOW_TURN = 0.15  # rad/s
 _LONG_TURN = 2.0  # rad: a planned turn by more is made in its direction, as the other may be blocked
+_NEAR, _NEAREST = 0.4, 0.12  # s, m: preview on a path that was made for the outline, whose bends are short
 _MOST_POINTS = 40  # of the path that the robot may pass in a period
 
 
@@ -67,7 +68,7 @@ class LegFollower:
     @property
     def is_tight(self) -> bool:
         """True when the path was searched for the outline, so that the robot should not be far beside it."""
-        return len(self._legs) > 1
+        return any(leg.course is not None for leg in self._legs)
 
     def step(
         self, motion: RolloutState, local: LocalObstacles, odom: Pose2, speed_mask: Grid | None, driving: Driving
@@ -106,7 +107,7 @@ class LegFollower:
             local,
             driving.footprint,
             driving.limits,
-            driving.follow,
+            driving.follow if leg.course is None else replace(driving.follow, preview=_NEAR, preview_least=_NEAREST),
             driving.period,
         )
         astray = math.hypot(*(reference.points[self._index] - (x, y)))
@@ -146,7 +147,8 @@ class LegFollower:
             or before[2] != limits
         ):
             shares = speed_shares(speed_mask, leg.points)
-            self._reference = make_reference(odom.transform_points(leg.points), limits, shares)
+            course = None if leg.course is None else leg.course + odom.yaw
+            self._reference = make_reference(odom.transform_points(leg.points), limits, shares, course)
             self._made_for = made_for
         return self._reference
 

@@ -150,8 +150,9 @@ class Navigator:
         if self._is_stuck(run, step.blocked, inputs, pose):
             return self._get_stuck(run, inputs, run.reason or _blocked_at(pose, inputs.odom))
         astray = driven.away > (_ASTRAY_TIGHT if run.legs.is_tight else _ASTRAY)
-        wanted = (step.hindered or step.blocked or astray or inputs.path_blocked) and self._may_ask(
-            run, inputs.now, _TIGHT_PAUSE if run.legs.is_tight else 0.5 if step.blocked else 1.0
+        tight = run.legs.is_tight  # of such a path another variant is no reason for another path
+        wanted = ((step.hindered and not tight) or step.blocked or astray or inputs.path_blocked) and self._may_ask(
+            run, inputs.now, _TIGHT_PAUSE if tight else 0.5 if step.blocked else 1.0
         )
         periodic = self._settings.planner_period > 0.0 and self._may_ask(run, inputs.now, self._settings.planner_period)
         command, plan = (step.speed, step.turn), wanted or periodic

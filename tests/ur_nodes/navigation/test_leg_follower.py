@@ -14,7 +14,8 @@ from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.leg_follower import Driving, LegFollower, legs_back
 from ur_nodes.navigation.navigator_step import Ending
-from ur_nodes.navigation.planning.legs import Leg
+from ur_nodes.navigation.planning.legs import Leg, legs_of_motions
+from ur_nodes.navigation.planning.outline_motions import MotionPose
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
 
@@ -69,6 +70,17 @@ def test_rest_begins_at_the_robot() -> None:
     assert len(follower.rest) == 32
     follower.step(RolloutState(Pose2(0.5, 0.0, 0.0), 0.5, 0.0), LocalObstacles(NOTHING), ORIGIN, None, DRIVING)
     assert follower.rest[0].tolist() == pytest.approx([0.5, 0.0])
+
+
+@pytest.mark.parametrize("gear", [1, -1])
+def test_short_bend_that_was_made_for_the_outline_ends_with_its_heading(gear: int) -> None:
+    radius, turned = 0.38, 0.8
+    angles = np.linspace(0.0, turned, 7)
+    motions = [MotionPose(gear * radius * math.sin(a), radius * (1.0 - math.cos(a)), gear * a, gear) for a in angles]
+    legs, _ = legs_of_motions(motions)
+    end = drive(legs)[-1].pose
+    assert math.dist(end[:2], motions[-1][:2]) < 0.03
+    assert abs(wrap_angle(end.yaw - gear * turned)) < 0.12
 
 
 def test_track_is_driven_back_for_a_distance() -> None:

@@ -23,12 +23,14 @@ class Leg:
     """Points (n, 2) in m, n >= 2, evenly apart, driven ahead (`gear` 1) or back (-1).
 
     Where `turned` is not None, the robot first turns on the spot, by about so much (rad, left is positive), so that it
-    points along the leg.
+    points along the leg. `course` is the direction of motion at its end (rad), None for a path that was not made for
+    the outline, where it need not be exact.
     """
 
     points: Points
     gear: int = 1
     turned: float | None = None
+    course: float | None = None
 
 
 def legs_of_motions(motions: Sequence[MotionPose]) -> tuple[tuple[Leg, ...], float]:
@@ -56,7 +58,8 @@ def _close(legs: list[Leg], places: list[MotionPose], gear: int, turned: float) 
     if np.hypot(*np.diff(points, axis=0).T).sum() < _SHORTEST:
         return turned
     exact = abs(turned) > _SAME_COURSE or (bool(legs) and legs[-1].gear != gear)
-    legs.append(Leg(resample(points, _SPACING), gear, turned if exact else None))
+    course = places[-1].yaw if gear > 0 else wrap_angle(places[-1].yaw + math.pi)
+    legs.append(Leg(resample(points, _SPACING), gear, turned if exact else None, course))
     return 0.0
 
 

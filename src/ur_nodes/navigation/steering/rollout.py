@@ -72,10 +72,15 @@ class RolloutState:
     turn: float
 
 
-def make_reference(points: Points, limits: SpeedLimits, shares: Floats | None = None) -> ReferencePath:
-    """Make a path of evenly spaced points (n, 2), n >= 2; `shares` (n) of the speed limit are allowed at them."""
+def make_reference(
+    points: Points, limits: SpeedLimits, shares: Floats | None = None, course: float | None = None
+) -> ReferencePath:
+    """Make a path of evenly spaced points (n, 2), n >= 2; `shares` (n) of the speed limit are allowed at them.
+
+    `course` is the direction at its end (rad), None: that of its last points.
+    """
     spacing = float(np.hypot(*(points[1] - points[0])))
-    angle = float(headings(points)[max(0, len(points) - 4)])
+    angle = float(headings(points)[max(0, len(points) - 4)]) if course is None else course
     extra = np.arange(1, math.ceil(_OVERRUN / max(spacing, 0.01)) + 1)[:, None] * spacing
     longer = np.concatenate((points, points[-1] + extra * (math.cos(angle), math.sin(angle))))
     angles = headings(longer)
