@@ -17,7 +17,7 @@ from ur_nodes.navigation.planning.path_geometry import Points, nearest_index
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.local_plan import LocalCommand, follow_reference, sweep_is_free
 from ur_nodes.navigation.steering.rollout import FollowSettings, ReferencePath, RolloutState, make_reference
-from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach, speed_shares, turn_rate
+from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach, speed_shares, turn_towards
 
 _BACK = 0.2  # m/s, at most, while a leg is driven back
 _ARRIVED = 0.015  # m from the end of a leg
@@ -75,7 +75,7 @@ class LegFollower:
     ) -> LegStep:
         """Continue; `motion` has the speeds that were sent last."""
         leg = self._legs[self._number]
-        if not self._aligned:
+        if not self._aligned and not driving.limits.radius:
             turned = self._align(leg, motion, local, odom, driving)
             if turned is not None:
                 return LegStep(turned, 0.0)
@@ -125,10 +125,7 @@ class LegFollower:
             return None
         limits, period = driving.limits, driving.period
         speed = approach(motion.speed, 0.0, limits.acceleration * period)
-        ahead = error - motion.turn * period * 0.5
-        most = abs(ahead) / (1.5 * period)
-        rate = max(-most, min(most, turn_rate(ahead, limits)))
-        turn = approach(motion.turn, rate, limits.turn_acceleration * period)
+        turn = turn_towards(error, motion.turn, limits, period)
         here = np.array(motion.pose)[None]
         trial = RolloutState(motion.pose, 0.0, turn)
         if abs(turn) >= _STILL and not sweep_is_free(trial, 0.3, local, driving.footprint):

@@ -19,6 +19,7 @@ from ur_nodes.navigation.navigator import Navigator
 from ur_nodes.navigation.navigator_step import Ending, NavigatorInputs, NavigatorOutputs, NavigatorPhase, PlanAnswer
 from ur_nodes.navigation.plan_request import PlanRequest, answer_request
 from ur_nodes.navigation.planning.global_plan import path_is_free
+from ur_nodes.navigation.planning.outline_motions import Steering
 from ur_nodes.navigation.steering.recovery import Behaviour
 from ur_nodes.navigation.steering.rollout import FollowSettings
 from ur_nodes.navigation.velocity_output import VelocityOutput
@@ -259,7 +260,8 @@ class MoveBase:
         return self._handle is not None and has_any_heading(self._handle.goal.id)
 
     def _plan(self, request: PlanRequest) -> PlanAnswer:
-        return answer_request(request, self._settings.planner, self._settings.footprint)
+        steering = Steering(self._settings.limits.radius)
+        return answer_request(request, self._settings.planner, self._settings.footprint, steering)
 
     def _take_plan(self, request: PlanRequest, answer: PlanAnswer) -> None:
         if request.key == self._key:

@@ -104,7 +104,7 @@ def read_settings(top: Parameters) -> MoveBaseSettings:
         status_kept=top.number("status_list_timeout", 600.0, minimum=0.0, maximum=86400.0),
         navigator=navigator,
         planner=_planner(top, footprint, resolution),
-        limits=_limits(top.below("DWAPlannerROS")),
+        limits=_limits(top.below("DWAPlannerROS"), top.below("TebLocalPlannerROS")),
     )
 
 
@@ -173,10 +173,11 @@ def _planner(top: Parameters, footprint: Footprint, resolution: float) -> PlanSe
     )
 
 
-def _limits(dwa: Parameters) -> SpeedLimits:
+def _limits(dwa: Parameters, teb: Parameters) -> SpeedLimits:
     return SpeedLimits(
         speed=dwa.number("max_vel_x", 0.5, minimum=0.01),
         turn=dwa.number("max_vel_theta", 1.0, minimum=0.01),
         acceleration=dwa.number("acc_lim_x", 1.0, minimum=0.01),
         turn_acceleration=dwa.number("acc_lim_theta", 3.0, minimum=0.01),
+        radius=teb.number("min_turning_radius", 0.0, minimum=0.0, maximum=20.0),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2, wrap_angle
@@ -23,9 +24,10 @@ from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.local_plan import LocalCommand, sweep_is_free
 from ur_nodes.navigation.steering.recovery import Behaviour, Recovery, move_to_recover
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
-from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach, limit_speeds, turn_rate
+from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach, limit_speeds, turn_towards
 
 _ASTRAY, _ASTRAY_TIGHT = 0.4, 0.15  # m beside a path, and beside one that was made for the outline
+_SHUNTED, _MOST_SHUNTS = 0.12, 5  # rad off a heading, and manoeuvres for it, without turns on the spot
 _WAIT_PAUSE = 1.0  # s between two plans while people are in the way
 _TIGHT_PAUSE = 2.0  # s between plans of such a path, which take longer
 
@@ -92,6 +94,8 @@ class Navigator:
             NavigatorPhase.RECOVERING: self._recover,
         }[run.phase]
         out = step(run, inputs.motion, inputs.local, inputs)
+        if out.command is not None and self._limits.radius:
+            out = replace(out, command=(out.command[0], self._limits.turn_at(*out.command)))
         run.sent = out.command or (0.0, 0.0)
         if out.plan:
             run.asked = run.last_asked = inputs.now
@@ -129,7 +133,7 @@ class Navigator:
     ) -> NavigatorOutputs:
         if inputs.now - run.phase_since > self._settings.planner_patience:
             return self._get_stuck(run, inputs, run.reason or "planning took too long")
-        return NavigatorOutputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
+        return NavigatorOutputs(command=self._braked(run), plan=run.may_ask(inputs.now, 0.5))
 
     def _drive(
         self, run: GoalPursuit, motion: RolloutState, local: LocalObstacles, inputs: NavigatorInputs
@@ -142,19 +146,19 @@ class Navigator:
             if driven.away <= self._settings.xy_tolerance:
                 self._enter(run, NavigatorPhase.TURNING, inputs.now)
                 return self._turn(run, motion, local, inputs)
-            return NavigatorOutputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
+            return NavigatorOutputs(command=self._braked(run), plan=run.may_ask(inputs.now, 0.5))
         step = driven.command
         if step.waits:
             return self._wait(run, step, inputs)
         run.waited_since = None
-        if self._is_stuck(run, step.blocked, inputs, pose):
+        if run.is_stuck(step.blocked, inputs.now, pose, self._settings):
             return self._get_stuck(run, inputs, run.reason or _blocked_at(pose, inputs.odom))
         astray = driven.away > (_ASTRAY_TIGHT if run.legs.is_tight else _ASTRAY)
         tight = run.legs.is_tight  # of such a path another variant is no reason for another path
-        wanted = ((step.hindered and not tight) or step.blocked or astray or inputs.path_blocked) and self._may_ask(
-            run, inputs.now, _TIGHT_PAUSE if tight else 0.5 if step.blocked else 1.0
+        wanted = ((step.hindered and not tight) or step.blocked or astray or inputs.path_blocked) and run.may_ask(
+            inputs.now, _TIGHT_PAUSE if tight else 0.5 if step.blocked else 1.0
         )
-        periodic = self._settings.planner_period > 0.0 and self._may_ask(run, inputs.now, self._settings.planner_period)
+        periodic = self._settings.planner_period > 0.0 and run.may_ask(inputs.now, self._settings.planner_period)
         command, plan = (step.speed, step.turn), wanted or periodic
         return NavigatorOutputs(command=command, plan=plan, careful=step.blocked, ahead=step.ahead)
 
@@ -166,7 +170,7 @@ class Navigator:
             run.waited_since = None
             return self._get_stuck(run, inputs, "people are in the way")
         run.moved_at, run.stuck_since = inputs.now, None
-        plan = self._may_ask(run, inputs.now, _WAIT_PAUSE)
+        plan = run.may_ask(inputs.now, _WAIT_PAUSE)
         return NavigatorOutputs(
             command=(step.speed, step.turn),
             plan=plan,
@@ -184,6 +188,8 @@ class Navigator:
         else:
             end = inputs.odom.compose(run.goal)
         error = 0.0 if run.any_heading else wrap_angle(end.yaw - motion.pose.yaw)
+        if self._limits.radius:
+            return self._end_shunting(run, error, inputs)
         planned = run.last_turn or 0.0
         if abs(planned) > 2.0 and error * planned < 0.0 and abs(error) > 0.3:  # the other way may be blocked
             error += math.copysign(math.tau, planned)
@@ -192,21 +198,29 @@ class Navigator:
         resting = abs(speed) < 0.02
         if resting and away > self._settings.xy_tolerance:
             self._enter(run, NavigatorPhase.PLANNING, inputs.now)
-            return NavigatorOutputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
+            return NavigatorOutputs(command=self._braked(run), plan=run.may_ask(inputs.now, 0.5))
         if abs(error) < 0.3 * self._settings.yaw_tolerance and resting and abs(run.sent[1]) < 0.15:
             return self._end(Ending.REACHED, "goal reached")
-        ahead = error - run.sent[1] * self._settings.period * 0.5
-        # Near the end no more than gets there within a period and a half, so that it does not swing.
-        most = abs(ahead) / (1.5 * self._settings.period)
-        rate = max(-most, min(most, turn_rate(ahead, self._limits)))
-        turn = approach(run.sent[1], rate, self._limits.turn_acceleration * self._settings.period)
+        turn = turn_towards(error, run.sent[1], self._limits, self._settings.period)
         trial = RolloutState(motion.pose, 0.0, turn)
         free = abs(turn) < 0.02 or sweep_is_free(trial, 0.3, local, self._footprint)
         if not free and sweep_is_free(trial, 0.3, LocalObstacles(local.costmap), self._footprint):  # but for people
             run.moved_at, run.stuck_since = inputs.now, None
-        elif self._is_stuck(run, not free, inputs, motion.pose):
+        elif run.is_stuck(not free, inputs.now, motion.pose, self._settings):
             return self._get_stuck(run, inputs, "no room to turn at the goal")
         return NavigatorOutputs(command=(speed, turn) if free else self._braked(run))
+
+    def _end_shunting(self, run: GoalPursuit, error: float, inputs: NavigatorInputs) -> NavigatorOutputs:
+        """End at rest where the heading is about right, without turning on the spot; else drive back and forth."""
+        if run.sent != (0.0, 0.0):
+            return NavigatorOutputs(command=self._braked(run))
+        if abs(error) < max(_SHUNTED, self._settings.yaw_tolerance):
+            return self._end(Ending.REACHED, "goal reached")
+        run.shunts += 1
+        if run.shunts > _MOST_SHUNTS:
+            return self._get_stuck(run, inputs, f"{math.degrees(abs(error)):.0f} degrees off the heading of the goal")
+        self._enter(run, NavigatorPhase.PLANNING, inputs.now)
+        return NavigatorOutputs(command=(0.0, 0.0), plan=run.may_ask(inputs.now, 0.5))
 
     def _recover(
         self, run: GoalPursuit, motion: RolloutState, local: LocalObstacles, inputs: NavigatorInputs
@@ -244,33 +258,11 @@ class Navigator:
         run.reason = reason
         run.recovery = Recovery(run.recovery.tried)
         run.retreat = None
-        if behaviour is Behaviour.BACK_OFF and is_long(self._footprint):
+        if behaviour is Behaviour.BACK_OFF and (self._limits.radius or is_long(self._footprint)):
             legs = legs_back(self._track.poses, 2.0 * self._footprint.circumscribed)
             run.retreat = LegFollower(legs) if legs else None
         self._enter(run, NavigatorPhase.RECOVERING, inputs.now)
         return NavigatorOutputs(command=(0.0, 0.0), log=f"{reason}; recovering: {behaviour.value}")
-
-    def _is_stuck(self, run: GoalPursuit, blocked: bool, inputs: NavigatorInputs, pose: Pose2) -> bool:
-        """No command for the controller's patience, or commanded to move and not moving."""
-        if not blocked:
-            run.stuck_since = None
-        elif run.stuck_since is None:
-            run.stuck_since = inputs.now
-        began = run.moved_from
-        if (
-            began is None
-            or math.hypot(pose.x - began.x, pose.y - began.y) > 0.05
-            or (abs(wrap_angle(pose.yaw - began.yaw)) > 0.2)
-        ):
-            run.moved_from, run.moved_at = pose, inputs.now
-        if run.stuck_since is not None and inputs.now - run.stuck_since > self._settings.controller_patience:
-            return True
-        return inputs.now - run.moved_at > self._settings.progress_timeout
-
-    def _may_ask(self, run: GoalPursuit, now: float, least: float) -> bool:
-        """Return whether to request a plan: none is in progress (or for too long), and the last is `least` s old."""
-        waiting = run.asked is not None and now - run.asked < 10.0
-        return not waiting and now - run.last_asked >= least
 
     @property
     def _driving(self) -> Driving:

@@ -15,7 +15,7 @@ from ur_nodes.navigation.navigator_step import PlanAnswer
 from ur_nodes.navigation.people.tracked_people import MARGIN, NO_PEOPLE, TrackedPeople
 from ur_nodes.navigation.planning.global_plan import NoPathError, PlanSettings, plan_path, traversal_weights
 from ur_nodes.navigation.planning.legs import points_of_legs
-from ur_nodes.navigation.planning.outline_motions import Steering
+from ur_nodes.navigation.planning.outline_motions import SPINS, Steering
 from ur_nodes.navigation.planning.outline_plan import OutlineRequest, fit_outline, is_long
 from ur_nodes.navigation.planning.path_geometry import Points, arc_lengths
 
@@ -47,20 +47,25 @@ class PlanRequest:
     waited: float = 0.0
 
 
-def answer_request(request: PlanRequest, settings: PlanSettings, footprint: Footprint | None = None) -> PlanAnswer:
+def answer_request(
+    request: PlanRequest, settings: PlanSettings, footprint: Footprint | None = None, steering: Steering = SPINS
+) -> PlanAnswer:
     """Plan; when there is no path, report whether the map (hopeless) or obstacles (may change) are the reason.
 
-    The path of a long robot is one that its `footprint` fits on, where such a path was found.
+    The path of a long robot is one that its `footprint` fits on, where such a path was found; that of a robot that
+    cannot turn on the spot is always one that it can drive.
     """
     try:
         path = _plan_round_people(request, settings, footprint)
-        if footprint is None or request.yaw is None or not is_long(footprint):
+        if footprint is None or request.yaw is None or (steering.spins and not is_long(footprint)):
             return PlanAnswer(path)
         start, weights = Pose2(*request.start, request.yaw), traversal_weights(settings)
         wanted = OutlineRequest(
-            request.costmap, weights, path, footprint, start, request.heading, Steering(), request.careful
+            request.costmap, weights, path, footprint, start, request.heading, steering, request.careful
         )
         fitted = fit_outline(wanted)
+        if fitted is None:
+            return PlanAnswer(None, f"no path that a robot with bends of {steering.radius:g} m can drive was found")
         return PlanAnswer(points_of_legs(fitted.legs), legs=fitted.legs, last_turn=fitted.last_turn)
     except NoPathError as problem:
         reason = str(problem)

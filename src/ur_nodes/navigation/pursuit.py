@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.leg_follower import LegFollower
-from ur_nodes.navigation.navigator_step import NavigatorPhase
+from ur_nodes.navigation.navigator_step import NavigatorPhase, NavigatorSettings
 from ur_nodes.navigation.planning.path_geometry import Points
 from ur_nodes.navigation.steering.recovery import Recovery
 
@@ -28,6 +28,7 @@ class GoalPursuit:
     legs: LegFollower | None = None
     last_turn: float | None = None
     retreat: LegFollower | None = None
+    shunts: int = 0
     asked: float | None = None
     last_asked: float = -math.inf
     stuck_since: float | None = None
@@ -38,6 +39,28 @@ class GoalPursuit:
     recovery: Recovery = field(default_factory=Recovery)
     reason: str = ""
     sent: tuple[float, float] = (0.0, 0.0)
+
+    def is_stuck(self, blocked: bool, now: float, pose: Pose2, settings: NavigatorSettings) -> bool:
+        """No command for the controller's patience, or commanded to move and not moving."""
+        if not blocked:
+            self.stuck_since = None
+        elif self.stuck_since is None:
+            self.stuck_since = now
+        began = self.moved_from
+        if (
+            began is None
+            or math.hypot(pose.x - began.x, pose.y - began.y) > 0.05
+            or (abs(wrap_angle(pose.yaw - began.yaw)) > 0.2)
+        ):
+            self.moved_from, self.moved_at = pose, now
+        if self.stuck_since is not None and now - self.stuck_since > settings.controller_patience:
+            return True
+        return now - self.moved_at > settings.progress_timeout
+
+    def may_ask(self, now: float, least: float) -> bool:
+        """Return whether to request a plan: none is in progress (or for too long), and the last is `least` s old."""
+        waiting = self.asked is not None and now - self.asked < 10.0
+        return not waiting and now - self.last_asked >= least
 
 
 class DrivenTrack:

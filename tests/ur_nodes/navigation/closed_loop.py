@@ -19,16 +19,9 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.navigator import Navigator
 from ur_nodes.navigation.navigator_step import Ending, NavigatorInputs, NavigatorSettings, PlanAnswer
-from ur_nodes.navigation.planning.global_plan import (
-    NoPathError,
-    PlanSettings,
-    path_is_free,
-    plan_path,
-    traversal_weights,
-)
-from ur_nodes.navigation.planning.legs import points_of_legs
+from ur_nodes.navigation.plan_request import PlanRequest, answer_request
+from ur_nodes.navigation.planning.global_plan import PlanSettings, path_is_free
 from ur_nodes.navigation.planning.outline_motions import Steering
-from ur_nodes.navigation.planning.outline_plan import OutlineRequest, fit_outline, is_long
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.recovery import Behaviour
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
@@ -188,21 +181,11 @@ class ClosedLoop:
         return self.odom.compose(Pose2(*self.random.normal(0.0, (self.error, self.error, self.error / 4)).tolist()))
 
     def _plan(self, goal: Pose2) -> PlanAnswer:
-        start = (self.pose.x, self.pose.y)
-        try:
-            costs, settings = self.global_costs.costmap, self.plan_settings
-            path = plan_path(costs, start, (goal.x, goal.y), settings)
-            if not is_long(self.footprint):
-                return PlanAnswer(path)
-            weights = traversal_weights(settings)
-            fitted = fit_outline(OutlineRequest(costs, weights, path, self.footprint, self.pose, goal.yaw, Steering()))
-            return PlanAnswer(points_of_legs(fitted.legs), legs=fitted.legs, last_turn=fitted.last_turn)
-        except NoPathError as problem:
-            try:
-                plan_path(self.global_costs.static, start, (goal.x, goal.y), self.plan_settings)
-            except NoPathError as worse:
-                return PlanAnswer(None, str(worse), hopeless=True)
-            return PlanAnswer(None, str(problem))
+        costs, start = self.global_costs, (self.pose.x, self.pose.y)
+        request = PlanRequest(
+            0, start, (goal.x, goal.y), costs.costmap, costs.static, yaw=self.pose.yaw, heading=goal.yaw
+        )
+        return answer_request(request, self.plan_settings, self.footprint, Steering(self.limits.radius))
 
     def _scan(self) -> None:
         angles = np.arange(360) * math.tau / 360 - math.pi

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -147,6 +148,17 @@ def test_navigator_leaves_a_place_where_it_cannot_turn() -> None:
     loop = ClosedLoop(two_rooms(), pose=Pose2(-1.24, 0.0, 2.2), outline=MAGNI)
     drive = loop.drive(Pose2(0.5, 0.0, 0.0))
     assert drive.ending is Ending.REACHED, drive.text
+
+
+@pytest.mark.parametrize("goal", [Pose2(2.6, -0.9, 0.0), Pose2(0.4, 0.9, 3.0)])
+def test_robot_that_cannot_turn_on_the_spot_keeps_to_its_narrowest_bend(goal: Pose2) -> None:
+    car = ((0.45, 0.2), (-0.15, 0.2), (-0.15, -0.2), (0.45, -0.2))
+    loop = ClosedLoop(two_rooms(), pose=Pose2(-0.6, 0.0, 1.57), outline=car, limits=replace(LIMITS, radius=0.6))
+    drive = loop.drive(goal)
+    assert (drive.ending, drive.touched) == (Ending.REACHED, False), drive.text
+    assert math.dist(drive.pose[:2], goal[:2]) < 0.12
+    assert abs(wrap_angle(drive.pose.yaw - goal.yaw)) < 0.15
+    assert (abs(drive.speeds[:, 1]) <= abs(drive.speeds[:, 0]) / 0.6 + 1e-9).all()
 
 
 # Histories: one navigator, inputs written down, outputs looked at.

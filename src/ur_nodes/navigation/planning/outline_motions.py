@@ -26,6 +26,10 @@ class Steering:
         return self.radius <= 0.0
 
 
+SPINS = Steering()
+"""The steering of a robot that turns on the spot."""
+
+
 class MotionPose(NamedTuple):
     """A pose on the way (m, m, rad), and the gear that leads there: 1 ahead, -1 back, 0 a turn on the spot."""
 

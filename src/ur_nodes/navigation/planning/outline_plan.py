@@ -38,6 +38,7 @@ _ALIKE = 3.0  # cells: others as narrow that are as near belong to the same plac
 _APART = 0.6  # m: conflicts that are nearer than this are one
 _MOST = 3_000  # states of one search
 _MOST_WHOLE = 10_000  # of a search for the whole path
+_MOST_SHUNTING = 30_000  # likewise, of a robot that cannot turn on the spot
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,9 +72,13 @@ class OutlineRequest:
     careful: bool = False
 
 
-def fit_outline(request: OutlineRequest) -> OutlinePath:
-    """Mend a path where the outline touches something. What cannot be mended stays as it is."""
-    return _Fitting(request).run()
+def fit_outline(request: OutlineRequest) -> OutlinePath | None:
+    """Mend a path where the outline touches something. What cannot be mended stays as it is.
+
+    For a robot that cannot turn on the spot the whole way is searched; None when none was found.
+    """
+    fitting = _Fitting(request)
+    return fitting.run() if request.steering.spins else fitting.run_whole()
 
 
 @lru_cache(maxsize=8)
@@ -110,12 +115,16 @@ class _Fitting:
         for first, last in self._conflicts(touching):
             mended = self._mend(first, last, touching)
             if mended is None:
-                return self._search_whole() or path
+                return self._search_whole(_MOST_WHOLE) or path
             motions += self._motions_of(here, first)
             motions += mended[1:] if motions else mended
             here = last
         motions += self._motions_of(here, len(self._points) - 1)
         return self._result(motions)
+
+    def run_whole(self) -> OutlinePath | None:
+        self._cut_out()
+        return self._search_whole(_MOST_SHUNTING)
 
     def _turns_are_free(self) -> bool:
         """Return whether the turns on the spot at both ends touch nothing, roughly: on the costmap itself."""
@@ -148,8 +157,6 @@ class _Fitting:
 
     def _can_turn(self, pose: Pose2, yaw: float) -> bool:
         """Return whether the shorter turn on the spot to a heading is free."""
-        if not self._steering.spins:
-            return abs(math.remainder(yaw - pose.yaw, math.tau)) < 0.1
         local = self._corner.inverse().compose(pose)
         bits = self._bits(local)
         here = heading_number(local.yaw)
@@ -256,8 +263,8 @@ class _Fitting:
                 break
         return tuple(MotionPose(*self._corner.compose(Pose2(m.x, m.y, m.yaw)), m.gear) for m in found.motions)
 
-    def _search_whole(self) -> OutlinePath | None:
-        found = self._search(self._start, Pose2(*self._poses[-1].tolist()), self._heading, _MOST_WHOLE)
+    def _search_whole(self, most: int) -> OutlinePath | None:
+        found = self._search(self._start, Pose2(*self._poses[-1].tolist()), self._heading, most)
         return self._result(list(found)) if found else None
 
     def _motions_of(self, first: int, last: int) -> list[MotionPose]:

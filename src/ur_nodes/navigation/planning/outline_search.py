@@ -17,18 +17,36 @@ from numpy.typing import NDArray
 
 from ur_nodes.navigation.planning.outline_grid import HEADINGS, STEP, heading_angle, heading_number
 from ur_nodes.navigation.planning.outline_motions import MotionPose, MotionPrimitive, Steering, list_pieces
+from ur_nodes.navigation.planning.outline_shots import list_shots
 
 Floats = NDArray[np.float64]
 
 _SPIN_COST = 0.4  # m a rad
 _BEGIN_SPIN = 0.25  # m: of a turn on the spot that begins
-_BACKWARD = 2.0  # m a metre
-_REVERSAL = 0.5  # m: of a change between ahead and back
-_NARROW = 3.0  # m a metre where there is no room beside the outline
-_GREED = 1.3  # of what is left of the way
 _DIRECT = 2.5  # m: from the goal, where straight lines to it are tried
 _RUN_UPS = (0.3, 0.45, 0.6, 0.75, 0.9, 1.1, -0.3, -0.45, -0.6, -0.75, -0.9)  # m: of the last of two such lines
 _SHORT = 0.4  # m: of a line that may be driven back
+_SHOT, _SHOT_LONGER = 4.0, 1.5  # m: from the goal, where arcs and lines to it are tried; and how long they may be
+_SHOT_EVERY = 8  # states
+_BACK = tuple(1.0 - 0.05 * step for step in range(1, 21))  # shares of that line
+_SHUNTS = (0.0, 0.5, 1.0)  # m: of a straight line after such a way, driven in the other gear
+
+
+@dataclass(frozen=True, slots=True)
+class _Costs:
+    """Costs of a search: of a metre driven back, a change between ahead and back (m), a metre with no room beside it.
+
+    `greed` is the weight of what is left of the way.
+    """
+
+    backward: float
+    reversal: float
+    narrow: float
+    greed: float
+
+
+_SPINNING = _Costs(2.0, 0.5, 3.0, 1.3)
+_SHUNTING = _Costs(1.3, 0.2, 2.0, 2.5)  # without turns on the spot: the way is longer than the crow flies
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,9 +105,10 @@ class _Search:
         self._narrow: list[int] = grid.narrow.reshape(-1).tolist()
         self._weights: list[float] = grid.weights.reshape(-1).tolist()
         self._ahead: list[float] = grid.ahead.reshape(-1).tolist()
-        self._goal = goal[:2]
+        self._goal, self._yaw = goal[:2], goal[2]
         self._heading = None if goal[2] is None else heading_number(goal[2])
         self._steering = steering
+        self._costs = _SPINNING if steering.spins else _SHUNTING
         self._near = 1.5 * grid.resolution
         self._nodes: list[_Node] = []
 
@@ -101,7 +120,7 @@ class _Search:
             return SearchEnd((), whole=True, expanded=0)
         nodes = self._nodes
         nodes.append(_Node(start[0], start[1], heading, 0, 0.0, -1, None))
-        queue = [(_GREED * self._ahead[cell], 0)]
+        queue = [(self._costs.greed * self._left(cell, heading), 0)]
         best: dict[int, float] = {cell * HEADINGS + heading: 0.0}
         closed: set[int] = set()
         expanded = 0
@@ -130,8 +149,15 @@ class _Search:
                 best[key] = total
                 gear = piece.gear or node.gear
                 nodes.append(_Node(x, y, piece.heading, gear, total, number, piece))
-                heapq.heappush(queue, (total + _GREED * self._ahead[cell], len(nodes) - 1))
+                heapq.heappush(queue, (total + self._costs.greed * self._left(cell, piece.heading), len(nodes) - 1))
         return SearchEnd((), whole=not queue, expanded=expanded)
+
+    def _left(self, cell: int, heading: int) -> float:
+        """What is left of the way at least, m: a robot that cannot turn on the spot drives arcs to another heading."""
+        if self._heading is None or self._steering.spins:
+            return self._ahead[cell]
+        turned = abs((heading - self._heading + HEADINGS // 2) % HEADINGS - HEADINGS // 2) * STEP
+        return max(self._ahead[cell], turned * self._steering.radius)
 
     def _cell(self, x: float, y: float) -> int:
         row, column = int(y * self._scale), int(x * self._scale)
@@ -152,13 +178,13 @@ class _Search:
             again = node.piece is not None and node.piece.gear == 0
             if again and node.piece is not None and node.piece.turned * piece.turned < 0:
                 return math.inf
-            spin = _SPIN_COST * STEP * abs(piece.turned) * (_NARROW if narrow else 1.0)
+            spin = _SPIN_COST * STEP * abs(piece.turned) * (self._costs.narrow if narrow else 1.0)
             return spin if again else spin + _BEGIN_SPIN
-        cost = piece.length * weight * (_NARROW if narrow else 1.0)
+        cost = piece.length * weight * (self._costs.narrow if narrow else 1.0)
         if piece.gear < 0:
-            cost *= _BACKWARD
+            cost *= self._costs.backward
         if node.gear and node.gear != piece.gear:
-            cost += _REVERSAL
+            cost += self._costs.reversal
         return cost + 0.1 * piece.length * abs(piece.turned)
 
     def _arrive(self, node: _Node, number: int) -> tuple[MotionPose, ...]:
@@ -166,7 +192,9 @@ class _Search:
         away = math.dist((node.x, node.y), self._goal)
         if away < self._near and self._heading in (None, node.heading):
             return self._trace(number)
-        if not self._steering.spins or away > _DIRECT:
+        if not self._steering.spins:
+            return self._shoot(node, number, away)
+        if away > _DIRECT:
             return ()
         here = MotionPose(node.x, node.y, heading_angle(node.heading), node.gear)
         for corner in self._corners():
@@ -181,6 +209,32 @@ class _Search:
             if spin is not None:
                 return self._trace(number) + tuple(tail + spin)
         return ()
+
+    def _shoot(self, node: _Node, number: int, away: float) -> tuple[MotionPose, ...]:
+        """The whole motion, if arcs and a line lead to the goal from here, ahead or back."""
+        if self._yaw is None or away > _SHOT or number % _SHOT_EVERY:
+            return ()
+        radius, longest = self._steering.radius, _SHOT_LONGER * (away + self._steering.radius)
+        (x, y), yaw = self._goal, self._yaw
+        for shunt in _SHUNTS:
+            for gear in (1, -1):
+                half = 0.0 if gear > 0 else math.pi
+                here = node.x, node.y, heading_angle(node.heading) + half
+                far = gear * shunt
+                there = x + far * math.cos(yaw), y + far * math.sin(yaw), yaw + half
+                last = [MotionPose(x + s * far * math.cos(yaw), y + s * far * math.sin(yaw), yaw, -gear) for s in _BACK]
+                last = last if shunt else []
+                for poses in list_shots(here, there, radius, longest):
+                    motions = [*(MotionPose(px, py, angle - half, gear) for px, py, angle in poses), *last]
+                    if all(self._is_free(motion) for motion in motions):
+                        return self._trace(number) + tuple(motions)
+        return ()
+
+    def _is_free(self, pose: MotionPose) -> bool:
+        cell = self._cell(pose.x, pose.y)
+        return (
+            cell >= 0 and not self._blocked[cell] >> heading_number(pose.yaw) & 1 and math.isfinite(self._weights[cell])
+        )
 
     def _corners(self) -> list[tuple[float, float]]:
         """Places where a straight line to the goal may begin: at it, or before or behind it along its heading."""

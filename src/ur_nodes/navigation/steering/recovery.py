@@ -89,7 +89,7 @@ def move_to_recover(
     last = recovery.last or motion.pose
     if recovery.behaviour is Behaviour.ROTATE:
         done = recovery.done + abs(wrap_angle(motion.pose.yaw - last.yaw))
-        speed, turn, over = 0.0, 0.6 * limits.turn, done >= 6.28
+        speed, turn, over = 0.0, 0.6 * limits.turn, done >= 6.28 or bool(limits.radius)
     else:
         done = math.hypot(motion.pose.x - began.x, motion.pose.y - began.y)
         speed, turn = find_escape(motion, around, footprint, limits)
@@ -114,7 +114,7 @@ def find_escape(
     distances = distance_transform_edt(costmap.costs != LETHAL) * costmap.resolution
     best, chosen = -math.inf, (-limits.backward, 0.0)
     for speed in (-limits.backward, limits.backward):
-        for turn in (0.0, 0.5 * limits.turn, -0.5 * limits.turn):
+        for turn in (0.0, *(limits.turn_at(speed, side * 0.5 * limits.turn) for side in (1, -1))):
             trial = RolloutState(motion.pose, speed, turn)
             if not sweep_is_free(trial, 1.0, around, footprint):
                 continue

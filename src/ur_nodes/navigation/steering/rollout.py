@@ -189,6 +189,8 @@ def _steer(
     bearing = float(np.arctan2(left, forward))
     curvature = 2.0 * left / max(dx * dx + dy * dy, _NEAREST_SQUARED)
     share = min(max((settings.turn_first - abs(bearing)) / (settings.turn_first - settings.turn_some), 0.0), 1.0)
+    if limits.radius:  # it cannot turn first
+        share, curvature = 1.0, min(max(curvature, -1.0 / limits.radius), 1.0 / limits.radius)
     soon = min(near + round(v * seconds / course.spacing), course.end)
     allowed = min(variant[0] * limits.speed, course.speeds[soon])
     wanted = min(allowed, limits.turn / max(abs(curvature), _STRAIGHT)) * share
@@ -205,7 +207,7 @@ def _advance(state: _State, near: int, wanted: float, turning: float, limits: Sp
     """Move for `seconds` with the requested speed and turn, within the accelerations."""
     shift, swing = limits.acceleration * seconds, limits.turn_acceleration * seconds
     v = min(max(wanted, state.speed - shift), state.speed + shift)
-    w = min(max(turning, state.turn - swing), state.turn + swing)
+    w = limits.turn_at(v, min(max(turning, state.turn - swing), state.turn + swing))
     middle = state.yaw + 0.5 * w * seconds
     x, y = state.x + v * seconds * math.cos(middle), state.y + v * seconds * math.sin(middle)
     return _State(x, y, state.yaw + w * seconds, v, w, near)

@@ -14,13 +14,24 @@ from ur_nodes.navigation.planning.path_geometry import Points, curvatures
 
 @dataclass(frozen=True, slots=True)
 class SpeedLimits:
-    """Limits of the robot: m/s, rad/s, m/s^2, rad/s^2. `backward` is the greatest speed backwards, as a positive."""
+    """Limits of the robot: m/s, rad/s, m/s^2, rad/s^2. `backward` is the greatest speed backwards, as a positive.
+
+    `radius` (m) is that of its narrowest bend, 0 when it turns on the spot.
+    """
 
     speed: float
     turn: float
     acceleration: float
     turn_acceleration: float
     backward: float = 0.1
+    radius: float = 0.0
+
+    def turn_at(self, speed: float, turn: float) -> float:
+        """The turn (rad/s) nearest to `turn` that the robot can make at a speed."""
+        if not self.radius:
+            return turn
+        most = abs(speed) / self.radius
+        return max(-most, min(most, turn))
 
 
 def limit_speeds(limits: SpeedLimits, share: float) -> SpeedLimits:
@@ -66,6 +77,17 @@ def speed_profile(
 def turn_rate(error: float, limits: SpeedLimits) -> float:
     """Return the rate in rad/s at which to turn on the spot by `error` rad, braking with 0.7 of the acceleration."""
     return math.copysign(min(limits.turn, math.sqrt(2.0 * 0.7 * limits.turn_acceleration * abs(error))), error)
+
+
+def turn_towards(error: float, turn: float, limits: SpeedLimits, period: float) -> float:
+    """Return the rate in rad/s for the next period of a turn on the spot by `error` rad, which is at rate `turn` now.
+
+    Near the end it is no more than gets there within a period and a half, so that the robot does not swing.
+    """
+    ahead = error - turn * period * 0.5
+    most = abs(ahead) / (1.5 * period)
+    rate = max(-most, min(most, turn_rate(ahead, limits)))
+    return approach(turn, rate, limits.turn_acceleration * period)
 
 
 def approach(value: float, target: float, step: float) -> float:
