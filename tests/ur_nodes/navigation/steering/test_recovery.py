@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from tests.ur_nodes.navigation.closed_loop import LIMITS, STAGE
@@ -52,6 +53,17 @@ def test_rotate_ends_where_there_is_no_room_to_turn() -> None:
     walls = window((slice(44, 46), slice(0, 80)), (slice(34, 36), slice(0, 80)))
     _, turned, _ = play(Behaviour.ROTATE, walls)
     assert turned < 0.5
+
+
+def test_robot_that_cannot_turn_on_the_spot_does_not_turn_round_and_backs_off_in_bends_it_can_drive() -> None:
+    limits = replace(LIMITS, radius=0.9)
+    here = RolloutState(Pose2(0.0, 0.0, 0.0), 0.0, 0.0)
+    costmap = LocalObstacles(window((slice(30, 50), slice(45, 47))))
+    turning = Recovery(SEQUENCE.index(Behaviour.ROTATE))
+    assert move_to_recover(turning, here, costmap, FOOTPRINT, limits, 0.1).finished
+    speed, turn = find_escape(here, costmap, FOOTPRINT, limits)
+    assert speed < 0.0
+    assert abs(turn) <= abs(speed) / 0.9
 
 
 def test_back_off_goes_back_and_stays_in_reach() -> None:
