@@ -64,7 +64,7 @@ def answer_request(
             request.costmap, weights, path, footprint, start, request.heading, steering, request.careful
         )
         fitted = fit_outline(wanted)
-        if fitted is None:
+        if not fitted.legs:
             return PlanAnswer(None, f"no path that a robot with bends of {steering.radius:g} m can drive was found")
         return PlanAnswer(points_of_legs(fitted.legs), legs=fitted.legs, last_turn=fitted.last_turn)
     except NoPathError as problem:

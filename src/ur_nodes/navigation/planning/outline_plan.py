@@ -72,10 +72,10 @@ class OutlineRequest:
     careful: bool = False
 
 
-def fit_outline(request: OutlineRequest) -> OutlinePath | None:
+def fit_outline(request: OutlineRequest) -> OutlinePath:
     """Mend a path where the outline touches something. What cannot be mended stays as it is.
 
-    For a robot that cannot turn on the spot the whole way is searched; None when none was found.
+    For a robot that cannot turn on the spot the whole way is searched; there are no legs when none was found.
     """
     fitting = _Fitting(request)
     return fitting.run() if request.steering.spins else fitting.run_whole()
@@ -122,9 +122,9 @@ class _Fitting:
         motions += self._motions_of(here, len(self._points) - 1)
         return self._result(motions)
 
-    def run_whole(self) -> OutlinePath | None:
+    def run_whole(self) -> OutlinePath:
         self._cut_out()
-        return self._search_whole(_MOST_SHUNTING)
+        return self._search_whole(_MOST_SHUNTING) or OutlinePath(())
 
     def _turns_are_free(self) -> bool:
         """Return whether the turns on the spot at both ends touch nothing, roughly: on the costmap itself."""

@@ -109,7 +109,7 @@ class _Search:
         self._heading = None if goal[2] is None else heading_number(goal[2])
         self._steering = steering
         self._costs = _SPINNING if steering.spins else _SHUNTING
-        self._near = 1.5 * grid.resolution
+        self._near = (1.5 if steering.spins else 1.0) * grid.resolution
         self._nodes: list[_Node] = []
 
     def run(self, start: tuple[float, float, float], most: int) -> SearchEnd:

@@ -83,6 +83,24 @@ def test_path_that_cannot_be_mended_is_kept() -> None:
     assert points_of_legs(path.legs)[-1].tolist() == points[-1].tolist()
 
 
+def test_robot_that_cannot_turn_on_the_spot_drives_back_and_forth_to_a_heading() -> None:
+    car = footprint_of_outline(((0.45, 0.2), (-0.15, 0.2), (-0.15, -0.2), (0.45, -0.2)), 0.05, 0.01)
+    costmap, start = rooms(car), Pose2(-0.6, 0.0, 1.57)
+    points = plan_path(costmap, start[:2], (0.4, 0.9), PlanSettings())
+    path = fit_outline(OutlineRequest(costmap, WEIGHTS, points, car, start, 3.0, Steering(0.6)))
+    assert {leg.gear for leg in path.legs} == {1, -1}
+    assert not any(leg.turned for leg in path.legs)
+    assert math.dist(points_of_legs(path.legs)[-1], (0.4, 0.9)) < 0.06
+
+
+def test_robot_that_cannot_turn_on_the_spot_has_no_path_where_it_does_not_fit() -> None:
+    wide = footprint_of_outline(((0.9, 0.44), (-0.9, 0.44), (-0.9, -0.44), (0.9, -0.44)), 0.05)
+    costmap = rooms(footprint_of_outline(((0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)), 0.05))
+    points = plan_path(costmap, (0.0, 0.0), (2.9, -0.9), PlanSettings())
+    request = OutlineRequest(costmap, WEIGHTS, points, wide, Pose2(0.0, 0.0, 0.0), None, Steering(0.6))
+    assert fit_outline(request).legs == ()
+
+
 def test_robots_that_fit_through_doors_in_any_heading_are_not_long() -> None:
     assert is_long(robot())
     assert not is_long(footprint_of_outline(STAGE, 0.05))
