@@ -153,7 +153,7 @@ class _Search:
         return SearchEnd((), whole=not queue, expanded=expanded)
 
     def _left(self, cell: int, heading: int) -> float:
-        """What is left of the way at least, m: a robot that cannot turn on the spot drives arcs to another heading."""
+        """The least way that is left, m: a robot that cannot turn on the spot drives arcs to another heading."""
         if self._heading is None or self._steering.spins:
             return self._ahead[cell]
         turned = abs((heading - self._heading + HEADINGS // 2) % HEADINGS - HEADINGS // 2) * STEP
