@@ -13,12 +13,13 @@ from ur_nodes.navigation.planning.outline_shots import list_shots
 
 @pytest.mark.parametrize("seed", range(8))
 def test_ways_lead_to_the_pose_in_bends_that_are_wide_enough(seed: int) -> None:
-    start, goal = np.random.default_rng(seed).uniform(-3.0, 3.0, (2, 3)).tolist()
-    ways = list_shots(tuple(start), tuple(goal), 0.9, math.inf)
+    (x, y, yaw), (goal_x, goal_y, goal_yaw) = np.random.default_rng(seed).uniform(-3.0, 3.0, (2, 3)).tolist()
+    start, goal = (x, y, yaw), (goal_x, goal_y, goal_yaw)
+    ways = list_shots(start, goal, 0.9, math.inf)
     assert len(ways) >= 4
     for way in ways:
-        assert way[-1] == tuple(goal)
-        for before, pose in pairwise([tuple(start), *way]):
+        assert way[-1] == goal
+        for before, pose in pairwise([start, *way]):
             assert math.dist(before[:2], pose[:2]) < 0.06
             assert abs(math.remainder(pose[2] - before[2], math.tau)) < 0.06 / 0.9 + 1e-6
 
