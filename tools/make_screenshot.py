@@ -1,8 +1,8 @@
 """Make pictures of the real terminal program over a robot in the maze, in docs/images: NAME.svg.
 
 Usage: tools/make_screenshot.py [NAME] [COLUMNSxROWS] [dark|light]. The names: keyboard_navigate (a robot on its way),
-assistant (one that an assistant drives), lost (one that was carried elsewhere), people (one that waits for them). The
-same input gives the same file.
+assistant (one that an assistant drives), script (one that a script drives), lost (one that was carried elsewhere),
+people (one that waits for them). The same input gives the same file.
 """
 
 from __future__ import annotations
@@ -133,6 +133,11 @@ def add_assistant(snapshot: RobotSnapshot) -> RobotSnapshot:
     return replace(snapshot, speed=0.2, lease=LeaseView("held", "desk", ASSISTANT, SINCE, link_age=0.0))
 
 
+def add_script(snapshot: RobotSnapshot) -> RobotSnapshot:
+    """Return the snapshot while a script drives."""
+    return replace(snapshot, lease=LeaseView("held", "laptop", "look_around", SINCE, link_age=0.0))
+
+
 def carry_away(snapshot: RobotSnapshot) -> RobotSnapshot:
     """Return the snapshot after the robot was carried elsewhere: its scan is not that of its estimated pose."""
     assert snapshot.grid is not None
@@ -157,6 +162,7 @@ def add_people(snapshot: RobotSnapshot) -> RobotSnapshot:
 PICTURES: dict[str, Callable[[RobotSnapshot], RobotSnapshot]] = {
     "keyboard_navigate": lambda snapshot: snapshot,
     "assistant": add_assistant,
+    "script": add_script,
     "lost": carry_away,
     "people": add_people,
 }

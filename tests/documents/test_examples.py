@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import re
 import sys
@@ -28,6 +29,7 @@ PRINTED = {
     "state_machine": r"(search\n)+advance\ncome_home\n",
     "while_driving": r"(reached|not there after a second: stopped)\n\d\.\d\d m from the start\n",
     "square": r"\d\.\d\d m from the start\n",
+    "two_robots": r"ready\nis at -?\d+\.\d\d -?\d+\.\d\d m\n",  # the program of each of them
 }
 
 
@@ -44,6 +46,8 @@ def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> FirstDrive:
         Robot=lambda name="script": Robot(name, **given), AsyncRobot=partial(AsyncRobot, "script", **given)
     )
     monkeypatch.setitem(sys.modules, "ur_nodes.client", library)
+    monkeypatch.setattr(sys, "argv", ["script.py"])
+    monkeypatch.setattr(sys, "stdin", io.StringIO("go\n"))
     Path("places.csv").write_text("0.4,0.0\n1000,1000\n")
     return stage
 

@@ -7,14 +7,21 @@ import json
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Awaitable, Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from tests.documents.test_examples import EXAMPLES, PRINTED
 from tests.e2e.conftest import ROOT, end, make_environment
+from tests.e2e.web_page import start_server
+
+from ur.request.environment import current_selection
 
 pytestmark = [pytest.mark.ros, pytest.mark.long, pytest.mark.timeout(900)]
+
+Results = dict[str, tuple[bool, str]]
+"""Whether a tool or a resource was done, and its text, by its name."""
 
 UR = str(ROOT / "ur")
 PLOT = """
@@ -31,6 +38,7 @@ plot.pyplot = plot
 """
 """A stand-in for matplotlib, which is no dependency of this project: prints what is called."""
 
+TWO = r"(sim\S* (--ros 2 )?is at -?\d+\.\d\d -?\d+\.\d\d m\n){2}"
 NO_CAMERA = r"table: no picture: .*\ndoor: no picture: .*\n"
 
 
@@ -74,8 +82,10 @@ def run_scripts(navigating: dict[str, str], tmp_path: Path) -> None:
     lines = run(navigating, tmp_path, *typed[1].split()).splitlines()
     assert [bool(re.match(r"the robot is at -?\d+\.\d\d -?\d+\.\d\d m", each)) for each in lines] == [True, True]
     (tmp_path / "places.csv").write_text("0.4,0.0\n1000,1000\n")
-    for name, printed in PRINTED.items():
-        found = run(navigating, tmp_path, "run", str(EXAMPLES / f"{name}.py"))
+    same = str(current_selection(navigating))  # one robot under two names, driven by the one program, then by the other
+    for name, printed in {**PRINTED, "two_robots": TWO}.items():
+        robots = (same, same.replace("sim", "sim.local")) if name == "two_robots" else ()
+        found = run(navigating, tmp_path, "run", str(EXAMPLES / f"{name}.py"), *robots)
         assert re.fullmatch(f"{printed}|{NO_CAMERA}", found), f"{name}: {found}"
     cells = json.loads((EXAMPLES / "plot_scan.ipynb").read_text(encoding="utf-8"))["cells"]
     code = ["".join(each["source"]) for each in cells if each["cell_type"] == "code"]
@@ -84,15 +94,19 @@ def run_scripts(navigating: dict[str, str], tmp_path: Path) -> None:
 
 
 def call_tools(navigating: dict[str, str], tmp_path: Path) -> None:
-    """Run every tool and read every resource, by the SDK's client."""
+    """Run every tool and read every resource, by the SDK's client, over both transports."""
     pytest.importorskip("mcp")
-    results = asyncio.run(call_everything(navigating, tmp_path))
-    refused = {name for name, (done, _) in results.items() if not done}
-    assert not refused, {name: results[name] for name in refused}
-    assert "driven" in results["drive"][1]
-    assert "reached" in results["go_to"][1]
-    assert "map" in results["explore"][1]
-    assert "keyboard_navigate" in results["list"][1]
+    folder = tmp_path / "elsewhere"  # tmp_path has a folder that is called as the package: for facts of nodes
+    folder.mkdir()
+    (folder / "a.launch").write_text('<launch><arg name="robot_base" default=""/></launch>\n')  # for `find`
+    for call in (call_over_stdio, call_over_http):
+        results = asyncio.run(call(navigating, folder))
+        refused = {name: text for name, (done, text) in results.items() if not done}
+        assert not refused, (call.__name__, refused)
+        assert "driven" in results["drive"][1]
+        assert "reached" in results["go_to"][1]
+        assert "map" in results["explore"][1]
+        assert "keyboard_navigate" in results["list"][1]
 
 
 CALLS: dict[str, dict[str, object]] = {
@@ -113,33 +127,70 @@ CALLS: dict[str, dict[str, object]] = {
 }
 
 
-async def call_everything(env: dict[str, str], folder: Path) -> dict[str, tuple[bool, str]]:
-    """Call each tool, with a grant, and read each resource. Returns whether it was done, and the text."""
+async def call_over_stdio(env: dict[str, str], folder: Path) -> Results:
+    """Call everything through a server that the client starts; the grant is that of a terminal."""
     from mcp.client import Client
     from mcp.client.stdio import StdioServerParameters, stdio_client
 
     from ur.mcp.grants import grant_files, make_grant
 
-    results: dict[str, tuple[bool, str]] = {}
-    elsewhere = folder / "elsewhere"  # the folder itself has one that is called as the package: for facts of nodes
-    elsewhere.mkdir()
-    (elsewhere / "a.launch").write_text('<launch><arg name="robot_base" default=""/></launch>\n')  # for `find`
-    server = StdioServerParameters(command=UR, args=["mcp"], env=env, cwd=elsewhere)
+    async def give(id: str) -> None:
+        grant_files(env).give(id, make_grant(10.0, 0.2, (), (), programs=True))
+
+    server = StdioServerParameters(command=UR, args=["mcp"], env=env, cwd=folder)
     # Its default is the standard error at the time of its import, which may be another test's.
     async with Client(stdio_client(server, errlog=sys.__stderr__ or sys.stderr)) as client:
-        tools = [each.name for each in (await client.list_tools()).tools]
-        assert sorted(tools) == sorted(CALLS)
-        await client.call_tool("look", {})
-        files = grant_files(env)
-        (id,) = files.list_servers()
-        files.give(id, make_grant(10.0, 0.2, (), (), programs=True))
-        for name, arguments in CALLS.items():
-            answer = await client.call_tool(name, arguments)
-            results[name] = not answer.is_error, "".join(getattr(each, "text", "") for each in answer.content)
-        uris = [str(each.uri) for each in (await client.list_resources()).resources]
-        uris += ["launch-plan://ubiquity_launches/m_move_base.launch.xml", "log://move_base"]
-        for uri in uris:
-            (found,) = (await client.read_resource(uri)).contents
-            text = str(getattr(found, "text", "") or getattr(found, "blob", ""))
-            results[uri] = text != "", text
+        return await call_everything(client, env, give)
+
+
+async def call_over_http(env: dict[str, str], folder: Path) -> Results:
+    """Call everything through `ur web`; a page connects the client and gives the grant."""
+    aiohttp = pytest.importorskip("aiohttp")
+    from mcp.client import Client
+    from mcp.client.streamable_http import streamable_http_client
+    from mcp.shared._httpx_utils import create_mcp_http_client
+
+    with start_server(env, folder) as (port, log):
+        url, token = f"http://localhost:{port}", re.search(r"login#(\S+)", log.read_text())
+        assert token is not None
+        async with aiohttp.ClientSession(headers={"Origin": url}) as page:
+
+            async def post(path: str, value: object) -> str:
+                async with page.post(url + path, json=value) as answer:
+                    text: str = await answer.text()
+                    assert answer.status == 200, text
+                    return text
+
+            async def give(id: str) -> None:
+                await post("/api/assistants/grant", {"id": id, "minutes": 10, "speed": 0.2, "programs": True})
+
+            await post("/login", {"token": token[1]})
+            settings = json.loads(await post("/api/assistants/connect", {"name": "Ada's helper"}))
+            headers = {"Authorization": f"Bearer {settings['secret']}"}
+            async with (
+                create_mcp_http_client(headers=headers) as http,
+                Client(streamable_http_client(settings["url"], http_client=http)) as client,
+            ):
+                return await call_everything(client, env, give)
+
+
+async def call_everything(client: Any, env: dict[str, str], give: Callable[[str], Awaitable[None]]) -> Results:
+    """Call each tool, with a grant, and read each resource. Returns whether it was done, and the text."""
+    from ur.mcp.grants import grant_files
+
+    results: Results = {}
+    tools = [each.name for each in (await client.list_tools()).tools]
+    assert sorted(tools) == sorted(CALLS)
+    await client.call_tool("look", {})
+    (id,) = grant_files(env).list_servers()
+    await give(id)
+    for name, arguments in CALLS.items():
+        answer = await client.call_tool(name, arguments)
+        results[name] = not answer.is_error, "".join(getattr(each, "text", "") for each in answer.content)
+    uris = [str(each.uri) for each in (await client.list_resources()).resources]
+    uris += ["launch-plan://ubiquity_launches/m_move_base.launch.xml", "log://move_base"]
+    for uri in uris:
+        (found,) = (await client.read_resource(uri)).contents
+        text = str(getattr(found, "text", "") or getattr(found, "blob", ""))
+        results[uri] = text != "", text
     return results

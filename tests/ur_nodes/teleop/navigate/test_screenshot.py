@@ -26,9 +26,10 @@ async def test_screenshot_is_the_same_each_time_and_loads_nothing(tool: Any) -> 
     assert "url(http" not in first
 
 
-async def test_picture_of_people_is_the_one_of_the_page(tool: Any) -> None:
-    made = await tool.take_screenshot((96, 32), False, "people")
-    assert made == (ROOT / "docs/images/people.svg").read_text(encoding="utf-8"), "run tools/make_screenshot.py people"
+@pytest.mark.parametrize("name", ["people", "script"])
+async def test_picture_is_the_one_of_the_page(tool: Any, name: str) -> None:
+    made = await tool.take_screenshot((96, 32), False, name)
+    assert made == (ROOT / f"docs/images/{name}.svg").read_text(encoding="utf-8"), f"run tools/make_screenshot.py {name}"
 
 
 def test_committed_screenshot_is_small() -> None:
