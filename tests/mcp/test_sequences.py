@@ -9,8 +9,9 @@ import pytest
 pytest.importorskip("mcp")
 
 from tests.mcp.robot import AssistedRobot
-from tests.mcp.sequences import Allowed, judge, run_sequences
+from tests.mcp.sequences import LIE, Allowed, is_marked, judge, run_sequences
 
+from ur.mcp.assistant import mark_data
 from ur.mcp.terms import Area
 
 
@@ -38,3 +39,10 @@ def test_motion_outside_of_any_side_of_the_area_is_a_violation() -> None:
         assert "outside of the area" in judge([(1.0, 0.3, 0.0, x, y)], [Allowed(0.0, 0.3, (area,))])[0]
     assert judge([(1.0, 0.3, 0.0, 1.0, 0.5)], [Allowed(0.0, 0.3, (area,))]) == []
     assert "outside of the area" in judge([(1.0, 0.3, 0.0, 1.0, 0.5)], [Allowed(0.0, 0.3, (), (area,))])[0]
+
+
+def test_text_of_others_outside_of_its_frame_is_a_violation() -> None:
+    assert is_marked(mark_data(LIE))
+    assert is_marked("refused: no grant is in force")
+    assert not is_marked(f"refused: {LIE} drives\n\n\n")
+    assert not is_marked(mark_data("") + LIE)
