@@ -35,6 +35,7 @@ class Witness:
 
     process: subprocess.Popen[str]
     velocities: list[tuple[float, float, float]] = field(default_factory=list)
+    hold: str = ""
 
     def read(self) -> None:
         """Take lines until the node ends."""
@@ -43,6 +44,8 @@ class Witness:
             values = json.loads(line)
             if len(values) == 3:
                 self.velocities.append(tuple(values))
+            else:
+                self.hold = values[1]
 
     def is_fast(self) -> bool:
         """Return whether the robot moves."""
@@ -95,15 +98,24 @@ def lose(laptop: Laptop, script: subprocess.Popen[str], cause: str) -> float:
 
 
 def run_trial(
-    laptop: Laptop, witness: Witness, screens: Mapping[str, Callable[[], str]], mode: str, cause: str
+    laptop: Laptop,
+    witness: Witness,
+    screens: Mapping[str, Callable[[], str]],
+    forget: Callable[[], None],
+    mode: str,
+    cause: str,
 ) -> dict[str, object]:
-    """One trial: seconds until the robot is at rest for good, and which screens show the line."""
+    """One trial: seconds until the robot is at rest for good, until which screen shows the line, and the goal's state.
+
+    `forget` lets the screens begin anew.
+    """
     script = laptop.start(str(PARTS / "victim.py"), mode)
     try:
         if not wait(witness.is_fast, script):
             script.kill()
             return {"problem": f"did not drive: {script.communicate()[1][-300:]}"}
         time.sleep(0.5)
+        forget()
         at = lose(laptop, script, cause)
         line = re.compile(_LINES.get(cause, _LINE))
         shown: dict[str, float] = {}
@@ -116,7 +128,7 @@ def run_trial(
 
         wait(is_shown, None, 15.0)
         since = witness.rests_since()
-        return {"rest": max(0.0, since - at) if since is not None else None, "shown": shown}
+        return {"rest": max(0.0, since - at) if since is not None else None, "shown": shown, "hold": witness.hold}
     finally:
         if script.poll() is None:
             script.kill()
@@ -166,10 +178,9 @@ def run_all(
                 for turn in range(trials):
                     for mode in MODES:
                         for cause in CAUSES:
-                            found = run_trial(laptop, witness, screens, mode, cause)
+                            found = run_trial(laptop, witness, screens, terminal.forget, mode, cause)
                             results.append({"turn": turn, "mode": mode, "cause": cause, **found})
                             print(json.dumps(results[-1]), flush=True)
-                            terminal.forget()
             finally:
                 node.kill()
                 node.wait()

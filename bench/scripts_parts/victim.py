@@ -12,7 +12,8 @@ import time
 
 from ur_nodes.client import Robot
 
-PLACES = ((1.6, 0.0), (0.0, 0.0))
+PLACES = ((12.1, 7.65), (0.0, 0.0))
+"""So far from one another that the robot never arrives."""
 
 
 def hang(*_: object) -> None:

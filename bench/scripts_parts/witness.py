@@ -1,8 +1,8 @@
-"""A node beside the robot: prints a line for each velocity that the robot really has, and for each text of the lease.
+"""A node beside the robot: prints a line for each velocity that it really has, and for each goal that is held or not.
 
     ubiquity_launches/lib/node witness.py
 
-A line is JSON: [monotonic s, m/s, rad/s], or [monotonic s, text].
+A line is JSON: [monotonic s, m/s, rad/s], or [monotonic s, state], the state of `hold` of navigation.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def start(node: Node) -> None:
     node.subscribe(
         "base_pose_ground_truth", Odometry, lambda seen: say(seen.twist.forward, seen.twist.turn), Quality.EVERY
     )
-    node.subscribe("cmd_vel_mux/lease", str, say, Quality.LATCHED)
+    node.subscribe("move_base/hold", str, lambda text: say(json.loads(text)["state"]), Quality.LATCHED)
 
 
 def main() -> None:
