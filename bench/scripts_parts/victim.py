@@ -1,19 +1,19 @@
 """A script that drives until it is lost: SIGUSR1 lets its thread hang, SIGUSR2 lets it raise an exception.
 
-ubiquity_launches/lib/node victim.py drive|goal
+ubiquity_launches/lib/node victim.py drive|goal|home
 """
 
 from __future__ import annotations
 
-import math
 import signal
 import sys
 import time
 
 from ur_nodes.client import Robot
 
-PLACES = ((12.1, 7.65), (0.0, 0.0))
-"""So far from one another that the robot never arrives."""
+HOME = (0.0, 0.0, 0.0)
+FAR = (12.1, 7.65)
+"""So far away that the robot never arrives."""
 
 
 def hang(*_: object) -> None:
@@ -32,12 +32,10 @@ def main() -> None:
     signal.signal(signal.SIGUSR1, hang)
     signal.signal(signal.SIGUSR2, fail)
     with Robot("victim") as robot:
-        here = robot.pose()
-        print("drives", flush=True)
         if sys.argv[1] == "drive":
             robot.drive(0.15, 0.5, 40.0)
         else:
-            robot.go_to(*max(PLACES, key=lambda place: math.dist(place, (here.x, here.y))))
+            robot.go_to(*(FAR if sys.argv[1] == "goal" else HOME))
 
 
 if __name__ == "__main__":

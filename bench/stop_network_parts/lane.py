@@ -17,7 +17,7 @@ TOPICS = {
     "phone": "key_vel",
     GOALS: "nav_vel",
 }
-_LIMITS = {GOALS: 3.5}  # s: a robot that has lost who attends its goal is stopped after 3 s, and brakes
+_LIMITS = {GOALS: 3.0}  # s: a robot that has lost who attends its goal is stopped after 2.5 s, and brakes
 
 
 @dataclass(frozen=True, slots=True)

@@ -62,7 +62,7 @@ def read_settings(own: Parameters) -> MuxNodeSettings:
         sonars=own.boolean("use_sonars", True),
         challenge_rate=own.number("challenge_rate", 50.0, minimum=20.0, maximum=100.0),
         freshness=own.number("freshness", FRESHNESS, minimum=0.05, maximum=0.5),
-        lease_timeout=own.number("lease_timeout", 3.0, minimum=1.0, maximum=60.0),
+        lease_timeout=own.number("lease_timeout", 2.5, minimum=1.0, maximum=60.0),
     )
 
 

@@ -44,7 +44,7 @@ class Robot:
     The program uses the lease as every other client: it drives while no other client does, commands prove their age,
     and mux and navigation keep their limits. The lease is released when the context is left, also by an exception and
     Ctrl-C: then goals of this program are cancelled, and velocities end. While the program hangs it drives nothing: a
-    velocity ends within 0.3 s, and its goal is held as that of a program that is killed, 3 s later.
+    velocity ends within 0.3 s, and its goal is held within 3 s, as that of a program that is killed.
 
     All methods wait, and raise Lost, Refused or TakenOver. One thread may use them, except for `interrupt`.
     """

@@ -31,7 +31,7 @@ class AttendanceSettings:
     """
 
     ask: bool = False
-    grace: float = 3.0
+    grace: float = 2.5
     limit: float = 600.0
 
 

@@ -134,6 +134,6 @@ def read_watch_settings(own: Parameters, mux: str) -> AttendanceSettings:
     """Read the settings from the parameters of the node and of the mux. Raises UserError."""
     return AttendanceSettings(
         ask=own.text("on_return", "resume", choices=("resume", "ask")) == "ask",
-        grace=own.of(mux).number("lease_timeout", 3.0, minimum=0.5, maximum=60.0),
+        grace=own.of(mux).number("lease_timeout", 2.5, minimum=0.5, maximum=60.0),
         limit=own.number("hold_limit", 600.0, minimum=0.0),
     )
