@@ -14,8 +14,8 @@ from ur_nodes.client.snapshot import LastGoalState
 
 LATEST = 5.0
 """Seconds after which a goal is not sent any more, and in which navigation has to take it."""
-STALLED = 2.5
-"""Seconds; navigation holds the goal of a client that is silent for 3 s, and nothing continues it but a request."""
+STALLED = 2.0
+"""Seconds; navigation holds the goal of a client that is silent for 2.5 s, and nothing continues it but a request."""
 
 
 @dataclass(frozen=True, slots=True)

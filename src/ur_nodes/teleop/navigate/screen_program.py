@@ -50,7 +50,7 @@ def run_screen(
             silence = app.cancel_own_goal()
     if silence:
         sys.stderr.write(f"warning: {name}: the goal may not be cancelled: {silence}\n")
-        sys.stderr.write("  help: the robot stops and holds a goal when nothing arrives from this computer for 3 s\n")
+        sys.stderr.write("  help: the robot stops and holds a goal when nothing arrives from this computer for 2.5 s\n")
     if app.problem is not None:
         raise app.problem
     return app.return_code or 0

@@ -25,8 +25,8 @@ HELD = Lease("held", "aa", "laptop", since=50.0)
 LOST = replace(HELD, state="lost")
 OTHER = Lease("held", "bb", "laptop2", since=60.0)
 MINE = Claim("aa", SECOND)
-SETTINGS = AttendanceSettings()
-ASK = AttendanceSettings(ask=True)
+SETTINGS = AttendanceSettings(grace=3.0)
+ASK = AttendanceSettings(ask=True, grace=3.0)
 
 
 @dataclass
