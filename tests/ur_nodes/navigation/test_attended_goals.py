@@ -71,7 +71,7 @@ def test_goals_are_taken_where_no_mux_issues_challenges() -> None:
 def test_goal_is_held_while_its_client_is_lost_and_resumed_when_it_is_back(robot: Attended) -> None:
     goal = robot.drive_away()
     robot.driver.say("lost")
-    assert robot.has_status(goal, "active", "held: no word from laptop for 3 s")
+    assert robot.has_status(goal, "active", "held: no word from laptop for 2 s")
     assert robot.stops_moving()
     assert robot.holds[-1] == {"goal": goal, "state": "held", "text": robot.states[goal].text}
     place = robot.pose
