@@ -115,7 +115,7 @@ def test_program_that_stood_still_until_navigation_may_hold_its_goal_pauses() ->
     machine.step(0.5, goal=LastGoalState.DRIVING)
     machine.now += STALLED + 0.1
     assert machine.step(0.1, goal=LastGoalState.DRIVING) == "paused"
-    assert (machine.cancels, machine.patrol.status.reason) == (1, "the program stood still for 3 s")
+    assert (machine.cancels, machine.patrol.status.reason) == (1, "the program stood still for 2 s")
 
 
 @pytest.mark.parametrize(
