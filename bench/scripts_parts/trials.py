@@ -118,6 +118,8 @@ def run_trial(
             script.kill()
             return {"problem": f"did not drive: {script.communicate()[1][-300:]}"}
         time.sleep(0.5)
+        if script.poll() is not None:
+            return {"problem": f"ended by itself: {script.communicate()[1][-300:]}"}
         forget()
         at = lose(laptop, script, cause)
         line = re.compile(_LINES.get(cause, _LINE))

@@ -123,6 +123,7 @@ class NavigationTopics:
         self._tracker = GoalTracker()
         self._status_at = -math.inf
         self._driven_to = False  # a goal that is not the followed one is open
+        self._kept = True  # the next goal of navigation may be one that it had before and has kept
         self.robot = RobotState(node, names.map_frame, names.base_frame)
         self._goals = node.follow_goals("move_base", self)
         self._continues = node.publish("move_base/continue", GoalId)
@@ -216,6 +217,9 @@ class NavigationTopics:
             self._tracker = track_current(self._tracker, Pose2(*path.poses[-1]), self._node.steady())
 
     def _take_current_goal(self, goal: PlacedPose) -> None:
+        kept, self._kept = self._kept, False
+        if kept and self._tracker.goal_id and not self._tracker.report.over:
+            return  # it may be older than the goal that was sent meanwhile, whose state tells if another replaces it
         self._tracker = track_current(self._tracker, goal.pose, self._node.steady())
 
     def _take_hold(self, text: str) -> None:

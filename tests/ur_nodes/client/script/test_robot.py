@@ -137,6 +137,18 @@ def test_program_that_follows_a_lost_one_waits_for_the_lease(tmp_path: Path, mon
     assert turns[0] == pytest.approx(0.5, abs=0.2)
 
 
+def test_goal_before_that_arrives_late_is_no_take_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_HOME", str(tmp_path))
+    late: dict[str, int] = {}
+    stage = FirstDrive(delay=lambda topic: late.get(topic, 0))
+    with connect(stage, "first") as robot:
+        here = robot.go_to(0.4, 0.0)
+    late["/move_base/current_goal"] = 300_000_000  # ns: after the next goal was sent
+    with connect(stage, "second") as robot:
+        there = robot.go_to(here.x + 0.4, here.y)
+    assert there.x - here.x == pytest.approx(0.4, abs=0.2)
+
+
 def test_goal_of_a_robot_that_falls_silent_is_lost(stage: FirstDrive, robot: Robot) -> None:
     here = robot.pose()
     for name in ("/move_base", "/cmd_vel_mux"):
