@@ -29,7 +29,8 @@ async def test_screenshot_is_the_same_each_time_and_loads_nothing(tool: Any) -> 
 @pytest.mark.parametrize("name", ["people", "script"])
 async def test_picture_is_the_one_of_the_page(tool: Any, name: str) -> None:
     made = await tool.take_screenshot((96, 32), False, name)
-    assert made == (ROOT / f"docs/images/{name}.svg").read_text(encoding="utf-8"), f"run tools/make_screenshot.py {name}"
+    found = (ROOT / f"docs/images/{name}.svg").read_text(encoding="utf-8")
+    assert made == found, f"run tools/make_screenshot.py {name}"
 
 
 def test_committed_screenshot_is_small() -> None:
