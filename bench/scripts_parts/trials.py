@@ -109,9 +109,9 @@ def run_trial(
 
     `forget` lets the screens begin anew.
     """
-    _, problem = laptop.start(str(PARTS / "victim.py"), "home").communicate(timeout=_PATIENCE)
-    if problem:
-        return {"problem": f"did not come home: {problem[-300:]}"}
+    home = laptop.start(str(PARTS / "victim.py"), "home")
+    if home.wait(_PATIENCE):
+        return {"problem": f"did not come home: {home.communicate()[1][-300:]}"}
     script = laptop.start(str(PARTS / "victim.py"), mode)
     try:
         if not wait(witness.is_fast, script):
