@@ -63,7 +63,7 @@ class Verdict:
     violations: list[str] = field(default_factory=list)
 
 
-class Person:
+class OtherDriver:
     """A person at another computer, who takes the robot over or stops it, and lets go."""
 
     def __init__(self, robot: AssistedRobot) -> None:
@@ -88,7 +88,7 @@ class Person:
 
 async def run_sequences(robot: AssistedRobot, seeds: range) -> Verdict:
     """Run a sequence for each seed on one robot, one after the other."""
-    verdict, person = Verdict(), Person(robot)
+    verdict, person = Verdict(), OtherDriver(robot)
     for seed in seeds:
         begin, allowed = len(robot.samples), await _run_sequence(robot, person, random.Random(seed), verdict)
         verdict.sequences += 1
@@ -115,7 +115,7 @@ def judge(samples: list[tuple[float, float, float, float, float]], allowed: list
     return found[:3]
 
 
-async def _run_sequence(robot: AssistedRobot, person: Person, choose: random.Random, verdict: Verdict) -> list[Allowed]:
+async def _run_sequence(robot: AssistedRobot, person: OtherDriver, choose: random.Random, verdict: Verdict) -> list[Allowed]:
     """Calls and events at random; returns what was allowed when."""
     allowed: list[Allowed] = []
     tasks: list[asyncio.Task[object]] = []
