@@ -115,7 +115,9 @@ def judge(samples: list[tuple[float, float, float, float, float]], allowed: list
     return found[:3]
 
 
-async def _run_sequence(robot: AssistedRobot, person: OtherDriver, choose: random.Random, verdict: Verdict) -> list[Allowed]:
+async def _run_sequence(
+    robot: AssistedRobot, person: OtherDriver, choose: random.Random, verdict: Verdict
+) -> list[Allowed]:
     """Calls and events at random; returns what was allowed when."""
     allowed: list[Allowed] = []
     tasks: list[asyncio.Task[object]] = []
