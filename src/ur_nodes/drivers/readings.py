@@ -80,7 +80,7 @@ class MeasuredBeams:
     that it failed (REP 117). `turn_time`: s a turn, as the device measures it; 0.0 where it does not. `behind`: how far
     (rad) the head has turned on since the last of them, when the device sent it. `sending`: s that their last frame
     took on the line. `frames`: how many brought them. `complete`: they are a whole turn, of a table that the device
-    keeps and goes on filling.
+    keeps and goes on filling; `turn_time` is known then.
     """
 
     phases: NDArray[np.float64]

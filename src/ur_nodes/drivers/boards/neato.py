@@ -35,18 +35,20 @@ _MOST = 16384  # bytes of an answer: that of the lidar has 7,000
 _SLOWEST = 0.5  # mm/s
 _STOPS = 3  # times that a stop is sent
 _PATIENCE = 10  # beats without an answer, after which the next question is sent
-_TURN = 4  # beats in which each question is asked once; the battery's less often
+_TURN = 4  # beats in which each question is asked; the battery's less often
 _SECONDS = 5  # turns between two questions for the battery
 _BEAMS = 360
 _FEWEST = 180  # beams of a table that is used
 _REACH = 16.0  # m; what is beyond is the number of an error
-_BEAM = re.compile(r"(\d{1,3}),(\d{1,5}),(\d{1,5}),([0-9A-Fa-f]{1,4})")
+_BEAM = re.compile(r"^(\d{1,3}),(\d{1,5}),(\d{1,5}),([0-9A-Fa-f]{1,4})[ \r]*$", re.MULTILINE)
+_RATE = re.compile(r"^ROTATION_SPEED, *(\d{1,2}(?:\.\d{1,3})?)[ \r]*$", re.MULTILINE)
 _BUMPERS = {"LSIDEBIT": "left_side", "LFRONTBIT": "left_front", "RFRONTBIT": "right_front", "RSIDEBIT": "right_side"}
 _CLIFFS = {"LeftDropInMM": "left", "RightDropInMM": "right", "DropSensorLeft": "left", "DropSensorRight": "right"}
 _MOTORS, _SCAN, _SWITCHES, _FLOOR, _CHARGER = (
     "GetMotors LeftWheel RightWheel", "GetLDSScan", "GetDigitalSensors", "GetAnalogSensors", "GetCharger"
 )  # fmt: skip
-_AGENDA = (_SCAN, _SWITCHES, _FLOOR, _SWITCHES)
+_AGENDA = ((_SCAN,), (_SWITCHES, _FLOOR), (_SCAN,), (_SWITCHES,))
+"""The questions of each beat: the table of the lidar twice in a turn, since what differs tells where its head is."""
 
 
 class Neato:
@@ -118,17 +120,18 @@ class Neato:
         if 0 < self._waiting <= _PATIENCE:
             return b""
         self._waiting, self._asked = 0, True
-        second = self._beats % (_TURN * _SECONDS) == 0
-        return _line(_AGENDA[self._beats % _TURN]) + (_line(_CHARGER) if second else b"") + _line(_MOTORS)
+        charger = (_CHARGER,) if self._beats % (_TURN * _SECONDS) == 0 else ()
+        return b"".join(map(_line, (*_AGENDA[self._beats % _TURN], *charger, _MOTORS)))
 
     def _read(self, answer: str) -> Iterator[Reading]:
+        if rate := _RATE.search(answer):
+            yield from _read_scan(answer, float(rate[1]))
+            return
         lines = [line.strip() for line in answer.splitlines()]
         cells = {line.split(",")[0]: [cell.strip() for cell in line.split(",")[1:]] for line in lines if "," in line}
         left, right = (_number(cells, f"{side}Wheel_PositionInMM") for side in ("Left", "Right"))
         if not (math.isnan(left) or math.isnan(right)):
             yield Counts(round(left), round(right))
-        if "ROTATION_SPEED" in cells:
-            yield from _read_scan(lines, _number(cells, "ROTATION_SPEED"))
         if "LSIDEBIT" in cells:
             yield Contacts("bumper", tuple((name, _number(cells, key) == 1.0) for key, name in _BUMPERS.items()))
             lifted = any(_number(cells, f"SNSR_{side}_WHEEL_EXTENDED") == 1.0 for side in ("LEFT", "RIGHT"))
@@ -175,15 +178,13 @@ def _number(cells: Mapping[str, list[str]], key: str) -> float:
     return NOT_MEASURED
 
 
-def _read_scan(lines: list[str], rate: float) -> Iterator[Reading]:
-    ranges, brightness, found = np.full(_BEAMS, np.inf), np.zeros(_BEAMS), 0
-    for line in lines:
-        if not (match := _BEAM.fullmatch(line)) or int(match[1]) >= _BEAMS:
-            continue
-        angle, metres = int(match[1]), int(match[2]) / 1000.0
-        found += 1
-        brightness[angle] = int(match[3])
-        if int(match[4], 16) == 0 and 0.0 < metres < _REACH:
-            ranges[angle] = metres
-    if found >= _FEWEST and rate > 0.0:
-        yield MeasuredBeams(np.radians(np.arange(_BEAMS)), ranges, brightness, turn_time=1.0 / rate, complete=True)
+def _read_scan(answer: str, rate: float) -> Iterator[Reading]:
+    rows = np.array([(int(a), int(b), int(c), int(d, 16)) for a, b, c, d in _BEAM.findall(answer)]).reshape(-1, 4)
+    rows = rows[rows[:, 0] < _BEAMS]
+    if len(rows) < _FEWEST or rate <= 0.0:
+        return
+    ranges, brightness = np.full(_BEAMS, np.inf), np.zeros(_BEAMS)
+    metres = rows[:, 1] / 1000.0
+    ranges[rows[:, 0]] = np.where((rows[:, 3] == 0) & (metres > 0.0) & (metres < _REACH), metres, np.inf)
+    brightness[rows[:, 0]] = rows[:, 2]
+    yield MeasuredBeams(np.radians(np.arange(_BEAMS)), ranges, brightness, turn_time=1.0 / rate, complete=True)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur.robot.base import Lidar
+from ur_nodes.drivers.lidars.table_head import TableHead
 from ur_nodes.drivers.readings import MeasuredBeams
 from ur_nodes.ports.values import Scan
 
@@ -36,6 +37,7 @@ class TurnCollector:
         self._begun: float | None = None  # ns
         self._stamp = 0  # of the last beams
         self._turn_time = 1.0 / lidar.rate  # s; of the last turn
+        self._head = TableHead()
 
     def forget(self) -> None:
         """The device was away: the turn that was begun is left out."""
@@ -69,13 +71,20 @@ class TurnCollector:
         self._last = float(passed[-1])
         return scans
 
-    def _take_table(self, beams: MeasuredBeams, stamp: int) -> list[Scan]:
-        """A whole turn at once: each beam was measured within the last one, on average half a turn ago."""
-        angles = (-beams.phases if beams.clockwise else beams.phases) + self._offset
-        self._put(angles, beams.ranges, beams.intensities)
-        self._begun = stamp - (beams.turn_time or self._turn_time) * _SECOND
+    def _take_table(self, table: MeasuredBeams, stamp: int) -> list[Scan]:
+        """Take what is new in a table; where that is not known, each beam was measured half a turn ago, on average."""
+        found = self._head.follow(table, stamp)
+        if found:
+            new, beyond = found
+            arrays = (table.phases[new], table.ranges[new], table.intensities[new])
+            behind = beyond * _FULL / len(table.phases)
+            return self.take(MeasuredBeams(*arrays, table.clockwise, table.turn_time, behind), stamp)
+        angles = (-table.phases if table.clockwise else table.phases) + self._offset
+        self._put(angles, table.ranges, table.intensities)
+        self._begun = stamp - table.turn_time * _SECOND
         middle = stamp - round((stamp - self._begun) / 2.0)
-        scans = self._finish(float(stamp), clockwise=beams.clockwise)
+        scans = self._finish(float(stamp), clockwise=table.clockwise)
+        self.forget()
         return [replace(scan, stamp=middle, time_increment=0.0) for scan in scans]
 
     def _put(self, angles: NDArray[np.float64], ranges: NDArray[np.float64], intensities: NDArray[np.float64]) -> None:
