@@ -36,6 +36,17 @@ def test_new_base_starts_its_drivers_and_their_stand_ins(tmp_path: Path) -> None
     assert values["/base_driver/device_folder"] == values["/simulator/devices"]
 
 
+@pytest.mark.parametrize(("given", "speeds"), [([], (0.22, 1.82)), (["--velocity", "0.2"], (0.2, 1.82))])
+def test_speeds_of_a_turtlebot3_are_those_of_its_makers_unless_given(
+    tmp_path: Path, given: list[str], speeds: tuple[float, float]
+) -> None:
+    own = str(tmp_path / "own")
+    words = ["new", "base", "burger", "--workspace", own, "--summary", "It drives.", *FIGURES]
+    assert main([*words, "--driver", "turtlebot3", *given]) == 0
+    limits = load_base(tmp_path / "own" / "share" / "ubiquity_launches", "burger").limits
+    assert (limits.velocity, limits.angular_velocity) == speeds
+
+
 @pytest.mark.parametrize(
     ("option", "name", "help_"),
     [

@@ -140,7 +140,8 @@ class DriverRig(DrivenStage):
         world = read_world(own.text("world_file"))
         settings = read_settings(own, simulated_clock=False)
         simulation = simulator_node.make_simulation(own, world, self.base)
-        self.bench = DeviceBench(simulation, Path("/dev"), connect=self._connect_device)
+        seed = own.integer("seed", 0)
+        self.bench = DeviceBench(simulation, Path("/dev"), seed, connect=self._connect_device)
         self.simulation = simulation
         Operation(node, simulation, settings, None, self.bench).begin()
         self.add("base_driver", self._start_base)

@@ -185,13 +185,14 @@ def new_base(
     """
     from ur.cli.files.base_from import describe_base
     from ur.tools.new.description import check_source, refuse_arguments
-    from ur.tools.new.drivers import check_driver, driver_files, driver_lines
+    from ur.tools.new.drivers import check_driver, driver_files, driver_lines, driver_speeds
     from ur.tools.new.package import write_base
     from ur.tools.new.parts import NewFile
     from ur.tools.new.target import next_step, target_of
 
     check_driver("--driver", driver, "")
     check_driver("--lidar-driver", lidar_driver, "lidar")
+    figures = driver_speeds(driver) | {key: given for key, given in figures.items() if given is not None}
     if source is not None:
         check_source(Path(source))
     place = target_of(package, workspace)

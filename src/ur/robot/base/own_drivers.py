@@ -11,6 +11,7 @@ class OwnDriver:
     """A driver: `what` describes the hardware; the others are its device file, baud rate and known device.
 
     `sensor` is '' for the driver of a base; `baud` is 0 for the protocol's default, or where there is no serial line.
+    `fastest` are the m/s and rad/s that every robot with this board can drive, where its makers say so.
     """
 
     what: str
@@ -18,6 +19,7 @@ class OwnDriver:
     device: str
     baud: int = 0
     hardware: str = ""
+    fastest: tuple[float, float] | None = None
 
     @property
     def node(self) -> str:
@@ -37,7 +39,7 @@ OWN_DRIVERS: Mapping[str, OwnDriver] = {
     "loki": OwnDriver("the board of a Loki", "", "/dev/ttyAMA0", 115200, "pi-uart"),
     "magni": OwnDriver("the motor board of a Magni", "", "/dev/ttyAMA0", 38400, "pi-uart"),
     "neato": OwnDriver("a Neato Botvac or XV-11", "", "/dev/neato", 115200, "neato"),
-    "turtlebot3": OwnDriver("the OpenCR board of a TurtleBot3", "", "/dev/opencr", 1000000, "opencr"),
+    "turtlebot3": OwnDriver("the OpenCR board of a TurtleBot3", "", "/dev/opencr", 1000000, "opencr", (0.22, 1.82)),
     "rplidar": OwnDriver("an RPLIDAR, standard scans", "lidar", "/dev/rplidar", 115200, "rplidar"),
     "rplidar_express": OwnDriver("an RPLIDAR, express scans", "lidar", "/dev/rplidar", 115200, "rplidar"),
     "hokuyo": OwnDriver("a Hokuyo URG or UTM", "lidar", "/dev/hokuyo", 115200, "hokuyo"),

@@ -43,6 +43,12 @@ def check_driver(option: str, name: str | None, sensor: str) -> None:
     raise UserError(error(message, rule="unknown-driver", help=help_, subject=name))
 
 
+def driver_speeds(driver: str | None) -> dict[str, float]:
+    """Return the highest speeds of a base with a driver, by the names of its figures; empty where it knows none."""
+    fastest = OWN_DRIVERS[driver].fastest if driver else None
+    return dict(zip(("velocity", "angular_velocity"), fastest, strict=True)) if fastest else {}
+
+
 def driver_lines(driver: str | None, lidar: str | None) -> str:
     """Return the lines of base.yaml that name the drivers."""
     lines = f"driver: {driver} # {OWN_DRIVERS[driver].what}, at {OWN_DRIVERS[driver].device}\n" if driver else ""

@@ -33,9 +33,7 @@ class Table:
             self._passed = beam + 1
         ranges = self._ranges.copy()
         ranges[self._random.choice(BEAMS, self._noise, replace=False)] = self._random.random(self._noise) + 5.0
-        return MeasuredBeams(
-            np.radians(np.arange(BEAMS)), ranges, np.zeros(BEAMS), turn_time=1.0 / RATE, complete=True
-        )
+        return MeasuredBeams(np.radians(np.arange(BEAMS)), ranges, np.zeros(BEAMS), turn_time=1.0 / RATE, complete=True)
 
 
 def collect(table: Table, period: float, seconds: float = 4.0) -> list[Scan]:
