@@ -28,8 +28,8 @@ BATCH = 64
 class StillPlant:
     """What stand-ins ask of a robot, without one."""
 
-    def __init__(self) -> None:
-        self.base = load("create2", "lidar")
+    def __init__(self, base: str = "create2", variant: str = "lidar") -> None:
+        self.base = load(base, variant)
         self.time = 0.0
 
     def turn_wheels(self, left: float, right: float) -> None:
@@ -48,7 +48,7 @@ class StillPlant:
         return {}
 
     def sonars(self) -> list[float]:
-        return [1.0, 0.5, 9.0]
+        return [1.0, 0.5, 9.0, *[2.0] * 13]
 
     def ranges(self) -> Any:
         return 1.0 + random.Random(int(self.time * 100)).random() + np.arange(360) / 100.0

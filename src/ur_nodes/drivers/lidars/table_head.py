@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ur_nodes.drivers.readings import MeasuredBeams
@@ -55,9 +56,8 @@ def _locate(weights: NDArray[np.int64]) -> tuple[float, float] | None:
     Weights (n,): 1 for a beam that was measured again, -1 for one that was not, 0 for one that does not tell.
     """
     size = len(weights)
-    sums = np.concatenate(([0], np.cumsum(np.tile(weights, 2)))).astype(np.int32)
-    begins = np.arange(size)
-    arcs = sums[begins[:, None] + np.arange(size + 1)] - sums[begins, None]
+    sums = np.concatenate(([0], np.cumsum(np.tile(weights, 2)))).astype(np.int16)
+    arcs = sliding_window_view(sums[:-1], size + 1) - sums[:size, None]
     begin, length = divmod(int(np.argmax(arcs)), size + 1)
     most = arcs[begin, length]
     if most < _LEAST:
