@@ -51,7 +51,7 @@ class TableHead:
 
 
 def _locate(weights: NDArray[np.int64]) -> tuple[float, float] | None:
-    """Where the head may be, from and to, by the arc of most weight that ends there; None: no arc has enough.
+    """Find from where to where the head may be, by the arc of most weight that ends there; None: no arc has enough.
 
     Weights (n,): 1 for a beam that was measured again, -1 for one that was not, 0 for one that does not tell.
     """
