@@ -192,7 +192,7 @@ def new_base(
 
     check_driver("--driver", driver, "")
     check_driver("--lidar-driver", lidar_driver, "lidar")
-    figures = driver_speeds(driver) | {key: given for key, given in figures.items() if given is not None}
+    figures = {**driver_speeds(driver), **{key: given for key, given in figures.items() if given is not None}}
     if source is not None:
         check_source(Path(source))
     place = target_of(package, workspace)
