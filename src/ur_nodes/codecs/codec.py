@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-from ur_nodes.codecs.dialect import Headed, ServiceMessages, time_of
+from ur_nodes.codecs.dialect import Headed, ServiceFailureError, ServiceMessages, time_of
 from ur_nodes.ports.values import Result
 
 Message = TypeVar("Message")
@@ -49,6 +49,19 @@ KindCodec = Codec[Any, Value]
 """The codec of a kind of value; only the codec knows the class of the messages."""
 
 KindServiceCodec = ServiceCodec[Any, Any, Value]
+
+
+def value_or_fail(result: Result) -> Any:
+    """Return the value of a service's result. Raises ServiceFailureError: the answer has no field for the failure."""
+    if not result.success:
+        raise ServiceFailureError(result.text)
+    return result.value
+
+
+def response_or_fail(result: Result, response: Response) -> Response:
+    """Return a response that has no field for a failure. Raises ServiceFailureError."""
+    value_or_fail(result)
+    return response
 
 
 def fill_header(message: Headed, stamp: int, frame: str) -> None:

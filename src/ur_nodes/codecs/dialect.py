@@ -27,18 +27,11 @@ _SECOND = 1_000_000_000
 if ROS_2 and not TYPE_CHECKING:  # types are those of ROS 1, whose stubs have the fields of both
     from builtin_interfaces.msg import Duration as DurationMessage
     from builtin_interfaces.msg import Time as TimeMessage
-    from geometry_msgs.msg import PoseArray as PosesMessage
-    from nav_msgs.msg import OccupancyGrid as GridMessage
-    from nav_msgs.srv import GetMap as GridService
     from rcl_interfaces.msg import Log as LogMessage
     from sensor_msgs.msg import LaserScan as ScanMessage
 
     from ur_nodes.codecs import bare
 
-    try:
-        from map_msgs.msg import OccupancyGridUpdate as GridUpdate
-    except ImportError:
-        GridUpdate = bare.BareGridUpdate
     try:
         from tf2_msgs.msg import TFMessage as Transforms
     except ImportError:
@@ -49,19 +42,12 @@ else:
     from std_msgs.msg import Time as TimeMessage
     from tf2_msgs.msg import TFMessage as Transforms
 
-    from ur_nodes.codecs.genpy.grid import GridMessage, GridService
-    from ur_nodes.codecs.genpy.grid_update import GridUpdate
-    from ur_nodes.codecs.genpy.poses import PosesMessage
     from ur_nodes.codecs.genpy.scan import ScanMessage
 
 __all__ = [
     "ROS_2",
-    "GridMessage",
-    "GridService",
-    "GridUpdate",
     "Headed",
     "LogMessage",
-    "PosesMessage",
     "ScanMessage",
     "ServiceMessages",
     "TimeMessage",

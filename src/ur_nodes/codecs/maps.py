@@ -7,18 +7,37 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from nav_msgs.msg import MapMetaData, OccupancyGrid
+from nav_msgs.srv import SetMap
 
 from ur.source.diagnostic import UserError, error
-from ur_nodes.codecs.codec import Codec, fill_header, frame_of
-from ur_nodes.codecs.dialect import GridMessage, GridUpdate, array_of, field_of, stamp_of, time_of
+from ur_nodes.codecs import places
+from ur_nodes.codecs.codec import Codec, ServiceCodec, fill_header, frame_of, response_or_fail, value_or_fail
+from ur_nodes.codecs.dialect import ROS_2, array_of, field_of, parts_of, stamp_of, time_of
 from ur_nodes.codecs.geometry import fill_pose, pose_message, pose_of_message
 from ur_nodes.geometry.grid import Grid
-from ur_nodes.ports.values import Map, MapInfo, MapUpdate
+from ur_nodes.ports.services import AskMap, Place, UseMap
+from ur_nodes.ports.values import Map, MapInfo, MapUpdate, PoseEstimate, Result
 
 if TYPE_CHECKING:
     from genpy import Time
 
+    from ur_nodes.codecs.genpy.grid import GridResponse
+
+if ROS_2 and not TYPE_CHECKING:  # as in `dialect`
+    from nav_msgs.msg import OccupancyGrid as GridMessage
+    from nav_msgs.srv import GetMap as GridService
+
+    try:
+        from map_msgs.msg import OccupancyGridUpdate as GridUpdate
+    except ImportError:
+        from ur_nodes.codecs.bare import BareGridUpdate as GridUpdate
+else:
+    from ur_nodes.codecs.genpy.grid import GridMessage, GridService
+    from ur_nodes.codecs.genpy.grid_update import GridUpdate
+
 _FINEST = 1e-4  # m
+_MapRequest, _MapResponse = parts_of(GridService)
+_UseRequest, _UseResponse = parts_of(SetMap)
 
 
 def fill_map(message: OccupancyGrid, value: Map) -> None:
@@ -102,8 +121,69 @@ def _update_of(message: GridUpdate) -> MapUpdate:
     return MapUpdate(stamp_of(message.header.stamp), frame_of(message), message.y, message.x, values)
 
 
+def _map_response(result: Result) -> GridResponse:
+    response = _MapResponse()
+    response.map = GridMessage()
+    fill_map(response.map, value_or_fail(result))
+    return response
+
+
+def _use_map_request(value: UseMap) -> SetMap.Request:
+    request = _UseRequest()
+    request.map = GridMessage()
+    fill_map(request.map, value.map)
+    start = PoseEstimate(value.stamp, value.frame, value.pose, value.covariance)
+    places.fill_estimate(request.initial_pose, start)
+    return request
+
+
+def _use_map_of(request: SetMap.Request) -> UseMap:
+    start = places.estimate_of(request.initial_pose)
+    return UseMap(map_of(request.map), start.stamp, start.frame, start.pose, start.covariance)
+
+
+def _use_map_response(result: Result) -> SetMap.Response:
+    return response_or_fail(result, _UseResponse(success=True)) if result.text else _UseResponse(success=result.success)
+
+
+def _place_request(value: Place) -> SetMap.Request:
+    request = _UseRequest()
+    request.map.header.frame_id, request.initial_pose.header.frame_id = value.name, value.frame
+    fill_pose(request.initial_pose.pose.pose, value.pose)
+    return request
+
+
+def _place_of(request: SetMap.Request) -> Place:
+    start = request.initial_pose
+    return Place(str(request.map.header.frame_id), frame_of(start), pose_of_message(start.pose.pose))
+
+
 CODECS = {
     Map: Codec(GridMessage, fill_map, map_of),
     MapInfo: Codec(MapMetaData, _fill_info, _info_of),
     MapUpdate: Codec(GridUpdate, _fill_update, _update_of),
+}
+
+SERVICES = {
+    AskMap: ServiceCodec(
+        GridService,
+        lambda _value: _MapRequest(),
+        lambda _request: AskMap(),
+        _map_response,
+        lambda response: Result(success=True, value=map_of(response.map)),
+    ),
+    UseMap: ServiceCodec(
+        SetMap,
+        _use_map_request,
+        _use_map_of,
+        _use_map_response,
+        lambda response: Result(bool(response.success)),
+    ),
+    Place: ServiceCodec(
+        SetMap,
+        _place_request,
+        _place_of,
+        lambda result: response_or_fail(result, _UseResponse(success=True)),
+        lambda response: Result(bool(response.success)),
+    ),
 }

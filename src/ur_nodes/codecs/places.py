@@ -5,20 +5,29 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from geometry_msgs.msg import Point32, PolygonStamped, PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Path as PathMessage
+from nav_msgs.srv import GetPlan
 from numpy.typing import NDArray
 
-from ur_nodes.codecs.codec import Codec, fill_header, frame_of
-from ur_nodes.codecs.dialect import ROS_2, PosesMessage, stamp_of
+from ur_nodes.codecs.codec import Codec, ServiceCodec, fill_header, frame_of, value_or_fail
+from ur_nodes.codecs.dialect import ROS_2, parts_of, stamp_of
 from ur_nodes.codecs.geometry import fill_pose, pose_message, pose_of_message
 from ur_nodes.codecs.matrices import matrix_of, numbers_of
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.ports.values import Outline, Path, PlacedPose, PoseEstimate, Poses
+from ur_nodes.ports.services import AskPath
+from ur_nodes.ports.values import Outline, Path, PlacedPose, PoseEstimate, Poses, Result
+
+if ROS_2 and not TYPE_CHECKING:  # as in `dialect`
+    from geometry_msgs.msg import PoseArray as PosesMessage
+else:
+    from ur_nodes.codecs.genpy.poses import PosesMessage
 
 _UNIT_SLACK = 0.1
+_PlanRequest, _PlanResponse = parts_of(GetPlan)
 
 
 def fill_placed(message: PoseStamped, value: PlacedPose) -> None:
@@ -103,10 +112,33 @@ def _rows(poses: Iterable[Pose2]) -> NDArray[np.float64]:
     return np.array(list(poses), dtype=np.float64).reshape(-1, 3)
 
 
+def _ask_path_request(value: AskPath) -> GetPlan.Request:
+    request = _PlanRequest(start=PoseStamped(), goal=PoseStamped(), tolerance=value.tolerance)
+    fill_placed(request.start, value.start)
+    fill_placed(request.goal, value.goal)
+    return request
+
+
+def _path_response(result: Result) -> GetPlan.Response:
+    response = _PlanResponse()
+    fill_path(response.plan, value_or_fail(result))
+    return response
+
+
 CODECS = {
     PlacedPose: Codec(PoseStamped, fill_placed, placed_of),
     PoseEstimate: Codec(PoseWithCovarianceStamped, fill_estimate, estimate_of),
     Poses: Codec(PosesMessage, _fill_poses, _poses_of),
     Path: Codec(PathMessage, fill_path, path_of),
     Outline: Codec(PolygonStamped, _fill_outline, _outline_of),
+}
+
+SERVICES = {
+    AskPath: ServiceCodec(
+        GetPlan,
+        _ask_path_request,
+        lambda request: AskPath(target_of(request.start), target_of(request.goal), float(request.tolerance)),
+        _path_response,
+        lambda response: Result(success=True, value=path_of(response.plan)),
+    ),
 }

@@ -22,7 +22,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from ur_nodes.loop import Worker
 
 if TYPE_CHECKING:
-    from rclpy.node import Context, Subscription
+    from rclpy.node import Context, Service, Subscription
     from rclpy.qos import QoSProfile
 
 _MOST_AT_ONCE = 20  # messages of a topic, while others wait
@@ -148,6 +148,18 @@ class ReceivingNode(rclpy.node.Node):
             event_callbacks=event_callbacks or SubscriptionEventCallbacks(use_default_callbacks=False),
             raw=raw,
         )
+
+    def create_service(
+        self,
+        srv_type: object,
+        srv_name: str,
+        callback: Callable[..., object],
+        *,
+        qos_profile: QoSProfile | None = None,  # noqa: ARG002
+        callback_group: CallbackGroup | None = None,
+    ) -> Service:
+        """See rclpy's Node. All services keep 10 requests; rclpy's own for parameters would hold memory for 1000."""
+        return super().create_service(srv_type, srv_name, callback, callback_group=callback_group)
 
     def destroy_subscription(self, subscription: Subscription) -> bool:
         """See rclpy's Node."""

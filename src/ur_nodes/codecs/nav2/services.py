@@ -11,7 +11,7 @@ from typing import Any
 
 from ur_nodes.codecs import maps, places
 from ur_nodes.codecs.codec import KindServiceCodec, ServiceCodec
-from ur_nodes.codecs.dialect import GridMessage, ServiceMessages, parts_of
+from ur_nodes.codecs.dialect import ServiceMessages, parts_of
 from ur_nodes.ports.services import (
     ClearCostmap,
     LoadMap,
@@ -48,7 +48,7 @@ def _load_map(service: _Service) -> _Made:
 
     def respond(result: Result) -> _Message:
         response = response_class()
-        response.map = GridMessage()
+        response.map = maps.GridMessage()
         if result.success:
             maps.fill_map(response.map, result.value)  # type: ignore[arg-type]  # LoadMap is answered with a Map
         else:

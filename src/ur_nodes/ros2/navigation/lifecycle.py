@@ -6,12 +6,13 @@ Nodes of this project have no lifecycle: they are active from their start to the
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from lifecycle_msgs.msg import State
-from lifecycle_msgs.srv import GetState
 from rclpy.node import Node
-from std_srvs.srv import Trigger
+
+if TYPE_CHECKING:
+    from lifecycle_msgs.srv import GetState
+    from std_srvs.srv import Trigger
 
 STANDS_IN: Final = {
     "amcl": ("amcl",),
@@ -28,13 +29,20 @@ MANAGERS: Final = {"amcl": "lifecycle_manager_localization", "move_base": "lifec
 def answer_for_managed_nodes(node: Node) -> None:
     """Offer the services of the managed node that this one replaces; nothing for other nodes."""
     name = node.get_name()
-    for managed in STANDS_IN.get(name, ()):
-        node.create_service(GetState, f"{managed}/get_state", _answer_state)
+    if name in STANDS_IN:
+        from lifecycle_msgs.srv import GetState
+
+        for managed in STANDS_IN[name]:
+            node.create_service(GetState, f"{managed}/get_state", _answer_state)
     if name in MANAGERS:
+        from std_srvs.srv import Trigger
+
         node.create_service(Trigger, f"{MANAGERS[name]}/is_active", _answer_active)
 
 
 def _answer_state(_request: GetState.Request, response: GetState.Response) -> GetState.Response:
+    from lifecycle_msgs.msg import State
+
     response.current_state = State(id=State.PRIMARY_STATE_ACTIVE, label="active")
     return response
 
