@@ -22,7 +22,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from ur_nodes.loop import Worker
 
 if TYPE_CHECKING:
-    from rclpy.node import Context, Service, Subscription
+    from rclpy.node import Context, Subscription
     from rclpy.qos import QoSProfile
 
 _MOST_AT_ONCE = 20  # messages of a topic, while others wait
@@ -157,7 +157,7 @@ class ReceivingNode(rclpy.node.Node):
         *,
         qos_profile: QoSProfile | None = None,  # noqa: ARG002
         callback_group: CallbackGroup | None = None,
-    ) -> Service:
+    ) -> object:
         """See rclpy's Node. All services keep 10 requests; rclpy's own for parameters would hold memory for 1000."""
         return super().create_service(srv_type, srv_name, callback, callback_group=callback_group)
 
