@@ -64,7 +64,7 @@ def test_set_up_changes_nothing_of_ros2_and_can_be_taken_back(pair: Bench) -> No
     laptop, robot = pair["laptop"], pair["robot"]
     before = robot.run(SNAPSHOT).out
     shown = set_up(laptop, "--dry-run").check()
-    assert "ROS 2 Jazzy (domain 7; commands: /cmd_vel), which stays as it is" in shown.out
+    assert "ROS 2 Jazzy (domain 7; commands: /cmd_vel, Twist), which stays as it is" in shown.out
     assert robot.run("ls /etc/ubiquity /home/ros/ubiquity_launches 2>/dev/null").out == ""
     done = set_up(laptop).check()
     assert "ready after" in done.out
