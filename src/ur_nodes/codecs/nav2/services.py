@@ -9,7 +9,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
-from ur_nodes.codecs import maps, places
+from ur_nodes.codecs import find_codec, maps, places
 from ur_nodes.codecs.codec import KindServiceCodec, ServiceCodec
 from ur_nodes.codecs.dialect import ServiceMessages, parts_of
 from ur_nodes.ports.services import (
@@ -22,7 +22,7 @@ from ur_nodes.ports.services import (
     SerializeMap,
     SetInitialPose,
 )
-from ur_nodes.ports.values import Result
+from ur_nodes.ports.values import Map, Result
 
 _Message = Any  # of packages that are not installed where types are checked
 _Service = ServiceMessages[_Message, _Message]
@@ -48,7 +48,7 @@ def _load_map(service: _Service) -> _Made:
 
     def respond(result: Result) -> _Message:
         response = response_class()
-        response.map = maps.GridMessage()
+        response.map = find_codec(Map).message_class()
         if result.success:
             maps.fill_map(response.map, result.value)  # type: ignore[arg-type]  # LoadMap is answered with a Map
         else:
