@@ -41,10 +41,15 @@ class PlaceFit:
         """Return whether the scan fits this pose well."""
         return self.agreement >= _GOOD and self.through <= _CLEAR
 
+    @property
+    def is_contradicted(self) -> bool:
+        """Return whether the scan sees through walls here, which no objects or people can cause."""
+        return self.agreement < LITTLE and self.through > _CONTRADICTED
+
 
 def step_doubt(doubt: float, fit: PlaceFit) -> float:
     """Return the doubt after one more scan: it grows by at most 1, and is at least 0."""
-    if fit.agreement < LITTLE and fit.through > _CONTRADICTED:
+    if fit.is_contradicted:
         return doubt + 1.0
     return doubt + _SLOWLY if fit.agreement < _NEARLY_NONE else max(0.0, doubt - 1.0)
 

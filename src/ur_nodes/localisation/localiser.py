@@ -173,7 +173,7 @@ class ParticleLocaliser:
                 self.scatter()
         elif self._doubt >= LOST:
             self._lost = self.scatter()
-        self._forced = self._lost  # it stands still
+        self._forced = self._lost or fit.is_contradicted  # it may stand still
 
     def _restart(self, poses: NDArray[np.float64]) -> None:
         self._particles = even_particles(keep_needed(poses, self._settings.size))

@@ -107,6 +107,18 @@ def test_robot_that_is_carried_away_is_noticed_and_found(field: LikelihoodField)
     assert math.dist(found[:2], robot.truth[:2]) < 0.05
 
 
+def test_robot_that_is_carried_away_and_then_stands_still_is_noticed(field: LikelihoodField) -> None:
+    localiser, rng = start(field), np.random.default_rng(9)
+    robot = Drifter(Pose2(1.0, -0.6, 0.0), np.random.default_rng(4))
+    localiser.place(robot.truth, SURE)
+    errors_of_drive(localiser, robot, field, 2)
+    robot.truth = Pose2(5.5, 2.5, -2.0)
+    robot.drive(0.3, 0.0)
+    for _ in range(5):
+        localiser.update(robot.odometry, scan_points(field.grid, robot.truth, rng))
+    assert localiser.lost
+
+
 def test_robot_among_people_or_without_its_furniture_is_not_lost(field: LikelihoodField) -> None:
     changed = Grid(field.grid.values.copy(), field.grid.resolution, field.grid.origin)
     changed.values[20:40, 110:124] = changed.values[105:112, 130:150] = 0
