@@ -25,6 +25,7 @@ from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.services import Silent
 
+_DISCOVERY = 5.0  # s after which a graph without the lease of a mux is believed: on ROS 2 nodes find each other late
 _SILENT = 1.0  # s without a message, after which a sender counts as silent
 
 
@@ -54,7 +55,7 @@ class RobotNavigator:
         self._patrol = PatrolLink(node)
         self._lease_topic = node.resolve(f"{names.mux}/lease")
         self._leased = True  # until it is known
-        node.read_graph(self._note_graph)
+        node.after(_DISCOVERY, lambda: node.read_graph(self._note_graph), steady=True)
         node.on_end(self.lease.release)
 
     def snapshot(self) -> RobotSnapshot:

@@ -158,6 +158,18 @@ def test_goal_of_a_robot_that_falls_silent_is_lost(stage: FirstDrive, robot: Rob
         robot.go_to(here.x + 0.8, here.y)
 
 
+def test_goal_waits_for_the_lease_of_a_mux_that_is_found_late(stage: FirstDrive) -> None:
+    stage.bus.nodes["/cmd_vel_mux"].end("it is not found yet")
+    with connect(stage) as robot:
+        stage.bus.at(stage.bus.now + 2_000_000_000, lambda: stage.start("/cmd_vel_mux"))
+        screen = LeaseClient(stage.bus.node("screen"), "cmd_vel_mux", identity=Identity("s", "desk", "", "watch"))
+        drivers: list[str] = []
+        stage.client.every(0.1, lambda: drivers.append(screen.view().program))
+        here = robot.pose()
+        robot.go_to(here.x + 0.4, here.y)
+    assert "script" in drivers
+
+
 def test_limits_of_the_base_hold_for_programs(stage: FirstDrive, robot: Robot) -> None:
     robot.drive(0.0, 50.0, 0.5)
     _, turn = axes_of(stage.base.limits)

@@ -114,7 +114,8 @@ def test_failed_goal_and_malformed_line_exit_with_1(capsys: pytest.CaptureFixtur
 
 def test_missing_parts_are_named_after_the_limit(capsys: pytest.CaptureFixture[str]) -> None:
     assert LineProgram(robot=False).run("g 1 1\n", limits=BatchTimeouts(start=0.2, goal=600.0)) == 2
-    missing = "the map (topic /map) and the robot's pose (tf map -> base_footprint) and navigation (action /move_base)"
+    first = "the map (topic /map) and the robot's pose (tf map -> base_footprint) and navigation (action /move_base)"
+    missing = f"{first} and the lease of the mux (topic /cmd_vel_mux/lease)"
     assert f"still waiting for {missing} after 0.2 s" in capsys.readouterr().err
 
 
