@@ -19,20 +19,20 @@ from ur_nodes.run import run
 def read_settings(parameters: Parameters) -> BlackBoxSettings:
     """Read the settings of the recording."""
     return BlackBoxSettings(
-        parameters.number("~seconds", 120.0, minimum=1.0),
-        parameters.number("~after", 5.0, minimum=0.0),
-        parameters.text("~mux", "cmd_vel_mux"),
-        parameters.text("~navigation", "move_base"),
-        parameters.text("~localiser", "amcl"),
-        parameters.boolean("~cameras", True),
+        parameters.number("seconds", 120.0, minimum=1.0),
+        parameters.number("after", 5.0, minimum=0.0),
+        parameters.text("mux", "cmd_vel_mux"),
+        parameters.text("navigation", "move_base"),
+        parameters.text("localiser", "amcl"),
+        parameters.boolean("cameras", True),
     )
 
 
 def share_memory(parameters: Parameters) -> GuardedMemory:
     """Start the guard of a memory; its files are in `~folder`, of which the newest `~kept` stay."""
-    folder = parameters.text("~folder", "") or recordings_folder(os.environ)
-    size = int(parameters.number("~megabytes", 20.0, minimum=1.0) * 1e6)
-    return GuardedMemory(size, Path(folder).expanduser(), parameters.integer("~kept", 10, minimum=1))
+    folder = parameters.text("folder", "") or recordings_folder(os.environ)
+    size = int(parameters.number("megabytes", 20.0, minimum=1.0) * 1e6)
+    return GuardedMemory(size, Path(folder).expanduser(), parameters.integer("kept", 10, minimum=1))
 
 
 def start(node: Node) -> BlackBox:

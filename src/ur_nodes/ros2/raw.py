@@ -5,34 +5,35 @@ A type that is not installed is received all the same: its publisher gives its n
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import rclpy
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 
 from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.raw import Fields, RawMessage, RecordingRaw, ServiceAnswer, ServiceType
+from ur_nodes.ports.raw import Fields, RawMessage, RecordedMessage, ServiceAnswer, ServiceType
 from ur_nodes.ports.values import Result
 from ur_nodes.ros2 import ends
-from ur_nodes.ros2.messages.bare_type import bare_class, reset_error
-from ur_nodes.ros2.messages.definitions import find_bare, find_class, find_schema, split_type
+from ur_nodes.ros2.messages.definitions import find_bare, find_class, find_schema
 from ur_nodes.ros2.names import name_of
-from ur_nodes.ros2.qualities import offered, requested
+from ur_nodes.ros2.qualities import offered
+from ur_nodes.ros2.recorder.recorder import IntervalRecorder
+from ur_nodes.ros2.recorder.subscriptions import open_subscription
 
 if TYPE_CHECKING:
     import genpy
-    from rclpy.node import Subscription, TopicEndpointInfo
+    from rclpy.node import Subscription
 
 _LOOK = 0.2  # s between two looks for a publisher
 _MOST_WAITING = 20  # messages, each of which may be large
 _FIND = 2.0  # s: a node discovers what there is a moment after it has begun
 
 
-class RosRaw(RecordingRaw):
+class RosRaw:
     """See `ports.raw.Raw`."""
 
     encoding = "cdr"
@@ -47,6 +48,9 @@ class RosRaw(RecordingRaw):
         self, topic: str, take: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
     ) -> RawSubscription:
         return RawSubscription(self._node, self._loop, topic, take, quality)
+
+    def record(self, take: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]) -> IntervalRecorder:
+        return IntervalRecorder(self._node, self._loop, take, clock)
 
     def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> RawPublisher:
         found = find_class(type_name, "msg") or find_bare(type_name)
@@ -122,6 +126,7 @@ class RawSubscription:
         self.topic = str(node.resolve_topic_name(name_of(topic)))
         self._node, self._loop, self._take, self._quality = node, loop, take, quality
         self._subscription: Subscription | None = None
+        self._kind = self._schema = ""
         self._open = True
         self._look()
 
@@ -136,25 +141,16 @@ class RawSubscription:
     def _look(self) -> None:
         if not self._open:
             return
-        found = self._node.get_publishers_info_by_topic(self.topic)
-        if not found:
+        put = self._loop.mailbox(1 if self._quality is Quality.NEWEST else _MOST_WAITING, self._pass_on)
+        opened = open_subscription(self._node, self.topic, self._quality, put)
+        if opened is None:
             self._loop.after(_LOOK, self._look, steady=True)
-            return
-        kind = str(found[0].topic_type)
-        message_class = find_class(kind, "msg") or _bare_class_of(found[0])
-        schema = find_schema(kind, "msg") or ""
+        else:
+            self._subscription, self._kind, self._schema = opened
 
-        def take(data: bytes) -> None:
-            if self._open:
-                self._take(RawMessage(kind, schema, bytes(data)))
-
-        put = self._loop.mailbox(1 if self._quality is Quality.NEWEST else _MOST_WAITING, take)
-        latched = all(each.qos_profile.durability.name == "TRANSIENT_LOCAL" for each in found)
-        profile = requested(Quality.LATCHED_EVERY if latched else self._quality, object)
-        if any(each.qos_profile.reliability.name == "BEST_EFFORT" for each in found):
-            profile.reliability = ReliabilityPolicy.BEST_EFFORT  # the only one that connects to them
-        self._subscription = self._node.create_subscription(message_class, self.topic, put, profile, raw=True)
-        reset_error()
+    def _pass_on(self, data: bytes) -> None:
+        if self._open:
+            self._take(RawMessage(self._kind, self._schema, bytes(data)))
 
 
 def make_message(message_class: type[genpy.Message], fields: Fields, node: Node) -> genpy.Message:
@@ -218,8 +214,3 @@ def _service_type(found: Result) -> Result:
     value: Any = found.value
     kind = value[0]
     return Result(True, value=ServiceType(kind, find_schema(kind, "srv") or ""))
-
-
-def _bare_class_of(publisher: TopicEndpointInfo) -> Any:
-    package, name = split_type(str(publisher.topic_type))
-    return bare_class(package, name, bytes(publisher.topic_type_hash.value).hex())

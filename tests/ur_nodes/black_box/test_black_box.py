@@ -13,10 +13,11 @@ from mcap.reader import make_reader
 from ur.recordings.black_boxes import notify_black_boxes
 from ur.recordings.mcap_file import open_recording
 from ur_nodes.black_box.black_box import BlackBox, BlackBoxSettings
+from ur_nodes.black_box.black_box_node import read_settings, share_memory
 from ur_nodes.black_box.event_socket import EventSocket
 from ur_nodes.black_box.recording_file import list_recordings, write_recording
 from ur_nodes.black_box.ring import Ring
-from ur_nodes.black_box.tape import read_tape
+from ur_nodes.black_box.tape import Tape, read_tape
 from ur_nodes.black_box.triggers import Triggers
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
@@ -259,3 +260,18 @@ def test_black_box_runs_without_a_folder_for_its_socket(tmp_path: Path) -> None:
     node = Bus().node("black_box")
     EventSocket(node, {"XDG_STATE_HOME": str(tmp_path)}, lambda _: None).close()
     assert "the end of other nodes is not noticed" in node.lines[0][1]
+
+
+def test_parameters_of_the_node_are_used(tmp_path: Path) -> None:
+    bus = Bus()
+    node = bus.node("black_box")
+    values = {"seconds": 60.0, "after": 2.0, "cameras": False, "mux": "mux", "folder": str(tmp_path), "kept": 1}
+    for name, value in {**values, "megabytes": 1.0}.items():
+        bus.parameters[f"/black_box/{name}"] = value
+    assert read_settings(node.parameters) == BlackBoxSettings(60.0, 2.0, "mux", cameras=False)
+    memory = share_memory(node.parameters)
+    Tape(Ring(memoryview(memory.block))).note_event(1, "one")
+    assert len(memory.block) == 1_000_000
+    assert {Path(memory.write(["one"])).parent for _ in range(2)} == {tmp_path}
+    assert len(list_recordings(tmp_path)) == 1
+    memory.end()

@@ -1,0 +1,1 @@
+"""Recording of topics of any type on ROS 2."""

@@ -1,0 +1,97 @@
+"""Records topics of ROS 2 by looking for messages at intervals: to be woken by each costs more than all the rest."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from rclpy.callback_groups import CallbackGroup
+from rclpy.impl.implementation_singleton import rclpy_implementation
+
+from ur_nodes.loop import Loop
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.raw import RecordedMessage, RecordedTopic, RecordedType
+from ur_nodes.ros2.recorder.subscriptions import open_subscription
+
+if TYPE_CHECKING:
+    from rclpy.node import Node, Subscription
+
+_PERIOD = 0.05  # s
+_MOST_AT_ONCE = 200  # messages of a topic, while others wait
+_OLDEST = 1_000_000_000  # ns that a message may have waited
+
+
+@dataclass(slots=True)
+class _OpenTopic:
+    """A topic that is recorded: its subscription, and the time of the newest message of it."""
+
+    subscription: Subscription
+    kind: RecordedType
+    last: int = -(10**18)
+
+
+class _Unserved(CallbackGroup):
+    """Leaves executors no work: the recorder takes the messages itself."""
+
+    def can_execute(self, entity: object) -> bool:  # noqa: ARG002
+        """See CallbackGroup."""
+        return False
+
+    def beginning_execution(self, entity: object) -> bool:  # noqa: ARG002
+        """See CallbackGroup."""
+        return False
+
+
+class IntervalRecorder:
+    """See `ports.raw.TopicRecorder`. A message has the time at which the middleware received it."""
+
+    def __init__(
+        self, node: Node, loop: Loop, take: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]
+    ) -> None:
+        self._node, self._take, self._clock = node, take, clock
+        self._group = _Unserved()
+        self._open: dict[str, _OpenTopic] = {}
+        self._periods: dict[str, int] = {}
+        self._beat = loop.every(_PERIOD, self._receive, steady=True)
+
+    def record(self, topics: Sequence[RecordedTopic]) -> None:
+        self._periods = {each.name: int(each.period * 1e9) for each in topics}
+        for name in [name for name in self._open if name not in self._periods]:
+            self._node.destroy_subscription(self._open.pop(name).subscription)
+        for name in self._periods:
+            if name not in self._open:
+                opened = open_subscription(self._node, name, Quality.EVERY, _ignore, self._group)
+                if opened is not None:
+                    subscription, kind, schema = opened
+                    self._open[name] = _OpenTopic(subscription, RecordedType(name, kind, schema))
+
+    def close(self) -> None:
+        self._receive()
+        self.record(())
+        self._beat.cancel()
+
+    def _receive(self) -> None:
+        batch: list[RecordedMessage] = []
+        now, unix = self._clock(), time.time_ns()
+        for name, each in self._open.items():
+            handle, period = each.subscription.handle, self._periods[name]
+            with suppress(rclpy_implementation.InvalidHandle), handle:
+                for _ in range(_MOST_AT_ONCE):
+                    taken = handle.take_message(each.subscription.msg_type, True)
+                    if taken is None:
+                        break
+                    data, info = taken
+                    waited = unix - (info["received_timestamp"] or unix)
+                    moment = now - min(max(waited, 0), _OLDEST)
+                    if moment - each.last >= period:
+                        each.last = moment
+                        batch.append(RecordedMessage(each.kind, moment, bytes(data)))
+        if batch:
+            self._take(batch)
+
+
+def _ignore(_message: object) -> None:
+    """Nothing: no executor calls it."""
