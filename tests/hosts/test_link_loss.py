@@ -147,29 +147,6 @@ def reboot(robot: Machine) -> None:
     robot.wait_rebooted(leader)
 
 
-def test_recording_on_the_robot_goes_on_without_the_laptop(pair: Bench) -> None:
-    laptop, robot = pair["laptop"], pair["robot"]
-    folder = "/home/ros/.local/state/ur/recordings"
-    publish = robot.command_line("exec rostopic pub -r 10 /numbers std_msgs/Int32 1", user="ros")
-    publisher = subprocess.Popen(publish, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
-    try:
-        done = laptop.run(f"{UR} record /numbers", user="pat", timeout=120)
-        assert "ur record --stop" in done.err, done
-        robot.wait_for(f"ls {folder}/*.mcap.part", user="ros", deadline=60)
-        laptop.cut()
-        size = f"stat -c %s {folder}/*.mcap.part"
-        before = int(robot.run(size, user="ros").check().out)
-        wait_until(lambda: int(robot.run(size, user="ros").check().out) > before, "the recording grows", 60)
-        laptop.restore()
-        laptop.run(f"{UR} record --stop", user="pat", timeout=120).check()
-        assert robot.run(f"ls {folder}", user="ros").check().out.strip().endswith(".mcap")
-        assert "/numbers" in robot.run(f"{UR} replay {folder}/*.mcap --info", user="ros").check().out
-    finally:
-        laptop.restore()
-        robot.run("pkill -u ros -f 'rostopic pub'")
-        publisher.wait(60)
-
-
 def test_lost_link_is_shown_and_topics_flow_again_after_it(pair: Bench, tmp_path: Path) -> None:
     with started(pair, "launch --plain chat chat.launch", tmp_path) as program:
         program.wait_said(r"heard \d+")

@@ -93,5 +93,5 @@ class IntervalRecorder:
             self._take(batch)
 
 
-def _ignore(_message: object) -> None:
+def _ignore(_message: bytes) -> None:
     """Nothing: no executor calls it."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rclpy.qos import ReliabilityPolicy
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def open_subscription(
-    node: Node, topic: str, quality: Quality, take: Callable[[Any], None], group: CallbackGroup | None = None
+    node: Node, topic: str, quality: Quality, take: Callable[[bytes], None], group: CallbackGroup | None = None
 ) -> tuple[Subscription, str, str] | None:
     """Subscribe to the bytes of a topic; returns type and schema, too. None: no node publishes it, to give the type."""
     found = node.get_publishers_info_by_topic(topic)
@@ -35,6 +35,7 @@ def open_subscription(
     return subscription, kind, find_schema(kind, "msg") or ""
 
 
-def _bare_class_of(publisher: TopicEndpointInfo) -> Any:
+def _bare_class_of(publisher: TopicEndpointInfo) -> type:
     package, name = split_type(str(publisher.topic_type))
-    return bare_class(package, name, bytes(publisher.topic_type_hash.value).hex())
+    found: type = bare_class(package, name, bytes(publisher.topic_type_hash.value).hex())
+    return found
