@@ -1,7 +1,8 @@
 """Tests in several processes that share one collection: pytest -n N.
 
 This process collects, and forks N workers, which run what it hands them: a file at a time, for the fixtures that its
-tests share, or one long test. pytest-xdist collects once in each worker, which took a tenth of the time of all tests.
+tests share, or one long test that shares none. pytest-xdist collects once in each worker, which took a tenth of the
+time of all tests.
 """
 
 from __future__ import annotations
@@ -50,13 +51,20 @@ def group_items(items: Sequence[pytest.Item]) -> list[list[int]]:
     """Return the indices of items that stay in one process, first those that wait for programs they start."""
     groups: dict[str, list[int]] = {}
     for index, item in enumerate(items):
-        alone = item.get_closest_marker("long") and not item.get_closest_marker("hosts")
+        alone = item.get_closest_marker("long") and not item.get_closest_marker("hosts") and not shares_fixtures(item)
         groups.setdefault(item.nodeid if alone else item.nodeid.partition("::")[0], []).append(index)
 
     def waits(group: list[int]) -> bool:
         return any(items[index].get_closest_marker("ros") is not None for index in group)
 
     return sorted(groups.values(), key=lambda each: not waits(each))
+
+
+def shares_fixtures(item: pytest.Item) -> bool:
+    """Return whether a test uses what is set up once for its file."""
+    found: Any = getattr(item, "_fixtureinfo", None)
+    used = found.name2fixturedefs.values() if found else ()
+    return any(each[-1].scope in ("module", "class") for each in used if each)
 
 
 @dataclass(eq=False)

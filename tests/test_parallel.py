@@ -21,7 +21,7 @@ def write(folder: Path, **files: str) -> None:
 
 def start(folder: Path, *arguments: str) -> subprocess.Popen[str]:
     command = [sys.executable, "-m", "pytest", "--rootdir", str(folder), "-p", "no:cacheprovider", *arguments]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTEST_ADDOPTS": ""}
     return subprocess.Popen(
         command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     )
@@ -99,6 +99,30 @@ def test_long_tests_of_a_file_run_beside_each_other(tmp_path: Path) -> None:
     )
     code, output = run(tmp_path, "-n", "2")
     assert code == 0, output
+
+
+def test_long_tests_that_share_a_fixture_run_in_one_process(tmp_path: Path) -> None:
+    write(
+        tmp_path,
+        test_a="""
+            import os, pytest
+            @pytest.fixture(scope="module")
+            def robot():
+                return os.getpid()
+            @pytest.fixture
+            def page(robot):
+                return robot
+            @pytest.mark.long
+            @pytest.mark.parametrize("number", range(8))
+            def test_uses_the_robot(page, number):
+                open("pids", "a").write(f"{page}\\n")
+            """,
+    )
+    code, output = run(tmp_path, "-n", "2")
+    assert code == 0, output
+    pids = (tmp_path / "pids").read_text().split()
+    assert len(pids) == 8
+    assert len(set(pids)) == 1
 
 
 def test_test_that_ends_its_process_has_failed_and_the_others_run(tmp_path: Path) -> None:

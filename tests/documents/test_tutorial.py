@@ -6,7 +6,6 @@ import math
 import os
 import re
 import shutil
-import socket
 import subprocess
 import time
 import uuid
@@ -15,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from tests.ros_session import free_port
 from tests.terminal import ROOT, TmuxTerminal
 
 pytestmark = [
@@ -42,9 +42,7 @@ BLOCKS = [Block(*found) for found in _BLOCK.findall((ROOT / "docs" / "tutorial.m
 @pytest.fixture
 def terminals(tmp_path: Path) -> Iterator[tuple[TmuxTerminal, TmuxTerminal]]:
     """The first and the second terminal of the tutorial."""
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     own = {"ROS_MASTER_URI": f"http://localhost:{port}", "ROS_HOSTNAME": "localhost", "PS1": "$ "}
     opened = []
     try:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import socket
 from pathlib import Path
 
 import pytest
+from tests.ros_session import free_port
 
 from ur.cli.main import main
 from ur.request.arguments import Argument
@@ -21,9 +21,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.delenv("UR_SELECTION", raising=False)
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        monkeypatch.setenv("ROS_MASTER_URI", f"http://localhost:{probe.getsockname()[1]}")
+    monkeypatch.setenv("ROS_MASTER_URI", f"http://localhost:{free_port()}")
     assert main(["new", "world", "home", "--size", "8x6"]) == 0
     return tmp_path
 

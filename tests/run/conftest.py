@@ -17,6 +17,7 @@ from pathlib import Path
 
 import psutil
 import pytest
+from tests.ros_session import free_port
 
 NODES = {
     "sleeper": "#!/bin/bash\nexec sleep 600\n",
@@ -218,9 +219,7 @@ def world(tmp_path: Path) -> Iterator[RunWorld]:
     for name, text in NODES.items():
         (package / "nodes" / name).write_text(text)
         (package / "nodes" / name).chmod(0o755)
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     relay = Path("/usr/lib/topic_tools/relay")  # a small C++ node
     (package / "nodes" / "relay").symlink_to(relay if relay.exists() else package / "nodes" / "sleeper")
     environment = {

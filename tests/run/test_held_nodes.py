@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 import os
 import signal
-import socket
 from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.ros_session import free_port
 from tests.run.leftovers import wait_nothing_left
 
 pytestmark = pytest.mark.ros
@@ -152,9 +152,7 @@ def test_launch_goes_on_where_it_is_meant_or_ends_nothing(world: Any, option: st
 def test_nodes_at_another_master_are_not_taken_for_the_same(world: Any) -> None:
     file = world.write(NODES)
     world.call("launch", "--detach", file)
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        world.environment["ROS_MASTER_URI"] = f"http://localhost:{probe.getsockname()[1]}"
+    world.environment["ROS_MASTER_URI"] = f"http://localhost:{free_port()}"
     world.call("launch", "--detach", file)
     world.call("stop", "--all")
     wait_nothing_left(world.folder)
@@ -218,9 +216,7 @@ def test_only_the_latest_ended_runs_are_kept(world: Any) -> None:
 
 def test_port_of_the_command_line_chooses_the_master_that_is_joined(world: Any) -> None:
     run = world.call("launch", "--detach", world.write(NODES)).split()[-1]
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        other = str(probe.getsockname()[1])
+    other = str(free_port())
     assert "using" not in world.call("launch", "--detach", "-p", other, world.write(NODES))
     more = world.write(NODES + SLEEPER.format("three", ""), "more.launch")
     world.environment["ROS_MASTER_URI"] = f"http://localhost:{other}"

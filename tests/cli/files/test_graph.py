@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import socket
 from pathlib import Path
 
 import pytest
+from tests.ros_session import free_port
 
 from ur.cli.main import main
 
@@ -59,9 +59,7 @@ def test_name_of_the_output_says_its_form(folder: Path, name: str, begin: str) -
 def test_live_graph_without_a_master_says_so(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     monkeypatch.setenv("ROS_MASTER_URI", f"http://localhost:{port}")
     assert main(["graph", "--live"]) == 2
     assert f"no master answers at http://localhost:{port}" in capsys.readouterr().err

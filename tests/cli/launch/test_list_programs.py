@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import re
-import socket
 from pathlib import Path
 
 import pytest
+from tests.ros_session import free_port
 
 import ur.web
 from ur.cli.launch.list_programs import FIRST
@@ -18,9 +18,7 @@ from ur.cli.main import main
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A home without a selection, and no master."""
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        monkeypatch.setenv("ROS_MASTER_URI", f"http://localhost:{probe.getsockname()[1]}")
+    monkeypatch.setenv("ROS_MASTER_URI", f"http://localhost:{free_port()}")
     monkeypatch.delenv("UR_SELECTION", raising=False)
     return tmp_path
 

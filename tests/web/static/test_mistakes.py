@@ -136,7 +136,8 @@ def test_copy_of_a_tab_is_another_client_and_both_stay_connected(page: Chromium)
     page.run("page.drive.newest = null; globalThis.before = page.drive.client; 0")
     page.run("globalThis.copy = new WebSocket(`ws://${location.host}/ws/drive?tab=${page.drive.tab}`); 0")
     wait(lambda: page.run("page.drive.client !== before && page.drive.newest !== null"))
-    assert page.run("[copy.readyState, sessionStorage.tab === page.drive.tab]") == [1, True]
+    wait(lambda: page.run("copy.readyState") == 1)
+    assert page.run("sessionStorage.tab === page.drive.tab")
     page.run("copy.close(); 0")
 
 
