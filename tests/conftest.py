@@ -5,9 +5,8 @@ from __future__ import annotations
 import gc
 import os
 import signal
-from collections.abc import Generator, Iterator
+from collections.abc import Generator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -19,45 +18,22 @@ settings.load_profile("project")
 
 pytest_plugins = "tests.parallel"
 NODES = "tests/ur_nodes/"
-MEASUREMENT = pytest.StashKey[Any]()
 
 # A shell without job control starts background jobs with these ignored, and programs under test would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGQUIT, signal.SIG_DFL)
 
+save_coverage = None
+if coverage_folder := os.environ.get("UR_COVERAGE"):  # before other conftest.py files import what is measured
+    from tests.coverage_probes import measure
+
+    save_coverage = measure(Path(__file__).parents[1] / "src", Path(coverage_folder).absolute())
+
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Measure coverage into the folder that UR_COVERAGE names: this process and its workers, no programs of tests."""
-    if folder := os.environ.get("UR_COVERAGE"):
-        _measure_coverage(config, Path(folder).absolute())
-
-
-def _measure_coverage(config: pytest.Config, folder: Path) -> None:
-    import coverage
-
-    folder.mkdir(parents=True, exist_ok=True)
-    settings = config.rootpath / "pyproject.toml"
-    measurement = coverage.Coverage(str(folder / "data"), data_suffix=True, config_file=str(settings))
-    measurement.start()
-
-    def save() -> None:
-        measurement.stop()
-        measurement.save()
-
-    config.add_cleanup(save)
-    config.stash[MEASUREMENT] = measurement
-
-
-@pytest.fixture(autouse=True)
-def _leave_unmeasured(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Tests about the cost of a computation are not made to cost more."""
-    measurement = request.config.stash.get(MEASUREMENT, None)
-    if measurement is None or request.node.get_closest_marker("unmeasured") is None:
-        yield
-        return
-    measurement.stop()
-    yield
-    measurement.start()
+    """Write the coverage of this process and its workers into the folder UR_COVERAGE names; no programs of tests."""
+    if save_coverage is not None:
+        config.add_cleanup(save_coverage)
 
 
 @pytest.hookimpl(wrapper=True)

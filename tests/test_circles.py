@@ -12,9 +12,6 @@ from pathlib import Path
 import pytest
 from tests.test_layers import MODULES
 
-pytestmark = pytest.mark.unmeasured  # reads sources; it runs none of them
-
-
 Imports = Mapping[str, str]
 """Imported modules with the kind of the import: `at the top`, `in a function`, `for types`."""
 

@@ -6,7 +6,7 @@
     .venv/bin/python tools/measure_coverage.py --missing ur.graph # print the lines and branches that no test takes
 
 Only what runs in the processes of pytest is measured, and so no node that a test starts: a `*_node.py` counts as not
-covered unless a test imports it. Programs that tests start would be measured by a third more processor time.
+covered unless a test imports it.
 """
 
 from __future__ import annotations
@@ -14,12 +14,11 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import tempfile
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import coverage
+import slipcover
 import yaml
 
 ROOT = Path(__file__).parents[1]
@@ -43,7 +42,7 @@ def package_of(path: str) -> str:
 
 
 def group_by_package(files: Report) -> dict[str, Report]:
-    """Return the files of a JSON report of coverage for each package, sorted by package."""
+    """Return the files of a report of coverage for each package, sorted by package."""
     groups: dict[str, dict[str, Mapping[str, Mapping[str, float]]]] = defaultdict(dict)
     for path, file in files.items():
         groups[package_of(path)][path] = file
@@ -51,10 +50,10 @@ def group_by_package(files: Report) -> dict[str, Report]:
 
 
 def summarise(files: Report) -> float:
-    """Return the per cent of covered statements and branches in the files of a JSON report of coverage."""
+    """Return the per cent of covered statements and branches in the files of a report of coverage."""
     figures = [file["summary"] for file in files.values()]
-    whole = sum(each["num_statements"] + each["num_branches"] for each in figures)
     hit = sum(each["covered_lines"] + each["covered_branches"] for each in figures)
+    whole = hit + sum(each["missing_lines"] + each["missing_branches"] for each in figures)
     return round(100.0 * hit / whole, 1) if whole else 100.0
 
 
@@ -74,12 +73,11 @@ def raise_record(recorded: Mapping[str, float], measured: Mapping[str, float]) -
 
 
 def read_report(data: Path) -> Report:
-    """Return the files of coverage's JSON report of all processes that wrote into a folder."""
-    with tempfile.TemporaryDirectory(prefix="ur_coverage_") as folder:
-        measurement = coverage.Coverage(str(Path(folder, "data")), config_file=str(ROOT / "pyproject.toml"))
-        measurement.combine([str(data)], keep=True)
-        measurement.json_report(outfile=str(Path(folder, "report.json")))
-        return dict(json.loads(Path(folder, "report.json").read_text(encoding="utf-8"))["files"])
+    """Return the files of the coverage of all processes that wrote into a folder."""
+    first, *others = (json.loads(path.read_text(encoding="utf-8")) for path in sorted(data.glob("*.json")))
+    for each in others:
+        slipcover.merge_coverage(first, each)
+    return dict(first["files"])
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -88,7 +86,7 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--write", action="store_true", help="raise the record to the figures that are higher")
     parser.add_argument("--missing", metavar="PACKAGE", help="print the lines and branches that no test takes")
     options = parser.parse_args(arguments)
-    if not any(DATA.glob("data.*")):
+    if not any(DATA.glob("*.json")):
         sys.stderr.write("error: nothing was measured, expected data in .cache/coverage\n")
         sys.stderr.write("  help: UR_COVERAGE=.cache/coverage ./test\n")
         return 2

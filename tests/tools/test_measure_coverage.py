@@ -16,8 +16,8 @@ from tools.measure_coverage import (
 
 
 def file_with(lines: int, branches: int, of_lines: int, of_branches: int) -> dict[str, dict[str, float]]:
-    figures = {"covered_lines": lines, "covered_branches": branches}
-    return {"summary": {**figures, "num_statements": of_lines, "num_branches": of_branches}}
+    missing = {"missing_lines": of_lines - lines, "missing_branches": of_branches - branches}
+    return {"summary": {"covered_lines": lines, "covered_branches": branches, **missing}}
 
 
 def test_figure_counts_statements_and_branches_of_all_files() -> None:

@@ -14,7 +14,6 @@ from ur.launchfile import MemoryWorld, load_plan
 from ur.launchfile.plan.values.budget import Budget, ExpressionProblem
 from ur.launchfile.plan.values.expression import evaluate_expression
 
-pytestmark = pytest.mark.unmeasured
 ROOT = Path(__file__).parents[3]
 CPU_SECONDS, MEMORY_KB = 10, 200_000  # of `ur check` on one file
 

@@ -7,8 +7,6 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.unmeasured  # reads sources; it runs none of them
-
 SRC = Path(__file__).parents[3] / "src"
 READERS = ("ur/source/foreign/",)
 OPENERS = {"open", "read_text", "read_bytes", "fromfile", "memmap"}
