@@ -12,7 +12,7 @@ from tests.hosts.bench.ros2_robot import DOMAIN, PREFIX, UNIT, install_jazzy, re
 
 pytestmark = pytest.mark.long
 # What the set-up must leave as it was.
-LEFT_OUT = r"/(passwd|group|shadow|gshadow)|machine-id|/alternatives/|chrony|sudo_as_admin|\.cache/"
+LEFT_OUT = r"/X11/app-defaults/|/(passwd|group|shadow|gshadow)|machine-id|/alternatives/|chrony|sudo_as_admin|\.cache/"
 SNAPSHOT = (
     "find /etc /opt/robot /home/ros -path /etc/ssl -prune -o -type f ! -name '*-' ! -name ld.so.cache "
     f"-exec sha256sum {{}} + 2>/dev/null | grep -vE '{LEFT_OUT}' | sort -k 2"
