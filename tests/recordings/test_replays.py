@@ -49,7 +49,7 @@ def test_replay_answers_with_its_state(tmp_path: Path) -> None:
         paused = ask_replay(ReplayCommand("pause"), environment)
         assert paused is not None
         assert not paused.playing
-        replay.take = lambda _: b"{}"  # type: ignore[method-assign]
+        replay.take = lambda _: b"{}"  # type: ignore[method-assign,assignment]
         assert ask_replay(ReplayCommand("state"), environment) is None
 
 

@@ -118,7 +118,8 @@ def test_node_publishes_a_recording_with_its_clock(tmp_path: Path, monkeypatch: 
         assert command(tmp_path, "speed", 2.0, client) == 1
         bus.run(0.1)
         state = read_json(client.recv(1000), ReplayState)
-    assert (state.speed, state.playing, state.length) == (2.0, True, pytest.approx(19.9))
+    assert (state.speed, state.playing) == (2.0, True)
+    assert state.length == pytest.approx(19.9)
     node.end("test")
     assert command(tmp_path, "play") == 0
 

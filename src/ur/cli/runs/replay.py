@@ -10,7 +10,7 @@ from pathlib import Path
 
 import click
 
-from ur.recordings.replays import ReplayCommand, ask_replay, describe_state
+from ur.recordings.replays import ReplayCommand, ReplayState, ask_replay, describe_state
 from ur.request.arguments import Argument, split_argv
 from ur.source.ansi import is_plain
 from ur.source.diagnostic import UserError, error, error_about
@@ -81,17 +81,20 @@ def command(
     return _play(played, 1.0 if speed is None else speed, start or 0.0)
 
 
+def _ask(command: ReplayCommand) -> ReplayState:
+    if (state := ask_replay(command, os.environ)) is None:
+        message = "no replay runs on this computer, expected the file of a recording"
+        raise UserError(error(message, rule="no-replay", help="ur replay FILE starts one"))
+    return state
+
+
 def _control(speed: float | None, jump: float | None, back: float | None, *, pause: bool, play: bool) -> int:
     commands = [ReplayCommand("pause")] if pause else [ReplayCommand("play")] if play else []
     commands += [ReplayCommand("speed", speed)] if speed is not None else []
     commands += [ReplayCommand("jump", jump)] if jump is not None else []
     commands += [ReplayCommand("back", back)] if back is not None else []
     shown = not commands
-    for each in commands or [ReplayCommand("state")]:
-        state = ask_replay(each, os.environ)
-        if state is None:
-            message = "no replay runs on this computer, expected the file of a recording"
-            raise UserError(error(message, rule="no-replay", help="ur replay FILE starts one"))
+    state = [_ask(each) for each in commands or [ReplayCommand("state")]][-1]
     if shown and sys.stdin.isatty() and sys.stdout.isatty() and not is_plain(os.environ):
         from ur.cli.runs.replay_screen import show_replay
 

@@ -27,7 +27,7 @@ class ReplayScreen(FullScreenApp[None]):
     ProgressBar { width: 80%; } Bar { width: 1fr; } #percentage, #eta { display: none; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("space", "toggle", "Pause, play"),
+        Binding("space", "play", "Pause, play"),
         Binding("left", "command('back', 10)", "10 s", key_display="←"),
         Binding("right", "command('ahead', 10)", "10 s", key_display="→"),
         Binding("comma", "command('back', 1)", "Back 1 s", show=False),
@@ -67,7 +67,7 @@ class ReplayScreen(FullScreenApp[None]):
         self.query_one("#state", Static).update(Text.assemble(doing, place))
         self.query_one(ProgressBar).update(total=max(state.length, 0.1), progress=state.position)
 
-    def action_toggle(self) -> None:
+    def action_play(self) -> None:
         """Pause, or play; at the end it plays again from the start."""
         running = self.newest is not None and self.newest.playing and not self.newest.ended
         self.action_command("pause" if running else "play")
