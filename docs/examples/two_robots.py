@@ -6,16 +6,17 @@ A program has one robot, so this one starts itself once for each. All are connec
 import os
 import subprocess
 import sys
+from typing import TextIO
 
 from ur_nodes.client import Robot
 
 
-def drive() -> None:
-    """Drive one robot when it is its turn, and print where it is then."""
+def drive(turn: TextIO) -> None:
+    """Drive one robot when a line says that it is its turn, and print where it is then."""
     with Robot() as robot:
         here = robot.pose()
         print("ready", flush=True)
-        if sys.stdin.readline():
+        if turn.readline():
             there = robot.go_to(here.x + 0.5, here.y)
             print(f"is at {there.x:.2f} {there.y:.2f} m", flush=True)
 
@@ -37,7 +38,5 @@ def main(robots: list[str]) -> None:
         print(f"{robot} {text.strip() or 'did not get there'}")
 
 
-if sys.argv[1:]:
-    main(sys.argv[1:])
-else:
-    drive()
+if __name__ == "__main__":
+    main(sys.argv[1:]) if sys.argv[1:] else drive(sys.stdin)

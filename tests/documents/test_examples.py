@@ -29,8 +29,8 @@ PRINTED = {
     "state_machine": r"(search\n)+advance\ncome_home\n",
     "while_driving": r"(reached|not there after a second: stopped)\n\d\.\d\d m from the start\n",
     "square": r"\d\.\d\d m from the start\n",
-    "two_robots": r"ready\nis at -?\d+\.\d\d -?\d+\.\d\d m\n",  # the program of each of them
 }
+TWO_ROBOTS = "two_robots"
 
 
 @pytest.fixture
@@ -46,8 +46,6 @@ def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> FirstDrive:
         Robot=lambda name="script": Robot(name, **given), AsyncRobot=partial(AsyncRobot, "script", **given)
     )
     monkeypatch.setitem(sys.modules, "ur_nodes.client", library)
-    monkeypatch.setattr(sys, "argv", ["script.py"])
-    monkeypatch.setattr(sys, "stdin", io.StringIO("go\n"))
     Path("places.csv").write_text("0.4,0.0\n1000,1000\n")
     return stage
 
@@ -63,6 +61,14 @@ def test_example_does_what_it_says(stage: FirstDrive, name: str, capsys: pytest.
     text = (EXAMPLES / f"{name}.py").read_text(encoding="utf-8")
     exec(compile(text, name, "exec"), {"__name__": "__main__"})
     assert re.fullmatch(PRINTED[name], capsys.readouterr().out)
+    assert_at_rest(stage)
+
+
+def test_each_of_two_robots_drives_when_it_is_its_turn(stage: FirstDrive, capsys: pytest.CaptureFixture[str]) -> None:
+    names: dict[str, Any] = {"__name__": TWO_ROBOTS}
+    exec((EXAMPLES / f"{TWO_ROBOTS}.py").read_text(encoding="utf-8"), names)
+    names["drive"](io.StringIO("go\n"))
+    assert re.fullmatch(r"ready\nis at -?\d+\.\d\d -?\d+\.\d\d m\n", capsys.readouterr().out)
     assert_at_rest(stage)
 
 
@@ -105,4 +111,4 @@ def test_notebook_plots_the_scan(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_every_example_is_run() -> None:
-    assert {each.stem for each in EXAMPLES.glob("*.py")} == set(PRINTED)
+    assert {each.stem for each in EXAMPLES.glob("*.py")} == {*PRINTED, TWO_ROBOTS}
