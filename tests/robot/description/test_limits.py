@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import FrameType
 
 import pytest
 from tests.limits import run_limited
@@ -67,8 +68,10 @@ def test_work_grows_at_most_with_the_square_of_a_description(name: str, kind: st
         description = parse_urdf(link_chain(links, name, kind, axis), "robot.urdf")
         steps = 0
 
-        def step(*_: object) -> object:
+        def step(frame: FrameType, *_: object) -> object:
             nonlocal steps
+            if frame.f_globals["__name__"].startswith("slipcover"):  # takes out probes of coverage
+                return None
             steps += 1
             return step
 
