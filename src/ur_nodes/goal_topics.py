@@ -141,12 +141,14 @@ class TopicGoalClient:
     def __init__(self, node: Node, action: str, follower: GoalFollower) -> None:
         self._goals = node.publish(f"{action}/goal", Goal, Quality.EVERY)
         self._cancels = node.publish(f"{action}/cancel", GoalId, Quality.EVERY)
-        node.subscribe(f"{action}/status", GoalStates, lambda states: follower.take_states(states.goals))
+        node.subscribe(f"{action}/status", GoalStates, self._take_states)
         node.subscribe(
             f"{action}/state", GoalState, lambda state: None if state.open else self._end(state), Quality.EVERY
         )
         self._follower = follower
         self._ended: set[str] = set()
+        self.lists = 0
+        """Lists of goals that servers have sent: recorders subscribe to goals, too, but send none."""
 
     def send(self, goal: Goal) -> None:
         self._goals.send(goal)
@@ -156,6 +158,10 @@ class TopicGoalClient:
 
     def servers(self) -> int:
         return self._goals.listeners()
+
+    def _take_states(self, states: GoalStates) -> None:
+        self.lists += 1
+        self._follower.take_states(states.goals)
 
     def _end(self, state: GoalState) -> None:
         if state.id not in self._ended:  # the server repeats it

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 LIST_PERIOD = 0.2  # s, as `goal_topics`
 _MOST = 1000  # goals of ours whose ids are remembered
 _ALONE = 10  # beats
+_SILENT = 25  # beats, between two lists of goals of a server
 _RESULT_BEATS = 10  # in which the server gives the reason of a goal's end
 _PHASES: Mapping[int, GoalPhase] = {
     GoalStatus.STATUS_ACCEPTED: "pending",
@@ -175,12 +176,13 @@ class ActionGoalClient:
     """See `ports.actions.GoalClient`.
 
     A server on topics is ours: it reads from a goal who sent it, which an action cannot tell. So the action is used
-    only where no server has listened on topics for a while.
+    only where no server has listened on topics for a while. One that lists no goals does not count: it records.
     """
 
     def __init__(self, topics: TopicGoalClient, nav2: Nav2Goals) -> None:
         self._topics, self._nav2 = topics, nav2
         self._alone = 0  # beats for which only Nav2 was there
+        self._lists = self._silent = 0  # lists on topics, and beats since the last one
 
     def send(self, goal: Goal) -> None:
         (self._nav2 if self._nav2.used else self._topics).send(goal)
@@ -193,8 +195,10 @@ class ActionGoalClient:
 
     def beat(self) -> None:
         """Determine the server, and pass on Nav2's goals; call it each LIST_PERIOD."""
-        alone = bool(self._nav2.servers()) and not self._topics.servers()
-        self._alone = self._alone + 1 if alone else 0
+        self._silent = self._silent + 1 if self._topics.lists == self._lists else 0
+        self._lists = self._topics.lists
+        served = bool(self._topics.servers()) and self._silent <= _SILENT
+        self._alone = self._alone + 1 if self._nav2.servers() and not served else 0
         self._nav2.used = self._alone > _ALONE
         self._nav2.beat()
 

@@ -1,7 +1,8 @@
 """A stand-in for Nav2, of rclpy alone: `navigate_to_pose` as bt_navigator offers it.
 
 It arrives at goals ahead, with recoveries on the way; it gives up goals behind the robot, refuses those behind x = -10,
-and takes its time with goals beyond x = 5. A new goal replaces the old one, which ends as aborted.
+and takes its time with goals beyond x = 5. A new goal replaces the old one, which ends as aborted. A
+recorder beside it reads what clients send to servers of this project, which there are none.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from nav2_msgs.action import NavigateToPose
 from nav_msgs.msg import Path
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
+from std_msgs.msg import String
 
 _BEAT = 0.05  # s
 _NO_PATH = 208  # of ComputePathToPose
@@ -25,6 +27,8 @@ class Nav2:
         self.node = rclpy.create_node("bt_navigator")
         self._newest: Any = None
         self._plans = self.node.create_publisher(Path, "plan", 10)
+        for name in ("goal", "cancel"):
+            self.node.create_subscription(String, f"navigate_to_pose/{name}", lambda _: None, 10)
         self._server = ActionServer(
             self.node,
             NavigateToPose,
