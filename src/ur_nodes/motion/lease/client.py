@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import replace
 
 from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS
 from ur_nodes.motion.challenge.link import ChallengeLink
-from ur_nodes.motion.lease.requests import LeaseRequests, step_requests, take_lease, want
+from ur_nodes.motion.lease.requests import LeaseRequests, let_go, step_requests, take_lease, want
 from ur_nodes.motion.lease.text import Action, LeaseRequest, read_lease, write_request
 from ur_nodes.motion.lease.view import Conduct, Identity, LeaseView, identify
 from ur_nodes.ports.node import SECOND, Node
@@ -93,7 +92,7 @@ class LeaseClient:
         """
         self._note = note or self._note
         begun = self._requests.begun
-        self._requests = replace(self._requests, intent=None, silent=final)
+        self._requests = let_go(self._requests, silent=final)
         if begun:
             self._send("release")
 

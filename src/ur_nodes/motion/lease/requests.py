@@ -46,6 +46,14 @@ def want(state: LeaseRequests, action: Action, now: float) -> LeaseRequests:
     return replace(state, begun=True, silent=False, intent=action, give_up_at=now + PATIENCE)
 
 
+def let_go(state: LeaseRequests, *, silent: bool) -> LeaseRequests:
+    """Return the state after a release: for what is wanted next the lease is free, until the mux publishes it."""
+    lease = state.lease
+    if lease is not None and lease.client == state.client:
+        lease = Lease(asking=lease.asking)
+    return replace(state, lease=lease, intent=None, silent=silent)
+
+
 def take_lease(state: LeaseRequests, lease: Lease) -> LeaseRequests:
     """The state after a lease was received."""
     taken = state.taken
