@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from ur.robot.base import Base, load_base
 from ur.source.project import launch_library
 from ur_nodes.motion.challenge.freshness import FRESHNESS
+from ur_nodes.motion.lease.text import LEASE_TIMEOUT
 from ur_nodes.motion.mux_events import MuxSettings, Source
 from ur_nodes.motion.ramp import axes_of
 from ur_nodes.motion.sources import read_locks, read_sources
@@ -62,7 +63,7 @@ def read_settings(own: Parameters) -> MuxNodeSettings:
         sonars=own.boolean("use_sonars", True),
         challenge_rate=own.number("challenge_rate", 50.0, minimum=20.0, maximum=100.0),
         freshness=own.number("freshness", FRESHNESS, minimum=0.05, maximum=0.5),
-        lease_timeout=own.number("lease_timeout", 2.5, minimum=1.0, maximum=60.0),
+        lease_timeout=own.number("lease_timeout", LEASE_TIMEOUT, minimum=1.0, maximum=60.0),
     )
 
 

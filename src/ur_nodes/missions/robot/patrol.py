@@ -11,11 +11,12 @@ from dataclasses import dataclass, field, replace
 
 from ur_nodes.client.patrol_text import PatrolAnswer, PatrolRoute, PatrolStatus, PatrolStop, name_stop
 from ur_nodes.client.snapshot import LastGoalState
+from ur_nodes.motion.lease.text import LEASE_TIMEOUT
 
 LATEST = 5.0
 """Seconds after which a goal is not sent any more, and in which navigation has to take it."""
-STALLED = 2.0
-"""Seconds; navigation holds the goal of a client that is silent for 2.5 s, and nothing continues it but a request."""
+STALLED = LEASE_TIMEOUT - 0.5
+"""Seconds; navigation holds the goal of a client that is silent for longer, and nothing continues it but a request."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,6 +17,9 @@ LeaseState = Literal["free", "held", "lost"]
 MOST_ASKING = 16
 LONGEST_NAME = 64
 LONGEST_NOTE = 120
+LEASE_TIMEOUT = 2.5
+"""Seconds without a request after which a client is lost, unless a parameter says otherwise."""
+
 _LONGEST_REQUEST = 1024  # characters
 _LONGEST_LEASE = 8192
 _ID = "[0-9A-Za-z_.:-]"

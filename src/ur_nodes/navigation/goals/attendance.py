@@ -15,7 +15,7 @@ import time
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from ur_nodes.motion.lease.text import FREE, Lease
+from ur_nodes.motion.lease.text import FREE, LEASE_TIMEOUT, Lease
 from ur_nodes.navigation.goals.goal_claim import Claim, ReceivedChallenges, age_of_answer, lag_of_answer
 
 LATEST = 1.0
@@ -31,7 +31,7 @@ class AttendanceSettings:
     """
 
     ask: bool = False
-    grace: float = 2.5
+    grace: float = LEASE_TIMEOUT
     limit: float = 600.0
 
 

@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable
 
 from ur_nodes.motion.challenge.link import ChallengeLink
-from ur_nodes.motion.lease.text import Lease, read_lease
+from ur_nodes.motion.lease.text import LEASE_TIMEOUT, Lease, read_lease
 from ur_nodes.navigation.goals.attendance import (
     Act,
     Attendance,
@@ -134,6 +134,6 @@ def read_watch_settings(own: Parameters, mux: str) -> AttendanceSettings:
     """Read the settings from the parameters of the node and of the mux. Raises UserError."""
     return AttendanceSettings(
         ask=own.text("on_return", "resume", choices=("resume", "ask")) == "ask",
-        grace=own.of(mux).number("lease_timeout", 2.5, minimum=0.5, maximum=60.0),
+        grace=own.of(mux).number("lease_timeout", LEASE_TIMEOUT, minimum=0.5, maximum=60.0),
         limit=own.number("hold_limit", 600.0, minimum=0.0),
     )
