@@ -41,6 +41,11 @@ class ReplayState:
     playing: bool
     ended: bool
 
+    @property
+    def doing(self) -> Literal["ended", "playing", "paused"]:
+        """Return what the replay does, for people."""
+        return "ended" if self.ended else "playing" if self.playing else "paused"
+
 
 def sockets_folder(environment: Mapping[str, str]) -> str:
     """Return the folder of the sockets."""
@@ -64,8 +69,7 @@ def read_command(data: bytes) -> ReplayCommand | None:
 
 def describe_state(state: ReplayState) -> str:
     """Describe a state, for example `paused at 3.0 of 120.0 s, speed 1`."""
-    doing = "ended" if state.ended else "playing" if state.playing else "paused"
-    return f"{doing} at {state.position:.1f} of {state.length:.1f} s, speed {state.speed:g}"
+    return f"{state.doing} at {state.position:.1f} of {state.length:.1f} s, speed {state.speed:g}"
 
 
 def write_state(state: ReplayState) -> bytes:

@@ -16,6 +16,7 @@ from ur.tui.screen.query import ask_background, is_light
 
 _REFRESH = 0.25  # s
 _SPEEDS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
+_STYLES = {"ended": "dim", "playing": "green", "paused": "yellow"}
 
 
 class ReplayScreen(FullScreenApp[None]):
@@ -62,14 +63,13 @@ class ReplayScreen(FullScreenApp[None]):
         if state is None:
             self.exit()
             return
-        doing = ("ended", "dim") if state.ended else ("playing", "green") if state.playing else ("paused", "yellow")
         place = f"  {state.position:.1f} of {state.length:.1f} s  speed {state.speed:g}"
-        self.query_one("#state", Static).update(Text.assemble(doing, place))
+        self.query_one("#state", Static).update(Text.assemble((state.doing, _STYLES[state.doing]), place))
         self.query_one(ProgressBar).update(total=max(state.length, 0.1), progress=state.position)
 
     def action_play(self) -> None:
         """Pause, or play; at the end it plays again from the start."""
-        running = self.newest is not None and self.newest.playing and not self.newest.ended
+        running = self.newest is not None and self.newest.doing == "playing"
         self.action_command("pause" if running else "play")
 
     def action_speed(self, step: int) -> None:
