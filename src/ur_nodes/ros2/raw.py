@@ -125,6 +125,7 @@ class RawSubscription:
     ) -> None:
         self.topic = str(node.resolve_topic_name(name_of(topic)))
         self._node, self._loop, self._take, self._quality = node, loop, take, quality
+        self._put = loop.mailbox(1 if quality is Quality.NEWEST else _MOST_WAITING, self._pass_on)
         self._subscription: Subscription | None = None
         self._kind = self._schema = ""
         self._open = True
@@ -141,8 +142,7 @@ class RawSubscription:
     def _look(self) -> None:
         if not self._open:
             return
-        put = self._loop.mailbox(1 if self._quality is Quality.NEWEST else _MOST_WAITING, self._pass_on)
-        opened = open_subscription(self._node, self.topic, self._quality, put)
+        opened = open_subscription(self._node, self.topic, self._quality, self._put)
         if opened is None:
             self._loop.after(_LOOK, self._look, steady=True)
         else:
