@@ -77,6 +77,13 @@ class Pose3(NamedTuple):
         return Pose2(self.x, self.y, yaw_of_quaternion(*self.rotation))
 
 
+def arc_end(distance: float, angle: float) -> Pose2:
+    """Return the pose after a way (m, negative is back) along an arc that turns by an angle (rad)."""
+    half = angle / 2.0
+    chord = distance * (math.sin(half) / half if abs(half) > 1e-6 else 1.0)
+    return Pose2(chord * math.cos(half), chord * math.sin(half), angle)
+
+
 def make_pose3(position: tuple[float, float, float], quaternion: Quaternion) -> Pose3:
     """Return a pose with a normalised quaternion; the all-zero one, sent by mistake, means no rotation."""
     length = math.sqrt(sum(part * part for part in quaternion))

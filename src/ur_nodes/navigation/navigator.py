@@ -16,6 +16,7 @@ from ur_nodes.navigation.navigator_step import (
     NavigatorSettings,
     PlanAnswer,
 )
+from ur_nodes.navigation.people.tracked_people import NO_PEOPLE
 from ur_nodes.navigation.planning.legs import Leg
 from ur_nodes.navigation.planning.outline_plan import is_long
 from ur_nodes.navigation.planning.path_geometry import Points
@@ -28,6 +29,7 @@ from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach, li
 
 _ASTRAY, _ASTRAY_TIGHT = 0.4, 0.15  # m beside a path, and beside one that was made for the outline
 _SHUNTED, _MOST_SHUNTS = 0.12, 5  # rad off a heading, and manoeuvres for it, without turns on the spot
+_NOTHING_DONE = 0.02  # m, rad: a recovery that had no room
 _WAIT_PAUSE = 1.0  # s between two plans while people are in the way
 _TIGHT_PAUSE = 2.0  # s between plans of such a path, which take longer
 
@@ -204,7 +206,7 @@ class Navigator:
         turn = turn_towards(error, run.sent[1], self._limits, self._settings.period)
         trial = RolloutState(motion.pose, 0.0, turn)
         free = abs(turn) < 0.02 or sweep_is_free(trial, 0.3, local, self._footprint)
-        if not free and sweep_is_free(trial, 0.3, LocalObstacles(local.costmap), self._footprint):  # but for people
+        if not free and sweep_is_free(trial, 0.3, replace(local, people=NO_PEOPLE), self._footprint):
             run.moved_at, run.stuck_since = inputs.now, None
         elif run.is_stuck(not free, inputs.now, motion.pose, self._settings):
             return self._get_stuck(run, inputs, "no room to turn at the goal")
@@ -243,6 +245,8 @@ class Navigator:
         run.recovery = move.recovery
         if move.finished or inputs.now - run.phase_since > 20.0:
             self._after_recovery(run, motion.pose, inputs.now)
+            if move.recovery.done < _NOTHING_DONE:
+                return self._get_stuck(run, inputs, run.reason)
             return NavigatorOutputs(command=(0.0, 0.0), plan=True)
         return NavigatorOutputs(command=(move.speed, move.turn))
 

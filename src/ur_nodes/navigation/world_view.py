@@ -20,7 +20,7 @@ from ur_nodes.navigation.move_base_settings import MoveBaseSettings
 from ur_nodes.navigation.people.tracked_people import NO_PEOPLE, TrackedPeople
 from ur_nodes.navigation.people.tracker import PeopleTracker
 from ur_nodes.navigation.planning.outline_plan import is_long
-from ur_nodes.navigation.steering.local_obstacles import LocalObstacles, without_points
+from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.rollout import RolloutState
 from ur_nodes.navigation.zone_masks import ZoneMasks
 from ur_nodes.ports.newest_work import NewestWork
@@ -116,9 +116,8 @@ class WorldView:
     def surroundings(self, now: float) -> LocalObstacles:
         """Return the obstacles and people around the robot at a time in s."""
         costmap, people = self.local_costmap.occupied(), self._tracker.people(now)
-        if not self._exact or not len(self._points):
-            return LocalObstacles(costmap, people)
-        return LocalObstacles(without_points(costmap, self._points), people, self._points)
+        around = LocalObstacles(costmap, people, scan=self._points)
+        return around.exact() if self._exact else around
 
     def people_in_map(self, now: float) -> TrackedPeople:
         """The people around the robot in the map."""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tests.ur_nodes.navigation.closed_loop import LIMITS, MAGNI, STAGE, ClosedLoop, Drive, two_rooms
 
-from ur_nodes.costmap.costmap import Costmap
+from ur_nodes.costmap.costmap import LETHAL, Costmap
 from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
@@ -260,6 +260,29 @@ def test_navigator_tries_each_recovery_in_order_before_it_gives_up() -> None:
     assert cleared == [Behaviour.CLEAR_FAR, Behaviour.CLEAR_ALL]
     assert out.ending is Ending.FAILED
     assert out.text.startswith("no path: something stands there")
+
+
+def test_navigator_backs_off_at_once_where_there_is_no_room_to_turn() -> None:
+    history = NavigatorHistory(planner_patience=0.5)
+    history.local.costs[44:46] = LETHAL  # a wall 0.2 m to the left
+    history.start()
+    outs = [history.step(PlanAnswer(None, "no path: something stands there")) for _ in range(40)]
+    logs = {out.log.split("recovering: ")[1]: number for number, out in enumerate(outs) if out.log}
+    assert logs[Behaviour.BACK_OFF.value] == logs[Behaviour.ROTATE.value] + 1
+
+
+def test_obstacles_that_the_scan_shows_are_no_people_who_will_leave() -> None:
+    history = NavigatorHistory(controller_patience=0.5)
+    history.navigator.start(Pose2(0.0, 0.0, 1.5), history.now)
+    history.step()
+    walls = np.array([(x, side * 0.21) for side in (1, -1) for x in np.arange(-0.5, 0.5, 0.04)])
+    around = LocalObstacles(history.local, points=walls)
+    outs, answer = [], PlanAnswer(np.array(((0.0, 0.0), (0.001, 0.0))))
+    for number in range(20):
+        given = answer if number == 0 else None
+        history.now += 0.1
+        outs.append(history.navigator.step(NavigatorInputs(history.now, history.motion, HOME, around, given)))
+    assert "no room to turn at the goal" in "".join(out.log for out in outs)
 
 
 def test_navigator_without_recovery_gives_up_at_once() -> None:

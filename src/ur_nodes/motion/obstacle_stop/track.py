@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.geometry.pose import Pose2, arc_end, wrap_angle
 
 _KEPT = 40  # readings
 _AHEAD = 0.3  # s that the newest velocity is taken to last
@@ -53,7 +53,7 @@ class Track:
                 return Pose2(x, y, before.pose.yaw + share * wrap_angle(after.pose.yaw - before.pose.yaw))
         newest = self.readings[-1]
         seconds = min(at - newest.at, _AHEAD)
-        return newest.pose.compose(_arc_end(newest.forward * seconds, newest.turn * seconds))
+        return newest.pose.compose(arc_end(newest.forward * seconds, newest.turn * seconds))
 
     def poses_at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Poses (n, 3) at times (n) that lie close together, by the poses at the first and the last."""
@@ -64,12 +64,6 @@ class Track:
         return poses
 
 
-def _arc_end(distance: float, angle: float) -> Pose2:
-    half = angle / 2.0
-    chord = distance * (math.sin(half) / half if abs(half) > 1e-6 else 1.0)
-    return Pose2(chord * math.cos(half), chord * math.sin(half), angle)
-
-
 def follow(track: Track, reading: Odometer) -> tuple[Track, bool]:
     """Return the track with one more reading; False if odometry was reset, which makes earlier poses invalid."""
     if not track.readings:
@@ -78,7 +72,7 @@ def follow(track: Track, reading: Odometer) -> tuple[Track, bool]:
     if reading.at <= newest.at:
         return track, True
     expected = newest.pose.compose(
-        _arc_end(newest.forward * (reading.at - newest.at), newest.turn * (reading.at - newest.at))
+        arc_end(newest.forward * (reading.at - newest.at), newest.turn * (reading.at - newest.at))
     )
     far = math.hypot(reading.pose.x - expected.x, reading.pose.y - expected.y)
     if far > _JUMP or abs(wrap_angle(reading.pose.yaw - expected.yaw)) > _JUMP:

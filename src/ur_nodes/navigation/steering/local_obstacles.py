@@ -13,16 +13,27 @@ from ur_nodes.navigation.people.tracked_people import NO_PEOPLE, TrackedPeople
 Floats = NDArray[np.float64]
 
 
+def _no_points() -> Floats:
+    return np.empty((0, 2))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalObstacles:
-    """Obstacles as cells of a costmap, points (n, 2) where the newest scan ends, and people, in the odometry frame.
+    """Obstacles as cells of a costmap, points (n, 2) in their place, and people, in the odometry frame.
 
-    Cells that the points explain are removed from the costmap: a point is more exact.
+    `scan` (n, 2) are the points where the newest scan ends, as long as cells stand for them.
     """
 
     costmap: Costmap
     people: TrackedPeople = NO_PEOPLE
-    points: Floats = field(default_factory=lambda: np.empty((0, 2)))
+    points: Floats = field(default_factory=_no_points)
+    scan: Floats = field(default_factory=_no_points)
+
+    def exact(self) -> LocalObstacles:
+        """Return the obstacles with the scan's points in place of the cells that they explain: cells are coarse."""
+        if not len(self.scan):
+            return self
+        return LocalObstacles(without_points(self.costmap, self.scan), self.people, self.scan)
 
 
 def without_points(costmap: Costmap, points: Floats) -> Costmap:

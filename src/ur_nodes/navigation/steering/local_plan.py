@@ -60,6 +60,23 @@ def follow_reference(
 
     The command differs from the present motion by no more than the accelerations allow in `period`.
     """
+    found = _follow(reference, index, motion, around, footprint, limits, settings, period)
+    exact = around.exact() if found.blocked else around
+    if exact is around:
+        return found
+    return _follow(reference, index, motion, exact, footprint, limits, settings, period)
+
+
+def _follow(
+    reference: ReferencePath,
+    index: int,
+    motion: RolloutState,
+    around: LocalObstacles,
+    footprint: Footprint,
+    limits: SpeedLimits,
+    settings: FollowSettings,
+    period: float,
+) -> LocalCommand:
     plain = roll_out(reference, index, motion, _PLAIN, limits, settings, period)
     times: Floats = period + settings.step * np.arange(len(plain.poses), dtype=np.float64)
     clear = not _touches(plain.poses, motion.pose, around, footprint)[:, 0].any()
@@ -88,8 +105,12 @@ def sweep_is_free(motion: RolloutState, seconds: float, around: LocalObstacles, 
     xs = motion.pose.x + np.cumsum(steps * np.cos(yaws))
     ys = motion.pose.y + np.cumsum(steps * np.sin(yaws))
     poses = np.stack((xs, ys, yaws), axis=-1)[:, None]
-    touching = _touches(poses, motion.pose, around, footprint)
-    return not bool((touching | approaches(poses, times, motion.pose, around.people, footprint)).any())
+    if approaches(poses, times, motion.pose, around.people, footprint).any():
+        return False
+    if not _touches(poses, motion.pose, around, footprint).any():
+        return True
+    exact = around.exact()
+    return exact is not around and not _touches(poses, motion.pose, exact, footprint).any()
 
 
 def _touches(poses: Floats, start: Pose2, around: LocalObstacles, footprint: Footprint) -> NDArray[np.bool_]:

@@ -6,17 +6,22 @@ import math
 from dataclasses import dataclass, replace
 from enum import Enum
 
+import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from ur_nodes.costmap.costmap import LETHAL
 from ur_nodes.costmap.footprint import Footprint
-from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.geometry.pose import Pose2, arc_end, wrap_angle
+from ur_nodes.navigation.people.tracked_people import hull_of_footprint, rooms_to
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.local_plan import sweep_is_free
 from ur_nodes.navigation.steering.rollout import RolloutState
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach
 
-_BACK_OFF = 0.3  # m
+_BACK_OFF, _FARTHEST = 0.3, 0.9  # m: to back off, and as long as there is no room to turn
+_LOOKS = (4.0, 1.0)  # s that are looked ahead for a way to back off, the shorter one where nothing else is free
+_BENDS = (0.0, 0.25, 0.5, 1.0, 2.0, 5.0)  # 1/m: gentle ones lead away from a wall beside the robot
+_ROOMY = 0.3  # m: more room is no better
 
 
 class Behaviour(Enum):
@@ -81,7 +86,7 @@ def move_to_recover(
     limits: SpeedLimits,
     period: float,
 ) -> RecoveryMotion:
-    """One control step of ROTATE (once round) or BACK_OFF (0.3 m).
+    """One control step of ROTATE (once round) or BACK_OFF (0.3 m, or until it can turn on the spot).
 
     Ends early, at rest, where it would touch something within half a second.
     """
@@ -93,7 +98,7 @@ def move_to_recover(
     else:
         done = math.hypot(motion.pose.x - began.x, motion.pose.y - began.y)
         speed, turn = find_escape(motion, around, footprint, limits)
-        over = done >= _BACK_OFF
+        over = done >= _FARTHEST or (done >= _BACK_OFF and _can_turn(motion.pose, around, footprint, limits))
     state = replace(recovery, began=began, done=done, last=motion.pose)
     trial = RolloutState(motion.pose, speed, turn)
     if over or not sweep_is_free(trial, 0.5, around, footprint):
@@ -110,20 +115,34 @@ def find_escape(
     motion: RolloutState, around: LocalObstacles, footprint: Footprint, limits: SpeedLimits
 ) -> tuple[float, float]:
     """Find the slow speed and turn towards the most clearance without further contact; backwards rather than ahead."""
-    costmap = around.costmap
+    exact = around.exact()
+    costmap, hull = exact.costmap, hull_of_footprint(footprint)
     distances = distance_transform_edt(costmap.costs != LETHAL) * costmap.resolution
-    best, chosen = -math.inf, (-limits.backward, 0.0)
-    for speed in (-limits.backward, limits.backward):
-        for turn in (0.0, *(limits.turn_at(speed, side * 0.5 * limits.turn) for side in (1, -1))):
-            trial = RolloutState(motion.pose, speed, turn)
-            if not sweep_is_free(trial, 1.0, around, footprint):
-                continue
-            yaw = motion.pose.yaw + turn
-            middle = motion.pose.yaw + turn / 2
-            x, y = motion.pose.x + speed * math.cos(middle), motion.pose.y + speed * math.sin(middle)
-            cells = costmap.cells_of_points(Pose2(x, y, yaw).transform_points(footprint.samples))
-            rooms = distances[tuple(cells[costmap.contains(cells)].T)]
-            room = min(0.3, float(rooms.min(initial=1.0))) + (0.02 if speed < 0.0 else 0.0) - 0.005 * abs(turn)
-            if room > best:
-                best, chosen = room, (speed, turn)
-    return chosen
+    bends = sorted({side * bend for bend in _BENDS for side in (1, -1)})
+    options = {
+        (speed, limits.turn_at(speed, max(-0.5 * limits.turn, min(0.5 * limits.turn, speed * bend))))
+        for speed in (-limits.backward, limits.backward)
+        for bend in bends
+    }
+
+    def value(option: tuple[float, float], seconds: float) -> float:
+        speed, turn = option
+        pose = motion.pose.compose(arc_end(speed * seconds, turn * seconds))
+        cells = costmap.cells_of_points(pose.transform_points(footprint.samples))
+        rooms = distances[tuple(cells[costmap.contains(cells)].T)]
+        room = min(_ROOMY, float(rooms.min(initial=1.0)))
+        if len(exact.points):
+            room = min(room, float(rooms_to(hull, np.array(pose), exact.points).min()))
+        return room + (0.02 if speed < 0.0 else 0.0) - 0.005 * abs(turn)
+
+    for seconds in _LOOKS:
+        for speed, turn in sorted(options, key=lambda option: value(option, seconds), reverse=True):
+            if sweep_is_free(RolloutState(motion.pose, speed, turn), seconds, exact, footprint):
+                return speed, turn
+    return -limits.backward, 0.0
+
+
+def _can_turn(pose: Pose2, around: LocalObstacles, footprint: Footprint, limits: SpeedLimits) -> bool:
+    """Return whether the robot may turn to any heading on the spot; True for one that never can."""
+    trial = RolloutState(pose, 0.0, limits.turn)
+    return bool(limits.radius) or sweep_is_free(trial, math.tau / limits.turn, around, footprint)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from hypothesis import given, settings
@@ -128,16 +129,21 @@ def test_turn_rate_can_be_braked_from_any_error() -> None:
 
 def test_points_of_the_scan_are_more_exact_than_cells() -> None:
     side = float(FOOTPRINT.outline[:, 1].max())
-    along = np.arange(-1.0, 2.0, 0.05)
-    walls = np.concatenate([np.column_stack((along, np.full(len(along), y))) for y in (side + 0.02, -side - 0.02)])
+    along = np.arange(0.4, 2.0, 0.05)
+    walls = np.concatenate([np.column_stack((along, np.full(len(along), y))) for y in (side + 0.03, -side - 0.01)])
     costmap = window()
     cells = costmap.cells_of_points(walls)
     costmap.costs[cells[:, 0], cells[:, 1]] = LETHAL
-    ahead = RolloutState(Pose2(0.0, 0.0, 0.0), 0.3, 0.0)
-    exact = LocalObstacles(without_points(costmap, walls), points=walls)
-    assert sweep_is_free(ahead, 1.0, exact, FOOTPRINT)
-    astray = RolloutState(Pose2(0.0, 0.0, 0.0), 0.3, 0.15)
-    assert not sweep_is_free(astray, 1.0, exact, FOOTPRINT)
+    here = RolloutState(Pose2(0.0, 0.01, 0.0), 0.3, 0.0)
+    rough, exact = LocalObstacles(costmap), LocalObstacles(costmap, scan=walls)
+    assert not sweep_is_free(here, 1.0, rough, FOOTPRINT)
+    assert sweep_is_free(here, 1.0, exact, FOOTPRINT)
+    assert not sweep_is_free(replace(here, turn=0.15), 1.0, exact, FOOTPRINT)
+    reference = make_reference(resample(np.array([(0.0, 0.01), (2.0, 0.01)]), 0.05), LIMITS)
+    before = RolloutState(Pose2(0.24, 0.01, 0.0), 0.0, 0.0)
+    for around, blocked in ((rough, True), (exact, False)):
+        step = follow_reference(reference, 5, before, around, FOOTPRINT, LIMITS, FollowSettings(), 0.1)
+        assert step.blocked == blocked
 
 
 def test_obstacles_that_the_scan_does_not_show_stay() -> None:

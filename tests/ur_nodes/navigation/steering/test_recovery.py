@@ -4,12 +4,14 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 from tests.ur_nodes.navigation.closed_loop import LIMITS, STAGE
 
 from ur_nodes.costmap.costmap import LETHAL, Costmap
 from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
+from ur_nodes.navigation.steering.local_plan import sweep_is_free
 from ur_nodes.navigation.steering.recovery import SEQUENCE, Behaviour, Recovery, find_escape, move_to_recover
 from ur_nodes.navigation.steering.rollout import RolloutState
 
@@ -23,12 +25,15 @@ def window(*rows_columns: tuple[slice, slice]) -> Costmap:
     return Costmap(costs, 0.05, Pose2(-2.0, -2.0, 0.0))
 
 
-def play(behaviour: Behaviour, costmap: Costmap, steps: int = 400) -> tuple[RolloutState, float, float]:
+def play(
+    behaviour: Behaviour, costmap: Costmap, scan: NDArray[np.float64] | None = None
+) -> tuple[RolloutState, float, float]:
     """The last motion, how far it turned and how far it went, of a behaviour played to its end."""
+    around = LocalObstacles(costmap) if scan is None else LocalObstacles(costmap, scan=scan)
     recovery = Recovery(SEQUENCE.index(behaviour))
     motion, turned, went = RolloutState(Pose2(0.0, 0.0, 0.0), 0.0, 0.0), 0.0, 0.0
-    for _ in range(steps):
-        move = move_to_recover(recovery, motion, LocalObstacles(costmap), FOOTPRINT, LIMITS, 0.1)
+    for _ in range(400):
+        move = move_to_recover(recovery, motion, around, FOOTPRINT, LIMITS, 0.1)
         recovery = move.recovery
         if move.finished:
             return motion, turned, went
@@ -75,6 +80,19 @@ def test_back_off_goes_back_and_stays_in_reach() -> None:
 def test_back_off_does_not_run_into_what_is_behind() -> None:
     motion, _, _ = play(Behaviour.BACK_OFF, window((slice(30, 50), slice(45, 47)), (slice(30, 50), slice(33, 34))))
     assert motion.pose.x > -0.16
+
+
+def test_back_off_leaves_a_wall_beside_the_robot_until_it_can_turn() -> None:
+    along = np.arange(-1.9, 1.9, 0.04)
+    wall = np.column_stack((along, np.full(len(along), FOOTPRINT.outline[:, 1].max() + 0.04)))
+    costmap = window()
+    costmap.costs[tuple(costmap.cells_of_points(wall).T)] = LETHAL
+    around = LocalObstacles(costmap, scan=wall)
+    turning = RolloutState(Pose2(0.0, 0.0, 0.0), 0.0, LIMITS.turn)
+    assert not sweep_is_free(turning, math.tau / LIMITS.turn, around, FOOTPRINT)
+    motion, _, went = play(Behaviour.BACK_OFF, costmap, wall)
+    assert 0.3 <= went < 0.9
+    assert sweep_is_free(replace(turning, pose=motion.pose), math.tau / LIMITS.turn, around, FOOTPRINT)
 
 
 def test_find_way_out_goes_ahead_when_something_is_close_behind() -> None:
