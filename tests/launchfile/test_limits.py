@@ -219,7 +219,14 @@ FRAGMENTS = st.lists(
 ).map("".join)
 
 
-@pytest.mark.parametrize("examples", [300, pytest.param(20_000, marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "examples",
+    [
+        300,
+        pytest.param(5_000, marks=pytest.mark.long),
+        pytest.param(20_000, marks=[pytest.mark.long, pytest.mark.thorough]),
+    ],
+)
 def test_any_text_gives_a_plan(examples: int) -> None:
     @settings(max_examples=examples, deadline=None, derandomize=examples <= 300, database=None)
     @given(st.one_of(FRAGMENTS, FRAGMENTS.map(_launch), st.binary(max_size=60), st.text(max_size=60)))

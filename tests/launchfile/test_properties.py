@@ -201,7 +201,14 @@ ARGUMENTS = st.lists(st.tuples(NAMES, st.sampled_from(["1", "x", "true", "$(find
 )
 
 
-@pytest.mark.parametrize("examples", [200, pytest.param(5000, marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "examples",
+    [
+        200,
+        pytest.param(2000, marks=pytest.mark.long),
+        pytest.param(5000, marks=[pytest.mark.long, pytest.mark.thorough]),
+    ],
+)
 def test_generated_files_mean_what_roslaunch_says(
     examples: int, reference: Any, tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:

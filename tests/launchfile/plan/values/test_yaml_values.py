@@ -24,7 +24,14 @@ def _slow(text: str) -> Any:
     return value
 
 
-@pytest.mark.parametrize("examples", [500, pytest.param(50_000, marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "examples",
+    [
+        500,
+        pytest.param(20_000, marks=pytest.mark.long),
+        pytest.param(50_000, marks=[pytest.mark.long, pytest.mark.thorough]),
+    ],
+)
 def test_fast_parser_reads_what_the_slow_one_reads(examples: int) -> None:
     @settings(max_examples=examples, deadline=None, derandomize=examples <= 500, database=None)
     @given(TOKENS)
