@@ -47,6 +47,7 @@ class MapCostmap:
         self._occupied: NDArray[np.bool_] = sparse_zeros(costs.shape, bool)
         self._marked: Box | None = None  # holds all of _occupied
         self._near = _disc(_KNOWN / grid.resolution)
+        self._known: NDArray[np.int8] = sparse_zeros(costs.shape, np.int8)  # of `_is_known`: 1 and -1, 0 not looked at
         self._changed: Box | None = None
         self.changes = 0
 
@@ -164,13 +165,17 @@ class MapCostmap:
 
     def _is_known(self, cells: NDArray[np.intp]) -> NDArray[np.bool_]:
         """True (n) for cells (n, 2) that are an obstacle of the map or near one."""
-        height, width = self._plain.shape
-        known: NDArray[np.bool_] = self._plain.costs[cells[:, 0], cells[:, 1]] == LETHAL
-        near = cells[~known, None] + self._near
-        rows, columns = np.clip(near[..., 0], 0, height - 1), np.clip(near[..., 1], 0, width - 1)
-        # Beyond the border the outermost cells stand for what is there: no nearer to the cell than they are.
-        known[~known] = (self._plain.costs[rows, columns] == LETHAL).any(axis=1)
-        return known
+        rows, columns = cells.T
+        known = self._known[rows, columns]
+        new = np.flatnonzero(known == 0)
+        if len(new):
+            height, width = self._plain.shape
+            near = cells[new, None] + self._near
+            # Beyond the border the outermost cells stand for what is there: no nearer to the cell than they are.
+            near_rows, near_columns = np.clip(near[..., 0], 0, height - 1), np.clip(near[..., 1], 0, width - 1)
+            found = (self._plain.costs[near_rows, near_columns] == LETHAL).any(axis=1)
+            known[new] = self._known[rows[new], columns[new]] = np.where(found, 1, -1)
+        return known > 0
 
 
 def _disc(cells: float) -> NDArray[np.intp]:
