@@ -64,7 +64,8 @@ class LeasedJoyCommander:
             other = f"{view.holder}{program} drives" if view.state == "held" else "no mux has sent a lease"
             if view.state == "lost":
                 other = f"{view.holder}{program} drove and is out of reach"
-            self._log.warn(f"the joystick does not drive: {other}; UR_LEASE=take lets it take over", every=5.0)
+            way = "press the button again" if self._conduct == "take" else "UR_LEASE=take lets it take over"
+            self._log.warn(f"the joystick does not drive: {other}; {way}", every=5.0)
         if self._held and not held and self._borrowed:
             self._borrowed = False
             self._lease.release(final=False)

@@ -141,6 +141,22 @@ def test_stamped_commands_carry_the_newest_challenge_once_the_lease_allows() -> 
     assert any("laptop2 (keys) drives" in text for _, text in teleop.node.lines)
 
 
+@pytest.mark.parametrize(
+    ("conduct", "way"), [("drive", "UR_LEASE=take lets it take over"), ("take", "press the button")]
+)
+def test_joystick_that_did_not_get_the_lease_says_what_to_do(
+    conduct: str, way: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("UR_LEASE", conduct)
+    teleop = Teleop(lease="true", axis_linear=1)
+    teleop.mux.publish("~lease", str, Quality.LATCHED).send(write_lease(Lease("lost", "other", "laptop2", "keys", 1.0)))
+    teleop.bus.run(0.05)
+    teleop.move(1.0, HELD)
+    (line,) = (text for _, text in teleop.node.lines if "does not drive" in text)
+    assert "laptop2 (keys) drove and is out of reach" in line
+    assert way in line
+
+
 def test_buttons_stop_and_release() -> None:
     teleop = Teleop(lease="false")
     teleop.move(0.0, (0, 1, 0, 0, 0))
