@@ -120,7 +120,7 @@ CALLS: dict[str, dict[str, object]] = {
     "ask_to_drive": {"reason": "to try everything"},
     "drive": {"forward": 0.1, "seconds": 1.0},
     "go_to": {"x": 0.4, "y": 0.0},
-    "explore": {"seconds": 60.0},
+    "explore": {"seconds": 20.0},
     "stop": {},
     "start_program": {"name": "local_costmap"},
     "end_program": {"name": "local_costmap"},
