@@ -8,6 +8,7 @@ the remote computer. Run as a program: python -I build_attached.py COMMAND-LINE.
 from __future__ import annotations
 
 import os
+import queue
 import signal
 import subprocess
 import sys
@@ -22,21 +23,27 @@ STEPS = ((signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
 
 def main() -> int:
     """Run the command; return its exit code, or 130 if it was ended."""
-    # A separate process group: the children of the command are in it too, and end with it.
-    process = subprocess.Popen(["bash", "-lc", sys.argv[1]], stdin=subprocess.DEVNULL, start_new_session=True)
+    to_end: queue.SimpleQueue[None] = queue.SimpleQueue()  # a signal may come while another one is put in
     ended = threading.Event()
 
     def watch() -> None:
         with suppress(OSError):
             while os.read(0, 4096):
                 pass
+        to_end.put(None)
+
+    def end() -> None:
+        to_end.get()
         if not ended.is_set():
             _end(process.pid)
 
-    # A signal that ends this program ends the command first.
+    # A signal that ends this program ends the command first, also one that arrives while the command starts.
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, lambda *_: threading.Thread(target=_end, args=(process.pid,), daemon=True).start())
-    threading.Thread(target=watch, daemon=True).start()
+        signal.signal(number, lambda *_: to_end.put(None))
+    # A separate process group: the children of the command are in it too, and end with it.
+    process = subprocess.Popen(["bash", "-lc", sys.argv[1]], stdin=subprocess.DEVNULL, start_new_session=True)
+    for each in (watch, end):
+        threading.Thread(target=each, daemon=True).start()
     code = process.wait()
     ended.set()
     _end(process.pid)  # processes that the command left running
