@@ -49,9 +49,8 @@ class Physics:
         self._motors = [
             slice(first, first + 2) for first in (self._model.actuator(f"left_{n}").id for n in range(robots))
         ]
-        self._owner = np.full(self._model.ngeom, -1)
-        for n in range(robots):
-            self._owner[self._model.geom(f"chassis_{n}").id] = n
+        self._chassis = [int(self._model.geom(f"chassis_{n}").id) for n in range(robots)]
+        self._owners = {geom: n for n, geom in enumerate(self._chassis)}
         self._people = np.array([self._model.geom(f"person_{n}").id for n in range(self._model.nmocap)], dtype=np.intp)
         self._spins = [
             [int(self._model.joint(f"{side}_{n}").dofadr[0]) for side in ("left", "right")] for n in range(robots)
@@ -97,7 +96,7 @@ class Physics:
         if not len(self._people) or not self._data.ncon:
             return frozenset()
         pairs = self._data.contact.geom
-        touched = pairs[(self._owner[pairs] == robot).any(axis=1)]
+        touched = pairs[(pairs == self._chassis[robot]).any(axis=1)]
         return frozenset(np.flatnonzero(np.isin(self._people, touched)).tolist())
 
     def pose(self, robot: int) -> Pose2:
@@ -134,20 +133,20 @@ class Physics:
         """The robots whose chassis touches something: a wall, a box, an obstacle, another robot."""
         if not self._data.ncon:
             return frozenset()
-        owners = self._owner[self._data.contact.geom]
-        return frozenset(owners[owners >= 0].tolist())
+        owners = self._owners
+        return frozenset(owners[geom] for pair in self._data.contact.geom.tolist() for geom in pair if geom in owners)
 
     def touches(self, robot: int) -> list[npt.NDArray[np.float64]]:
         """Return contacts of a robot's chassis: for each thing the points, shape (points, 2), m in base_footprint."""
         pairs = self._data.contact.geom
-        rows = (self._owner[pairs] == robot).any(axis=1)
+        rows = (pairs == self._chassis[robot]).any(axis=1)
         points = self.pose(robot).inverse().transform_points(self._data.contact.pos[rows, :2])
         things = pairs[rows].sum(axis=1)  # one of the two is the chassis: the sums differ as the others do
         return [points[things == thing] for thing in np.unique(things)]
 
     def blocked(self, robot: int) -> str | None:
         """Describe an object that a robot's chassis touches; None when it touches nothing."""
-        return self._neighbour(self._model.geom(f"chassis_{robot}").id)
+        return self._neighbour(self._chassis[robot])
 
     def place_robot(self, robot: int, pose: tuple[float, float, float]) -> str | None:
         """Move a robot, at rest. Returns what blocks the pose, in which case nothing has changed."""

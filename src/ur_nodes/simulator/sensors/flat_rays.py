@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 from scipy.spatial import ConvexHull
 
 from ur_nodes.simulator.mujoco_model import LIDAR_GROUPS
@@ -19,6 +20,15 @@ _SLACK = 1e-9  # of the step between two beams: a beam through a corner meets th
 _PARALLEL = 1e-12
 _QUARTERS = np.array(((1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)))
 _NO_SIDES: Floats = np.zeros((4, 0))
+
+
+@dataclass(frozen=True, slots=True)
+class _Moving:
+    """The sides of bodies that move, in their frames: shape (4, n), with the body of each and its height at first."""
+
+    bodies: npt.NDArray[np.int64]
+    heights: Floats
+    sides: Floats
 
 
 class UprightShapes:
@@ -49,20 +59,23 @@ class UprightShapes:
         self._fixed, self._moving = np.concatenate(fixed, axis=1), np.concatenate(moving, axis=1)
         self._bodies = np.array(bodies, np.int64)
         self._heights = data.xpos[self._bodies, 2]
+        self._without: dict[int, _Moving] = {}
 
     def sides(self, data: mujoco.MjData, own_body: int) -> Floats | None:
         """The sides now, but those of a body, shape (4, n): x, y of a corner, and dx, dy on, counter-clockwise.
 
         None: a shape has tipped over, or is higher or lower than at first.
         """
-        others = self._bodies != own_body
-        bodies = self._bodies[others]
-        if not len(bodies):
+        others = self._without.get(own_body)
+        if others is None:
+            rows = self._bodies != own_body
+            others = self._without[own_body] = _Moving(self._bodies[rows], self._heights[rows], self._moving[:, rows])
+        if not len(others.bodies):
             return self._fixed
-        turn, place = data.xmat[bodies], data.xpos[bodies]
-        if turn[:, 8].min() < _LEVEL or np.abs(place[:, 2] - self._heights[others]).max() > _ROOM / 2.0:
+        turn, place = data.xmat[others.bodies], data.xpos[others.bodies]
+        if turn[:, 8].min() < _LEVEL or np.abs(place[:, 2] - others.heights).max() > _ROOM / 2.0:
             return None
-        (x, y, dx, dy), (a, b), (c, d) = self._moving[:, others], turn[:, :2].T, turn[:, 3:5].T
+        (x, y, dx, dy), (a, b), (c, d) = others.sides, turn[:, :2].T, turn[:, 3:5].T
         now = (place[:, 0] + a * x + b * y, place[:, 1] + c * x + d * y, a * dx + b * dy, c * dx + d * dy)
         return np.concatenate((self._fixed, np.stack(now)), axis=1)
 
