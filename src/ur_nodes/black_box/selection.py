@@ -37,7 +37,7 @@ def select_topics(graph: Graph, wake: bool, large: frozenset[str] = frozenset())
         if kind in _SELDOM and not wake and not each.subscribers:
             continue
         period = PICTURE_PERIOD if kind in _SELDOM or each.name in large else 0.0
-        chosen.append(RecordedTopic(each.name, each.publishers, period))
+        chosen.append(RecordedTopic(each.name, each.publishers, period, each.kind))
     return tuple(chosen)
 
 

@@ -46,11 +46,12 @@ class ServiceAnswer:
 
 @dataclass(frozen=True, slots=True)
 class RecordedTopic:
-    """A topic to record: the nodes that publish it, and the time (s) between two messages; 0 for all."""
+    """A topic to record: the nodes that publish it, the time (s) between two messages, 0 for all, and its type."""
 
     name: str
     publishers: tuple[str, ...] = ()
     period: float = 0.0
+    type_name: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ from ur_nodes.ros2.messages.definitions import find_bare, find_class, find_schem
 from ur_nodes.ros2.names import name_of
 from ur_nodes.ros2.qualities import offered
 from ur_nodes.ros2.recorder.recorder import IntervalRecorder
-from ur_nodes.ros2.recorder.subscriptions import open_subscription
+from ur_nodes.ros2.recorder.subscriptions import open_subscription, read_offer
 
 if TYPE_CHECKING:
     import genpy
@@ -142,11 +142,12 @@ class RawSubscription:
     def _look(self) -> None:
         if not self._open:
             return
-        opened = open_subscription(self._node, self.topic, self._quality, self._put)
-        if opened is None:
+        offer = read_offer(self._node, self.topic)
+        if offer is None:
             self._loop.after(_LOOK, self._look, steady=True)
         else:
-            self._subscription, self._kind, self._schema = opened
+            opened = open_subscription(self._node, self.topic, offer, self._quality, self._put)
+            self._kind, (self._subscription, self._schema) = offer.kind, opened
 
     def _pass_on(self, data: bytes) -> None:
         if self._open:

@@ -14,7 +14,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import RecordedMessage, RecordedTopic, RecordedType
-from ur_nodes.ros2.recorder.subscriptions import open_subscription
+from ur_nodes.ros2.recorder.subscriptions import TopicOffer, open_subscription, read_offer
 
 if TYPE_CHECKING:
     from rclpy.node import Node, Subscription
@@ -23,11 +23,15 @@ _PERIOD = 0.05  # s
 _MOST_AT_ONCE = 200  # messages of a topic, while others wait
 _OLDEST = 1_000_000_000  # ns that a message may have waited
 
+_Publishers = tuple[tuple[str, ...], str, int]  # of a topic: their nodes, the type, and how many they are
+
 
 @dataclass(slots=True)
 class _OpenTopic:
-    """A topic that is recorded: its subscription, and the time of the newest message of it."""
+    """A topic that is recorded: its publishers, its subscription, and the time of the newest message of it."""
 
+    publishers: _Publishers
+    offer: TopicOffer
     subscription: Subscription
     kind: RecordedType
     last: int = -(10**18)
@@ -61,12 +65,26 @@ class IntervalRecorder:
         self._periods = {each.name: int(each.period * 1e9) for each in topics}
         for name in [name for name in self._open if name not in self._periods]:
             self._node.destroy_subscription(self._open.pop(name).subscription)
-        for name in self._periods:
-            if name not in self._open:
-                opened = open_subscription(self._node, name, Quality.EVERY, _ignore, self._group)
-                if opened is not None:
-                    subscription, kind, schema = opened
-                    self._open[name] = _OpenTopic(subscription, RecordedType(name, kind, schema))
+        for each in topics:
+            publishers = (each.publishers, each.type_name, self._node.count_publishers(each.name))
+            opened = self._open.get(each.name)
+            if opened is None or opened.publishers != publishers:
+                self._subscribe(each.name, publishers)
+
+    def _subscribe(self, topic: str, publishers: _Publishers) -> None:
+        """Subscribe as the present publishers of a topic need it, which may be as before."""
+        offer = read_offer(self._node, topic)
+        before = self._open.get(topic)
+        if offer is None:
+            return
+        if before is not None:
+            before.publishers = publishers
+            if before.offer == offer:
+                return
+            self._receive()
+            self._node.destroy_subscription(before.subscription)
+        subscription, schema = open_subscription(self._node, topic, offer, Quality.EVERY, _ignore, self._group)
+        self._open[topic] = _OpenTopic(publishers, offer, subscription, RecordedType(topic, offer.kind, schema))
 
     def close(self) -> None:
         self._receive()

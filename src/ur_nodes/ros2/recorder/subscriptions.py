@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rclpy.qos import ReliabilityPolicy
@@ -17,22 +18,43 @@ if TYPE_CHECKING:
     from rclpy.node import Node, Subscription, TopicEndpointInfo
 
 
-def open_subscription(
-    node: Node, topic: str, quality: Quality, take: Callable[[bytes], None], group: CallbackGroup | None = None
-) -> tuple[Subscription, str, str] | None:
-    """Subscribe to the bytes of a topic; returns type and schema, too. None: no node publishes it, to give the type."""
+@dataclass(frozen=True, slots=True)
+class TopicOffer:
+    """Type of a topic, whether all its publishers keep the newest message, and whether one of them is best effort."""
+
+    kind: str
+    message_class: type
+    latched: bool
+    loose: bool
+
+
+def read_offer(node: Node, topic: str) -> TopicOffer | None:
+    """Read what the publishers of a topic offer; None: it has none."""
     found = node.get_publishers_info_by_topic(topic)
     if not found:
         return None
     kind = str(found[0].topic_type)
     message_class = find_class(kind, "msg") or _bare_class_of(found[0])
     latched = all(each.qos_profile.durability.name == "TRANSIENT_LOCAL" for each in found)
-    profile = requested(Quality.LATCHED_EVERY if latched else quality, object)
-    if any(each.qos_profile.reliability.name == "BEST_EFFORT" for each in found):
-        profile.reliability = ReliabilityPolicy.BEST_EFFORT  # the only one that connects to them
-    subscription = node.create_subscription(message_class, topic, take, profile, callback_group=group, raw=True)
+    loose = any(each.qos_profile.reliability.name == "BEST_EFFORT" for each in found)
+    return TopicOffer(kind, message_class, latched, loose)
+
+
+def open_subscription(
+    node: Node,
+    topic: str,
+    offer: TopicOffer,
+    quality: Quality,
+    take: Callable[[bytes], None],
+    group: CallbackGroup | None = None,
+) -> tuple[Subscription, str]:
+    """Subscribe to the bytes of a topic; returns its schema, too."""
+    profile = requested(Quality.LATCHED_EVERY if offer.latched else quality, object)
+    if offer.loose:
+        profile.reliability = ReliabilityPolicy.BEST_EFFORT  # the only one that connects to all of them
+    subscription = node.create_subscription(offer.message_class, topic, take, profile, callback_group=group, raw=True)
     reset_error()
-    return subscription, kind, find_schema(kind, "msg") or ""
+    return subscription, find_schema(offer.kind, "msg") or ""
 
 
 def _bare_class_of(publisher: TopicEndpointInfo) -> type:
