@@ -72,13 +72,14 @@ FILES = {
     "scripts/talk.py": (TALK, 0o755),
     "scripts/hear.py": (HEAR, 0o755),
 }
+RECORDINGS = "/home/ros/.local/state/ur/recordings"
 USERS = {"laptop": "pat", "robot": "ros"}
 
 
 @pytest.fixture(scope="module")
 def pair() -> Iterator[Bench]:
     """A laptop, and a robot `bob` with a master from its start on; both have this project and the package `chat`."""
-    with boot(("laptop", "robot"), with_repository=("laptop", "robot")) as bench:
+    with boot(("laptop", "robot"), with_repository=("laptop", "robot"), programs=True) as bench:
         laptop, robot = bench["laptop"], bench["robot"]
         prepare(laptop)
         set_up(laptop).check()
@@ -192,3 +193,24 @@ def test_run_ends_with_a_command_when_the_robots_master_was_stopped(pair: Bench,
             assert "start them again: ur launch" in program.said
         finally:
             robot.run(f"systemctl start {unit}").check()
+
+
+def test_recording_on_the_robot_goes_on_without_the_laptop(pair: Bench) -> None:
+    laptop, robot = pair["laptop"], pair["robot"]
+    robot.run("bash -lc 'ur launch --detach chat alone.launch'", user="ros").check()
+    try:
+        done = laptop.run(f"{UR} record /numbers", user="pat", timeout=120).check()
+        assert "ur record --stop" in done.err
+        robot.wait_for(f"ls {RECORDINGS}/*.mcap.part", user="ros", deadline=60)
+        laptop.cut()
+        size = f"stat -c %s {RECORDINGS}/*.mcap.part"
+        before = int(robot.run(size, user="ros").check().out)
+        robot.wait_for(f"[ $({size}) -gt {before} ]", user="ros", deadline=120)
+        laptop.restore()
+        stopped = laptop.run(f"{UR} record --stop", user="pat", timeout=120).check()
+        (file,) = robot.run(f"ls {RECORDINGS}", user="ros").check().out.split()
+        assert file.endswith(".mcap")
+        assert f"{RECORDINGS}/{file}" in stopped.out
+    finally:
+        laptop.restore()
+        robot.run("bash -lc 'ur stop --all'", user="ros")

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 UNFINISHED = ".part"
 """Ending of the name of a file that is being written, or whose writer was killed."""
 
-_SYNC = 5.0  # s between two times at which the disk is made to store what was written
-
 
 class NearlyFullError(Exception):
     """The recording ends; the text is for people."""
@@ -28,12 +26,16 @@ class NearlyFullError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class SplitSettings:
-    """`folder` gets the files; a new one begins after so many bytes or seconds. `free` bytes stay free on the disk."""
+    """`folder` gets the files; a new one begins after so many bytes or seconds. `free` bytes stay free on the disk.
+
+    The disk is made to store what was written once in `sync` s.
+    """
 
     folder: Path
     bytes: int = 500_000_000
     seconds: float = 600.0
     free: int = 500_000_000
+    sync: float = 5.0
 
 
 @dataclass(slots=True)
@@ -47,7 +49,7 @@ class _Open:
 
 
 class SplitWriter:
-    """Writes messages. `free` returns the free bytes of a folder's disk; a power cut loses `chunk_bytes` at most."""
+    """Writes messages. `free` returns the free bytes of a folder's disk; a chunk has at most `chunk_bytes`."""
 
     def __init__(
         self,
@@ -64,7 +66,7 @@ class SplitWriter:
         self.finished: list[Path] = []
 
     def write(self, messages: Sequence[RecordedMessage], to_unix: int) -> None:
-        """Write messages, whose times become ones since 1970 with `to_unix`.
+        """Write messages, whose times become ones since 1970 with `to_unix`; without any, only what is due is synced.
 
         Raises NearlyFullError, with all files complete: the recording is over. Raises OSError.
         """
@@ -84,8 +86,8 @@ class SplitWriter:
                     opened.writer, kind.topic, kind.type_name, kind.schema, kind.sender, latched=kind.latched
                 )
             opened.writer.add_message(opened.channels[message.type], stamp, message.data, stamp)
-        if self._open is not None and time.monotonic() - self._open.synced > _SYNC:
-            self._open.file.flush()
+        if self._open is not None and time.monotonic() - self._open.synced > settings.sync:
+            self._open.writer.flush()  # type: ignore[no-untyped-call]
             os.fsync(self._open.file.fileno())
             self._open.synced = time.monotonic()
 

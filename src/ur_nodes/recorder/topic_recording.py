@@ -67,7 +67,7 @@ class RecordNode:
             self._bytes += len(message.data)
 
     def _write(self) -> None:
-        if self._busy or self._over or not self._waiting:
+        if self._busy or self._over:
             return
         self._busy = True
         messages, self._waiting, self._bytes = self._waiting, [], 0
@@ -141,4 +141,4 @@ def choose_topics(graph: Graph, patterns: Sequence[str]) -> tuple[RecordedTopic,
         return tuple(replace(each, period=0.0) for each in select_topics(graph, wake=False)[:MOST_TOPICS])
     topics = [each for each in graph.topics.values() if each.publishers]
     chosen = [each for each in topics if any(fnmatchcase(each.name, pattern) for pattern in patterns)]
-    return tuple(RecordedTopic(each.name, each.publishers) for each in chosen[:MOST_TOPICS])
+    return tuple(RecordedTopic(each.name, each.publishers, type_name=each.kind) for each in chosen[:MOST_TOPICS])

@@ -120,6 +120,16 @@ def test_power_cut_loses_no_complete_chunk(tmp_path_factory: pytest.TempPathFact
     assert len(numbers) >= whole - 1  # each of them has a message
 
 
+def test_power_cut_loses_only_what_came_after_the_last_sync(tmp_path: Path) -> None:
+    writer = SplitWriter(SplitSettings(tmp_path, free=0, sync=0.0))
+    writer.write(words(0, 3), 0)
+    (part,) = tmp_path.glob("*.part")
+    assert numbers_in(part) == [0, 1, 2]
+    writer.write([], 0)
+    writer.write(words(3, 5), 0)
+    assert numbers_in(part) == [0, 1, 2, 3, 4]
+
+
 def test_clock_that_jumps_does_not_move_messages(tmp_path: Path) -> None:
     clock = [10**18]
     bus, node = record_on_a_bus(tmp_path, unix=lambda: clock[0], topics="/words")

@@ -39,24 +39,27 @@ def command(
         if " " in each or ":=" in each:
             message = f"{each!r} is no name of a topic, expected one such as '/scan' or '/camera/*'"
             raise UserError(error(message, rule="bad-name", help="ur record /scan /tf", subject=each))
-    given = {"split_megabytes": megabytes, "free_megabytes": free}
-    argv = [f"topics:={' '.join(topics)}"] if topics else []
-    argv += [f"{name}:={value:g}" for name, value in given.items() if value is not None]
     selection = current_selection(os.environ)
     here = selection.simulated or os.uname().nodename.partition(".")[0] == selection.robot
     if stop:
         from ur.cli.runs.stop import stop_run
 
-        return stop_run(_RUN) if here else _run_there(selection.robot, ["stop", _RUN])
+        return stop_run(_RUN, output=True) if here else _run_there(selection.robot, ["record", "--stop"])
     if here:
         from ur.cli.launch.act import act_on
         from ur.request.options import LaunchOptions
 
-        place = [f"folder:={os.path.abspath(folder)}"] if folder else []  # noqa: PTH100 - a text
-        return act_on([str(launch_library() / _LAUNCH), *argv, *place], LaunchOptions(detach=detach, watch=True))
-    place = [f"folder:={folder}"] if folder else []
-    launch = ["launch", "--detach", "--watch", "ubiquity_launches", "n_record.launch.xml"]
-    code = _run_there(selection.robot, [*launch, *argv, *place])
+        given = {
+            "topics": " ".join(topics),
+            "folder": os.path.abspath(folder) if folder else "",  # noqa: PTH100 - a text
+            "split_megabytes": f"{megabytes:g}" if megabytes else "",
+            "free_megabytes": f"{free:g}" if free else "",
+        }
+        argv = [f"{name}:={value}" for name, value in given.items() if value]
+        return act_on([str(launch_library() / _LAUNCH), *argv], LaunchOptions(detach=detach, wait=detach, watch=True))
+    options = {"--to": folder, "--split": megabytes, "--keep-free": free}
+    chosen = [word for name, value in options.items() if value is not None for word in (name, str(value))]
+    code = _run_there(selection.robot, ["record", "--detach", *chosen, *topics])
     if code == 0:
         sys.stderr.write(f"{selection.robot} records without this computer from now on; end it: ur record --stop\n")
     return code

@@ -11,7 +11,7 @@ import click
 
 from ur.cli.runs.detached import choose_run, connect, find_node_name, leave_out_joined, list_own_runs
 from ur.run.clients.client import RunClient
-from ur.run.clients.protocol import NodeChanged, RunEnded, StopNode, StopRun, Synchronised
+from ur.run.clients.protocol import NodeChanged, OutputLine, RunEnded, StopNode, StopRun, Synchronised, Watch
 from ur.run.join.owner import describe_joined, list_joined
 from ur.run.remote.local_runs import wait_exit
 from ur.source.diagnostic import UserError, error
@@ -34,8 +34,11 @@ def command(run: str | None, node: str | None, every: bool) -> int:
     return stop_run(run, node, every=every)
 
 
-def stop_run(run: str | None, node: str | None = None, *, every: bool = False) -> int:
-    """End a run of this computer, one of its nodes, or all runs. Returns the exit code."""
+def stop_run(run: str | None, node: str | None = None, *, every: bool = False, output: bool = False) -> int:
+    """End a run of this computer, one of its nodes, or all runs. Returns the exit code.
+
+    With `output`, what the nodes of the run print until their end is printed.
+    """
     if every:
         if run or node:
             raise UserError(error("--all cannot be used with RUN or --node", rule="bad-options"))
@@ -53,7 +56,7 @@ def stop_run(run: str | None, node: str | None = None, *, every: bool = False) -
         names = list_joined(entry.run, os.environ, os.getuid())
         joined = [each for each in list_own_runs() if each.run in names]
         with show_progress(f"waiting for {entry.run} to end"):
-            _stop_run(client)
+            _stop_run(client, output=output)
     until = time.monotonic() + JOINED_SECONDS
     for each in joined:
         with show_progress(f"waiting for {each.run} to end"):
@@ -63,7 +66,9 @@ def stop_run(run: str | None, node: str | None = None, *, every: bool = False) -
     return 0
 
 
-def _stop_run(client: RunClient) -> None:
+def _stop_run(client: RunClient, *, output: bool = False) -> None:
+    if output:
+        client.send(Watch(output=True))
     client.send(StopRun("asked by 'ur stop'"))
     asked = time.monotonic()
     while True:
@@ -72,6 +77,8 @@ def _stop_run(client: RunClient) -> None:
             asked = time.monotonic()
             continue
         events = client.receive()
+        lines = [event.text for event in events or () if isinstance(event, OutputLine)]
+        sys.stdout.write("".join(f"{line}\n" for line in lines))
         if events is None or any(isinstance(event, RunEnded) for event in events):
             break
     while client.receive() is not None:  # the process ends after its last event
