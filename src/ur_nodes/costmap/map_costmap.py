@@ -166,7 +166,7 @@ class MapCostmap:
     def _is_known(self, cells: NDArray[np.intp]) -> NDArray[np.bool_]:
         """True (n) for cells (n, 2) that are an obstacle of the map or near one."""
         rows, columns = cells.T
-        known = self._known[rows, columns]
+        known: NDArray[np.int8] = self._known[rows, columns]
         new = np.flatnonzero(known == 0)
         if len(new):
             height, width = self._plain.shape
