@@ -12,6 +12,7 @@ from pathlib import Path
 
 from ur.recordings.black_boxes import long_recordings_folder
 from ur_nodes.black_box.selection import MOST_TOPICS, select_topics
+from ur_nodes.black_box.tape import LARGE_BYTES
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
@@ -21,6 +22,7 @@ from ur_nodes.recorder.split_writer import NearlyFullError, SplitSettings, Split
 _LOOK = 1.0  # s between two looks at the graph
 _WRITE = 0.5  # s between two writes
 _MOST_WAITING = 64_000_000  # bytes of messages that are not written yet
+_MOST_LARGE_WAITING = 32_000_000  # likewise, above which large ones are left out, so that the others stay complete
 _LANE = "recording"
 
 
@@ -60,7 +62,8 @@ class RecordNode:
         if self._over:
             return
         for message in batch:
-            if self._bytes > _MOST_WAITING:  # the disk is slower than the topics
+            large = len(message.data) > LARGE_BYTES
+            if self._bytes > (_MOST_LARGE_WAITING if large else _MOST_WAITING):  # the disk is slower than the topics
                 self._left_out[message.type.topic] = self._left_out.get(message.type.topic, 0) + 1
                 continue
             self._waiting.append(message)

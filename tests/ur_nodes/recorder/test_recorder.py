@@ -182,6 +182,22 @@ def test_node_records_what_is_asked_for_until_its_end(tmp_path: Path, capsys: py
     assert f"wrote {path}" in capsys.readouterr().out
 
 
+def test_disk_that_is_too_slow_costs_large_messages_alone(tmp_path: Path) -> None:
+    bus, node = record_on_a_bus(tmp_path, topics="/words /clouds")
+    lidar = bus.node("lidar")
+    clouds = lidar.raw.publish("clouds", STRING)
+    lidar.every(0.005, lambda: clouds.send(bytes(1_000_000)))
+    bus.run(4.0)
+    node.end("test")
+    bus.run(1.0)
+    (path,) = tmp_path.iterdir()
+    topics = open_recording(path).topics
+    assert topics["/words"].count > 20
+    assert 0 < topics["/clouds"].count < 300
+    assert "messages left out: /clouds" in node.lines[0][1]
+    assert not any("/words" in text for _, text in node.lines)
+
+
 def test_node_ends_when_nothing_can_be_written(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     bus, node = record_on_a_bus(tmp_path / "file/below")
