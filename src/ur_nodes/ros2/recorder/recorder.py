@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from rclpy.callback_groups import CallbackGroup
@@ -14,6 +14,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import RecordedMessage, RecordedTopic, RecordedType
+from ur_nodes.ros2.recorder.arrivals import Arrivals
 from ur_nodes.ros2.recorder.subscriptions import TopicOffer, open_subscription, read_offer
 
 if TYPE_CHECKING:
@@ -28,13 +29,13 @@ _Publishers = tuple[tuple[str, ...], str, int]  # of a topic: their nodes, the t
 
 @dataclass(slots=True)
 class _OpenTopic:
-    """A topic that is recorded: its publishers, its subscription, and the time of the newest message of it."""
+    """A topic that is recorded: its publishers, its subscription, and the times of its messages."""
 
     publishers: _Publishers
     offer: TopicOffer
     subscription: Subscription
     kind: RecordedType
-    last: int = -(10**18)
+    arrivals: Arrivals = field(default_factory=Arrivals)
 
 
 class _Unserved(CallbackGroup):
@@ -104,9 +105,9 @@ class IntervalRecorder:
                     data, info = taken
                     waited = unix - (info["received_timestamp"] or unix)
                     moment = now - min(max(waited, 0), _OLDEST)
-                    if moment - each.last >= period:
-                        each.last = moment
-                        batch.append(RecordedMessage(each.kind, moment, bytes(data)))
+                    noted = each.arrivals.note(moment, period)
+                    if noted is not None:
+                        batch.append(RecordedMessage(each.kind, noted, bytes(data)))
         if batch:
             self._take(batch)
 
