@@ -12,7 +12,6 @@ from pathlib import Path
 
 from ur.recordings.black_boxes import long_recordings_folder
 from ur_nodes.black_box.selection import MOST_TOPICS, select_topics
-from ur_nodes.black_box.tape import LARGE_BYTES
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
@@ -23,6 +22,7 @@ _LOOK = 1.0  # s between two looks at the graph
 _WRITE = 0.5  # s between two writes
 _MOST_WAITING = 64_000_000  # bytes of messages that are not written yet
 _MOST_LARGE_WAITING = 32_000_000  # likewise, above which large ones are left out, so that the others stay complete
+_LARGE = 200_000  # bytes of a message
 _LANE = "recording"
 
 
@@ -62,7 +62,7 @@ class RecordNode:
         if self._over:
             return
         for message in batch:
-            large = len(message.data) > LARGE_BYTES
+            large = len(message.data) > _LARGE
             if self._bytes > (_MOST_LARGE_WAITING if large else _MOST_WAITING):  # the disk is slower than the topics
                 self._left_out[message.type.topic] = self._left_out.get(message.type.topic, 0) + 1
                 continue
