@@ -23,13 +23,12 @@ from ur_nodes.navigation.planning.path_geometry import Points
 from ur_nodes.navigation.pursuit import DrivenTrack, GoalPursuit
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.local_plan import LocalCommand, sweep_is_free
-from ur_nodes.navigation.steering.recovery import Behaviour, Recovery, move_to_recover
+from ur_nodes.navigation.steering.recovery import Behaviour, Recovery, begin_recovery, move_to_recover
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach, limit_speeds, turn_towards
 
 _ASTRAY, _ASTRAY_TIGHT = 0.4, 0.15  # m beside a path, and beside one that was made for the outline
 _SHUNTED, _MOST_SHUNTS = 0.12, 5  # rad off a heading, and manoeuvres for it, without turns on the spot
-_NOTHING_DONE = 0.02  # m, rad: a recovery that had no room
 _WAIT_PAUSE = 1.0  # s between two plans while people are in the way
 _TIGHT_PAUSE = 2.0  # s between plans of such a path, which take longer
 
@@ -245,8 +244,6 @@ class Navigator:
         run.recovery = move.recovery
         if move.finished or inputs.now - run.phase_since > 20.0:
             self._after_recovery(run, motion.pose, inputs.now)
-            if move.recovery.done < _NOTHING_DONE:
-                return self._get_stuck(run, inputs, run.reason)
             return NavigatorOutputs(command=(0.0, 0.0), plan=True)
         return NavigatorOutputs(command=(move.speed, move.turn))
 
@@ -255,6 +252,8 @@ class Navigator:
         self._enter(run, NavigatorPhase.PLANNING, now)
 
     def _get_stuck(self, run: GoalPursuit, inputs: NavigatorInputs, reason: str) -> NavigatorOutputs:
+        if inputs.motion and inputs.local and not run.reason:  # there is a path, and it cannot be followed
+            run.recovery = begin_recovery(run.recovery, inputs.motion, inputs.local, self._footprint, self._limits)
         behaviour = run.recovery.behaviour if self._settings.recovery_enabled else None
         if behaviour is None:
             tried = " (after clearing, turning and backing off)" if self._settings.recovery_enabled else ""

@@ -41,11 +41,11 @@ class GoalPursuit:
     sent: tuple[float, float] = (0.0, 0.0)
 
     def is_stuck(self, blocked: bool, now: float, pose: Pose2, settings: NavigatorSettings) -> bool:
-        """No command for the controller's patience, or commanded to move and not moving."""
-        if not blocked:
-            self.stuck_since = None
-        elif self.stuck_since is None:
+        """No command for the controller's patience but such that move little, or commanded to move and not moving."""
+        if blocked and self.stuck_since is None:
             self.stuck_since = now
+        elif not blocked and self.stuck_since is not None and self.moved_at > self.stuck_since:
+            self.stuck_since = None
         began = self.moved_from
         if (
             began is None

@@ -262,13 +262,13 @@ def test_navigator_tries_each_recovery_in_order_before_it_gives_up() -> None:
     assert out.text.startswith("no path: something stands there")
 
 
-def test_navigator_backs_off_at_once_where_there_is_no_room_to_turn() -> None:
-    history = NavigatorHistory(planner_patience=0.5)
+def test_navigator_backs_off_first_where_there_is_no_room_to_turn() -> None:
+    history = NavigatorHistory(controller_patience=0.5)
     history.local.costs[44:46] = LETHAL  # a wall 0.2 m to the left
     history.start()
-    outs = [history.step(PlanAnswer(None, "no path: something stands there")) for _ in range(40)]
-    logs = {out.log.split("recovering: ")[1]: number for number, out in enumerate(outs) if out.log}
-    assert logs[Behaviour.BACK_OFF.value] == logs[Behaviour.ROTATE.value] + 1
+    history.step(PlanAnswer(-STRAIGHT))
+    outs = [history.step() for _ in range(10)]
+    assert [out.log.split("recovering: ")[1] for out in outs if out.log] == [Behaviour.BACK_OFF.value]
 
 
 def test_obstacles_that_the_scan_shows_are_no_people_who_will_leave() -> None:

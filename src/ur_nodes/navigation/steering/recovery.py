@@ -68,6 +68,15 @@ class Recovery:
         return Recovery() if far else self
 
 
+def begin_recovery(
+    recovery: Recovery, motion: RolloutState, around: LocalObstacles, footprint: Footprint, limits: SpeedLimits
+) -> Recovery:
+    """Return the begin of the next behaviour: a robot without room to turn backs off first."""
+    first = SEQUENCE.index(Behaviour.BACK_OFF)
+    skips = recovery.tried < first and not _can_turn(motion.pose, around, footprint, limits)
+    return Recovery(first if skips else recovery.tried)
+
+
 @dataclass(frozen=True, slots=True)
 class RecoveryMotion:
     """The next command of a moving behaviour: m/s, rad/s; `finished` when it ends or must stop."""
