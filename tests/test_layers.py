@@ -21,7 +21,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.worlds": ("ur.source",),
     "ur.recordings": ("ur.source",),
     "ur.report": ("ur.source", "ur.recordings", "ur.run.record"),
-    "ur.fleet": ("ur.source",),
+    "ur.fleet": ("ur.source", "ur.system.child_processes"),
     "ur.maps": ("ur.source", "ur.worlds"),
     "ur.check": ("ur.source", "ur.launchfile", "ur.robot", "ur.worlds"),
     "ur.tools.new": ("ur.source", "ur.launchfile", "ur.robot", "ur.request"),

@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import signal
 import socket
+import subprocess
 import sys
 
+import psutil
 import pytest
 
 from ur.system.child_processes import read_errors, start_child, wait_or_kill
@@ -44,3 +46,25 @@ async def test_process_that_does_not_end_is_killed(limit: float) -> None:
     with ours:
         await wait_or_kill(process, limit)
     assert process.returncode == -signal.SIGKILL
+
+
+SERVER = """
+import asyncio, socket, sys
+from ur.system.child_processes import start_child
+
+async def serve():
+    ours, theirs = socket.socketpair()
+    process = await start_child(("sleep", "600"), (theirs,), {})
+    print(process.pid, flush=True)
+    await process.wait()
+
+asyncio.run(serve())
+"""
+
+
+def test_process_that_does_not_read_its_socket_ends_when_its_server_is_killed() -> None:
+    with subprocess.Popen([sys.executable, "-c", SERVER], stdout=subprocess.PIPE) as server:
+        assert server.stdout is not None
+        child = psutil.Process(int(server.stdout.readline()))
+        server.kill()
+    child.wait(60)

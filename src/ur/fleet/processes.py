@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import select
-import shutil
 import signal
 import socket
 import subprocess
@@ -30,6 +29,7 @@ from ur.fleet.jobs import (
 )
 from ur.fleet.logs import LogFile, open_log
 from ur.fleet.table import choose_line
+from ur.system.child_processes import end_with_us
 
 AT_ONCE = 16
 PERIOD = 0.25  # s between two pictures
@@ -212,8 +212,3 @@ def _close(child: _Child) -> None:
     os.close(child.handle)
     if child.questions:
         child.questions.close()
-
-
-def end_with_us() -> list[str]:
-    """Return the command prefix that interrupts a process when this process is killed: prctl(2), PR_SET_PDEATHSIG."""
-    return ["setpriv", "--pdeathsig", "INT", "--"] if shutil.which("setpriv") else []

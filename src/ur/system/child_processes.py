@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import shutil
 import socket
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
@@ -10,14 +11,23 @@ from contextlib import ExitStack, suppress
 _END_LIMIT = 5.0  # s
 
 
+def end_with_us() -> list[str]:
+    """Return the command prefix that interrupts a process when this process is killed: prctl(2), PR_SET_PDEATHSIG."""
+    return ["setpriv", "--pdeathsig", "INT", "--"] if shutil.which("setpriv") else []
+
+
 async def start_child(
     command: Sequence[str], ends: Sequence[socket.socket], environment: Mapping[str, str]
 ) -> asyncio.subprocess.Process:
-    """Start a process with sockets, whose descriptors are its last arguments; they are then closed in this process."""
+    """Start a process with sockets, whose descriptors are its last arguments; they are then closed in this process.
+
+    It is to end when they are closed. It is interrupted when this process is killed, since it may not read them yet: a
+    node that registers with a master which has ended waits for that.
+    """
     with ExitStack() as stack:
         descriptors = tuple(stack.enter_context(each).fileno() for each in ends)
         return await asyncio.create_subprocess_exec(
-            *(*command, *map(str, descriptors)),
+            *(*end_with_us(), *command, *map(str, descriptors)),
             pass_fds=descriptors,
             stdin=asyncio.subprocess.DEVNULL,
             stdout=asyncio.subprocess.DEVNULL,

@@ -11,9 +11,9 @@ from contextlib import suppress
 
 import click
 
-from ur.fleet.processes import end_with_us
 from ur.request.environment import current_selection
 from ur.request.requirements.python_packages import need_all
+from ur.system.child_processes import end_with_us
 
 _PATIENCE = 60.0  # s that the program gets to end
 
