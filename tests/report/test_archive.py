@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
+from mcap.records import SummaryOffset
+from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
 from rosbags.typesys import Stores, get_typestore
 from tests.docs.chromium import Chromium, find_chromium
@@ -105,6 +107,9 @@ def test_recording_has_an_index_and_right_checksums(tmp_path: Path, recording: P
         assert summary is not None
         assert summary.statistics is not None
         assert summary.statistics.message_count == len(list(reader.iter_messages())) == 201
+        file.seek(0)
+        offsets = [each for each in StreamReader(file, validate_crcs=True).records if isinstance(each, SummaryOffset)]
+        assert all(each.group_length for each in offsets)
 
 
 def test_broken_recording_is_named_and_left_out(tmp_path: Path, recording: Path) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ur.recordings.mcap_channels import dialect_of, register_channel
+from ur.recordings.mcap_channels import dialect_of, register_channel, start_writer
 from ur.recordings.mcap_file import RecordingFile, RecordingTopic
 from ur.source.printable import printable
 
@@ -80,14 +80,11 @@ def write_test(path: Path, recording: RecordingFile, arguments: Sequence[str], r
 
 def copy_topics(recording: RecordingFile, path: Path, topics: frozenset[str]) -> None:
     """Copy some topics of a recording, and its metadata. Raises OSError."""
-    from mcap.writer import CompressionType, Writer
-
     channels: dict[RecordingTopic, int] = {}
     dialects = {dialect_of(each.type_name, each.schema) for each in recording.topics.values() if each.name in topics}
     profile = dialects.pop() if len(dialects) == 1 else ""
     with path.open("wb") as file:
-        writer = Writer(file, compression=CompressionType.ZSTD)
-        writer.start(profile=profile, library="ubiquity_launches")
+        writer = start_writer(file, profile, metadata=bool(recording.metadata))
         for message in recording.messages(topics=topics):
             topic = message.topic
             if topic not in channels:

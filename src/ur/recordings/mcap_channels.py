@@ -1,8 +1,8 @@
-"""Topics as channels of MCAP files: the encodings of ROS 1, of ROS 2, and of texts without a type."""
+"""MCAP files that are written, and topics as their channels: the encodings of ROS 1, of ROS 2, and of texts."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import IO, TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     from mcap.writer import Writer
@@ -23,6 +23,18 @@ def dialect_of(type_name: str, schema: str) -> Dialect:
 
 SENDER, LATCHED = "callerid", "latching"
 """Metadata of a channel, as in rosbag files: the node that publishes it, and "1" if it keeps its newest message."""
+
+
+def start_writer(file: IO[bytes], profile: str, *, metadata: bool, chunk_bytes: int = 1 << 20) -> Writer:
+    """Begin an MCAP file, with an index of metadata if it will have any: an empty index is an error in a file."""
+    from mcap.writer import CompressionType, IndexType, Writer  # when something is written
+
+    indexes = IndexType.CHUNK | IndexType.MESSAGE
+    if metadata:
+        indexes |= IndexType.METADATA
+    writer = Writer(file, chunk_size=chunk_bytes, compression=CompressionType.ZSTD, index_types=indexes)
+    writer.start(profile=profile, library="ubiquity_launches")
+    return writer
 
 
 def register_channel(

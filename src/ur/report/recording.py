@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ur.recordings.mcap_channels import register_channel
+from ur.recordings.mcap_channels import register_channel, start_writer
 from ur.recordings.mcap_file import RecordingTopic, StoredMessage, open_recording
 from ur.recordings.message_types import MessageTypes
 from ur.recordings.place import RecordedMap, read_map
@@ -67,17 +67,14 @@ def copy_recording(source: Path, target: Path, secrets: SecretFilter) -> Recordi
 
     Messages that cannot be converted are left out. Raises OSError, UserError.
     """
-    from mcap.writer import CompressionType, Writer
-
     original = open_recording(source)
     types = MessageTypes()
     found = Recording(original.start / _SECOND, original.end / _SECOND)
     copied: dict[RecordingTopic, _Copied] = {}
     with target.open("wb") as copy:
-        writer = Writer(copy, compression=CompressionType.ZSTD)
         made = [types.convert_topic(each, "ros2") for each in original.topics.values()]
         profile = "ros2" if all(each.encoding == "cdr" for each in made) else ""
-        writer.start(profile=profile, library="ubiquity_launches")
+        writer = start_writer(copy, profile, metadata=bool(original.metadata))
         for message in original.messages():
             topic = message.topic
             known = copied.get(topic)

@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
-from ur.recordings.mcap_channels import dialect_of, register_channel
+from ur.recordings.mcap_channels import dialect_of, register_channel, start_writer
 from ur_nodes.black_box.tape import TapeEvent, TapeMessage, TapeTopic
 
 FREE_BYTES = 200_000_000
@@ -81,13 +81,10 @@ def _new_path(folder: Path) -> Path:
 
 
 def _write(file: BinaryIO, tape: Iterable[TapeMessage | TapeEvent], reasons: Sequence[str], to_unix: int) -> None:
-    from mcap.writer import CompressionType, Writer  # when something has happened
-
-    writer = Writer(file, compression=CompressionType.ZSTD)
     messages = list(tape)
     topics = {each.topic for each in messages if isinstance(each, TapeMessage)}
     dialects = {dialect_of(topic.type_name, topic.schema) for topic in topics} - {""}
-    writer.start(profile=dialects.pop() if len(dialects) == 1 else "", library="ubiquity_launches")
+    writer = start_writer(file, dialects.pop() if len(dialects) == 1 else "", metadata=True)
     channels: dict[TapeTopic, int] = {}
     events: dict[str, str] = {}
     sequence = 0

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
-from ur.recordings.mcap_channels import dialect_of, register_channel
+from ur.recordings.mcap_channels import dialect_of, register_channel, start_writer
 from ur_nodes.ports.raw import RecordedMessage, RecordedType
 
 if TYPE_CHECKING:
@@ -100,14 +100,12 @@ class SplitWriter:
         return self._open or self._begin(kind, stamp)
 
     def _begin(self, kind: RecordedType, stamp: int) -> _Open:
-        from mcap.writer import CompressionType, Writer  # when something is recorded
-
         self._number += 1
         path = self._settings.folder / f"{self._stem}_{self._number:03}.mcap"
         file = path.with_name(path.name + UNFINISHED).open("xb")
         os.fchmod(file.fileno(), 0o600)
-        writer = Writer(file, chunk_size=self._chunk_bytes, compression=CompressionType.ZSTD)
-        writer.start(profile=dialect_of(kind.type_name, kind.schema), library="ubiquity_launches")
+        dialect = dialect_of(kind.type_name, kind.schema)
+        writer = start_writer(file, dialect, metadata=False, chunk_bytes=self._chunk_bytes)
         self._open = _Open(path, file, writer, stamp)
         return self._open
 
