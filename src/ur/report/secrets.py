@@ -14,11 +14,25 @@ _STRONG = (
 )
 _WEAK = "pass|pwd|auth|key|pin|wpa|bearer"  # parts of other words, too
 _NAME = rf"(?:[\w.-]*(?:{_STRONG})[\w.-]*|(?:[\w.-]*[^a-zA-Z\s])?(?:{_WEAK})(?:[\d_.-][\w.-]*)?)"
+_IN_NAMES = re.compile("pass|pwd|auth|key|pin|wpa|bearer|secret|token|credential|psk|ssid|cookie", re.IGNORECASE)
+"""Part of each name of a secret. Most messages have none, and to look for whole names takes much longer."""
+
 _QUOTED = r"\"(?P<{0}a>[^\"\n]*)\"|'(?P<{0}b>[^'\n]*)'"
 _IS_SECRET = re.compile(rf"(?:.*/)?{_NAME}", re.IGNORECASE)
-_PATTERNS: tuple[tuple[str, re.Pattern[str]], ...] = (
+_FORMS: tuple[tuple[str, re.Pattern[str]], ...] = (
     ("private key", re.compile(r"(?P<a>-----BEGIN [A-Z ]*PRIVATE KEY-----[\s\S]*?(?:-----END [A-Z ]*-----|\Z))")),
     ("password in an address", re.compile(r"://(?P<a>[^/\s@\"'<>]+)@")),
+    ("authorization", re.compile(r"\b(?:bearer|basic|digest)\s+(?P<a>[\w.~+/=-]{8,})", re.IGNORECASE)),
+    (
+        "token",
+        re.compile(
+            r"\b(?P<a>gh[pousr]_\w{16,}|github_pat_\w{16,}|glpat-[\w-]{16,}|sk-[\w-]{16,}|AKIA[0-9A-Z]{12,}"
+            r"|xox[abprs]-[\w-]{10,}|AIza[\w-]{30,}|eyJ[\w-]{8,}\.[\w-]+\.[\w-]+)"
+        ),
+    ),
+    ("name of a home folder", re.compile(r"/(?:home|Users)/(?P<a>[^/\s:\"'<>,;)\]}]+)")),
+)
+_NAMED: tuple[tuple[str, re.Pattern[str]], ...] = (
     (
         "value with the name of a secret",
         re.compile(
@@ -32,15 +46,6 @@ _PATTERNS: tuple[tuple[str, re.Pattern[str]], ...] = (
         "value of an option with the name of a secret",
         re.compile(rf"(?<!\S)--?{_NAME}\s+(?:{_QUOTED.format('a')}|(?P<aplain>[^\s\"'-][^\s\"']*))", re.IGNORECASE),
     ),
-    ("authorization", re.compile(r"\b(?:bearer|basic|digest)\s+(?P<a>[\w.~+/=-]{8,})", re.IGNORECASE)),
-    (
-        "token",
-        re.compile(
-            r"\b(?P<a>gh[pousr]_\w{16,}|github_pat_\w{16,}|glpat-[\w-]{16,}|sk-[\w-]{16,}|AKIA[0-9A-Z]{12,}"
-            r"|xox[abprs]-[\w-]{10,}|AIza[\w-]{30,}|eyJ[\w-]{8,}\.[\w-]+\.[\w-]+)"
-        ),
-    ),
-    ("name of a home folder", re.compile(r"/(?:home|Users)/(?P<a>[^/\s:\"'<>,;)\]}]+)")),
 )
 _LEAST = 4  # characters of a value that is removed wherever it stands
 _PLAIN = frozenset({"true", "false", "none", "null", "auto", "default", "home", "root"})
@@ -142,7 +147,7 @@ def _forms(value: str) -> tuple[str, ...]:
 
 
 def _spans(text: str) -> Iterator[tuple[str, int, int, str]]:
-    for kind, pattern in _PATTERNS:
+    for kind, pattern in (*_FORMS, *_NAMED) if _IN_NAMES.search(text) else _FORMS:
         for match in pattern.finditer(text):
             for name, value in match.groupdict().items():
                 if value and value.strip() and not value.startswith("[removed"):
