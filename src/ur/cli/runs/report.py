@@ -53,7 +53,7 @@ def command(run: str | None, output: str | None) -> int:
     for each in report.missing:
         click.echo(f"warning: the report is without {each}", err=True)
     click.echo(f"{report.path}: {report.size / 1e6:.1f} MB")
-    click.echo(f"secrets were removed in {len(report.removed)} places; removed.txt in it lists them", err=True)
+    click.echo(f"removed secrets: {len(report.removed)}; removed.txt in it lists them", err=True)
     return 0
 
 
