@@ -36,7 +36,6 @@ ELSEWHERE = {
     "ur_nodes/memory": "the contract of all backends: tests/ur_nodes/ports/",
     "ur_nodes/ports/values": "values have no behaviour: the contract of all backends carries each of them",
     "ur_nodes/slam/gmapping": "the node on a bus: tests/ur_nodes/slam/test_slam_gmapping_node.py",
-    "ur_nodes/ros2/recorder": "tests/e2e/test_recordings_on_ros2.py records by it",
 }
 
 TEST_FILES = sorted(TESTS.rglob("test_*.py"))
