@@ -63,6 +63,7 @@ class PatrolRunner:
         self._shown: PatrolStatus | None = None
         self._line = ""
         self._lease: Lease | None = None
+        self._taken_by = ""  # who took the lease from this patrol, and may have released it since
         self._challenges = ReceivedChallenges()
         self._stopped = False
         identity = Identity(("patrol" + node.name.replace("/", "."))[:64], "patrol", "")
@@ -72,7 +73,7 @@ class PatrolRunner:
         self._places = PlaceLookup(node, settings.keeper)
         self._status = node.publish("~status", str, Quality.LATCHED)
         self._publish()
-        node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED)
+        node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED_EVERY)  # one that ended counts, too
         node.subscribe(f"{mux}/stopped", bool, self._take_stopped, Quality.LATCHED)
         node.subscribe_from("~request", str, self._take_request, Quality.EVERY)
         node.every(_PERIOD, self._step, steady=True)
@@ -90,7 +91,7 @@ class PatrolRunner:
             self._node.steady(),
             may_drive=view.state == "unknown" or (view.mine and view.state == "held"),
             ready=self._goal.ready,
-            other="" if view.mine else view.holder,
+            other="" if view.mine else view.holder or self._taken_by,
             stopped=self._stopped,
             goal=report.state if report else None,
             text=report.text if report else "",
@@ -164,7 +165,14 @@ class PatrolRunner:
             self._challenges = note_challenge(self._challenges, value, self._node.steady())
 
     def _take_lease(self, text: str) -> None:
-        self._lease = read_lease(text) or self._lease
+        lease, own = read_lease(text), self._client.client
+        if lease is None:
+            return
+        self._lease = lease
+        if lease.client == own:
+            self._taken_by = ""
+        elif lease.taken_from is not None and lease.taken_from.client == own:
+            self._taken_by = lease.name or lease.client[:8]
 
     def _take_stopped(self, stopped: bool) -> None:
         self._stopped = stopped

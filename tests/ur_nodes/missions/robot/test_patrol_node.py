@@ -187,6 +187,16 @@ def test_take_over_pauses_the_patrol_and_names_who_drives(stage: PatrolStage) ->
     assert stage.lease == ("held", "laptop")
 
 
+def test_take_over_that_is_shorter_than_a_look_at_it_pauses_the_patrol(stage: PatrolStage) -> None:
+    stage.ask("start", [SOFA])
+    assert stage.reaches("driving")
+    stage.laptop.take()
+    assert stage.bus.run_until(lambda: stage.laptop.view().mine, 1.0)
+    stage.laptop.release(final=False)
+    assert stage.reaches("paused", 1.0)
+    assert stage.status["reason"] == "laptop took over"
+
+
 def test_driver_who_starts_the_patrol_hands_the_lease_over(stage: PatrolStage) -> None:
     stage.laptop.acquire()
     assert stage.bus.run_until(lambda: stage.laptop.view().mine, 3.0)
