@@ -21,6 +21,8 @@ from ur_nodes.ros1.repairs.log_errors import discard_line, report_log_errors
 from ur_nodes.ros1.repairs.sending import send_at_once
 from ur_nodes.ros1.repairs.thread_failure import end_on_failure
 
+_REGISTER_LIMIT = 5  # s that a node which registers with the master has to end
+
 
 def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = False) -> int:
     """Run a node until it ends; see `ur_nodes.run.run`."""
@@ -75,16 +77,19 @@ def shut_down_aside(end: Callable[[str], None] = rospy.signal_shutdown) -> Itera
     """While a node registers with the master, let signals shut it down in a thread of its own.
 
     rospy's handler speaks to the master on the main thread. Where that is in the middle of a call to the master it
-    waits for itself for ever: the proxy's lock is held until the call that it interrupts is done.
+    waits for itself for ever: the proxy's lock is held until the call that it interrupts is done. In a thread it waits
+    likewise where there is no master, which rospy registers with until it succeeds: the process is ended then.
     """
 
     def shut_down(number: int, _frame: FrameType | None) -> None:
+        signal.alarm(_REGISTER_LIMIT)
         threading.Thread(target=end, args=(f"signal-{number}",), name="shutdown").start()
 
     before = {number: signal.signal(number, shut_down) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield
     finally:
+        signal.alarm(0)
         for number, handler in before.items():
             signal.signal(number, handler)
 

@@ -68,3 +68,19 @@ def test_node_ends_that_is_ended_while_it_sets_its_parameters(master: SlowMaster
         node.kill()
         node.wait()
     assert node.returncode in (0, 2, -signal.SIGTERM)
+
+
+def test_node_ends_that_is_ended_while_it_looks_for_a_master(tmp_path: Path) -> None:
+    environment = {**os.environ, "ROS_MASTER_URI": "http://localhost:1", "ROS_LOG_DIR": str(tmp_path)}
+    command = [sys.executable, "-I", "-u", "-m", "ur_nodes", "ur_nodes.motion.joystick.joy_node"]
+    node = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert node.stdout is not None
+    try:
+        while "Unable to register" not in (line := node.stdout.readline()):
+            assert line, "it ended by itself"
+        node.send_signal(signal.SIGTERM)
+        node.communicate(timeout=60)  # it ends
+    finally:
+        node.kill()
+        node.wait()
+    assert node.returncode == -signal.SIGALRM
