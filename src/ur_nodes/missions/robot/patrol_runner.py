@@ -32,6 +32,7 @@ from ur_nodes.missions.robot.place_lookup import PlaceLookup
 from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.motion.lease.text import Lease, read_lease
 from ur_nodes.motion.lease.view import Identity
+from ur_nodes.navigation.goals.attendance import name_of_driver
 from ur_nodes.navigation.goals.goal_claim import REMEMBERED, ReceivedChallenges, note_challenge
 from ur_nodes.ports.node import Node, Sender
 from ur_nodes.ports.qualities import Quality
@@ -63,7 +64,6 @@ class PatrolRunner:
         self._shown: PatrolStatus | None = None
         self._line = ""
         self._lease: Lease | None = None
-        self._taken_by = ""  # who took the lease from this patrol, and may have released it since
         self._challenges = ReceivedChallenges()
         self._stopped = False
         identity = Identity(("patrol" + node.name.replace("/", "."))[:64], "patrol", "")
@@ -73,7 +73,7 @@ class PatrolRunner:
         self._places = PlaceLookup(node, settings.keeper)
         self._status = node.publish("~status", str, Quality.LATCHED)
         self._publish()
-        node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED_EVERY)  # one that ended counts, too
+        node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED)
         node.subscribe(f"{mux}/stopped", bool, self._take_stopped, Quality.LATCHED)
         node.subscribe_from("~request", str, self._take_request, Quality.EVERY)
         node.every(_PERIOD, self._step, steady=True)
@@ -86,12 +86,13 @@ class PatrolRunner:
             self._client.release(final=False)
 
     def _look(self) -> PatrolInputs:
-        view, report = self._client.view(), self._goal.report
+        view, taken, report = self._client.view(), self._client.taken, self._goal.report
+        other = view.holder or (name_of_driver(taken) if taken else "")  # who took over may have let go since
         return PatrolInputs(
             self._node.steady(),
             may_drive=view.state == "unknown" or (view.mine and view.state == "held"),
             ready=self._goal.ready,
-            other="" if view.mine else view.holder or self._taken_by,
+            other="" if view.mine else other,
             stopped=self._stopped,
             goal=report.state if report else None,
             text=report.text if report else "",
@@ -165,14 +166,7 @@ class PatrolRunner:
             self._challenges = note_challenge(self._challenges, value, self._node.steady())
 
     def _take_lease(self, text: str) -> None:
-        lease, own = read_lease(text), self._client.client
-        if lease is None:
-            return
-        self._lease = lease
-        if lease.client == own:
-            self._taken_by = ""
-        elif lease.taken_from is not None and lease.taken_from.client == own:
-            self._taken_by = lease.name or lease.client[:8]
+        self._lease = read_lease(text) or self._lease
 
     def _take_stopped(self, stopped: bool) -> None:
         self._stopped = stopped

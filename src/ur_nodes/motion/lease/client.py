@@ -8,7 +8,7 @@ from collections.abc import Callable
 from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS
 from ur_nodes.motion.challenge.link import ChallengeLink
 from ur_nodes.motion.lease.requests import LeaseRequests, let_go, step_requests, take_lease, want
-from ur_nodes.motion.lease.text import Action, LeaseRequest, read_lease, write_request
+from ur_nodes.motion.lease.text import Action, Lease, LeaseRequest, read_lease, write_request
 from ur_nodes.motion.lease.view import Conduct, Identity, LeaseView, identify
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.qualities import Quality
@@ -47,7 +47,7 @@ class LeaseClient:
         self._note = ""
         self._requests = LeaseRequests(self.client, self.conduct)
         self._publisher = node.publish(f"{mux}/lease_request", str, Quality.EVERY)
-        node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED)
+        node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED_EVERY)  # take-overs that ended count, too
         node.every(_PERIOD, self._step, steady=True)
 
     @property
@@ -58,6 +58,11 @@ class LeaseClient:
     def view(self) -> LeaseView:
         """Return this client's view of the lease."""
         return self._requests.view(self.link.link_age())
+
+    @property
+    def taken(self) -> Lease | None:
+        """Return the lease of the client that took it over from this one, until this one has it again."""
+        return self._requests.taken
 
     @property
     def settled(self) -> bool:

@@ -60,23 +60,6 @@ def follow_reference(
 
     The command differs from the present motion by no more than the accelerations allow in `period`.
     """
-    found = _follow(reference, index, motion, around, footprint, limits, settings, period)
-    exact = around.exact() if found.blocked else around
-    if exact is around:
-        return found
-    return _follow(reference, index, motion, exact, footprint, limits, settings, period)
-
-
-def _follow(
-    reference: ReferencePath,
-    index: int,
-    motion: RolloutState,
-    around: LocalObstacles,
-    footprint: Footprint,
-    limits: SpeedLimits,
-    settings: FollowSettings,
-    period: float,
-) -> LocalCommand:
     plain = roll_out(reference, index, motion, _PLAIN, limits, settings, period)
     times: Floats = period + settings.step * np.arange(len(plain.poses), dtype=np.float64)
     clear = not _touches(plain.poses, motion.pose, around, footprint)[:, 0].any()
@@ -86,12 +69,13 @@ def _follow(
     possible = ~_touches(others.poses, motion.pose, around, footprint).any(axis=0)
     free = possible & ~approaches(others.poses, times, motion.pose, around.people, footprint).any(axis=0)
     waits = bool((possible & ~free).any()) or clear
-    if not free.any():
-        return _stop(motion, limits, settings, period, waits=waits)
     gains = (others.indices[-1] - index) * reference.spacing - _OFFSET_COST * np.abs(_VARIANTS[:, 1])
     best = int(np.argmax(np.where(free, gains, -np.inf)))
-    if gains[best] <= _LEAST_GAIN and abs(others.turns[:, best]).max() < _LEAST_TURN:
-        return _stop(motion, limits, settings, period, waits=waits)
+    if not free.any() or (gains[best] <= _LEAST_GAIN and abs(others.turns[:, best]).max() < _LEAST_TURN):
+        exact = around.exact()
+        if exact is around:
+            return _stop(motion, limits, settings, period, waits=waits)
+        return follow_reference(reference, index, motion, exact, footprint, limits, settings, period)
     return LocalCommand(
         float(others.speeds[0, best]), float(others.turns[0, best]), others.poses[:, best], hindered=True
     )
