@@ -33,7 +33,8 @@ class MotionLimits:
 
     `command_age` (s) is the age above which a command no longer moves the robot. The accelerations apply while it
     speeds up, the decelerations (at least as high; equal unless given) while it brakes. `lag` (s) is the delay between
-    a command and the response of the wheels, without the braking time.
+    a command and the response of the wheels, without the braking time. `lateral_velocity` is the greatest speed to
+    either side, 0 for a base whose wheels do not roll sideways; the accelerations to the side are those ahead.
     """
 
     velocity: float
@@ -44,6 +45,7 @@ class MotionLimits:
     angular_deceleration: float
     command_age: float
     lag: float
+    lateral_velocity: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

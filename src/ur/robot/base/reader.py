@@ -96,6 +96,7 @@ def _limits(part: Section) -> MotionLimits:
         angular_deceleration=part.number("angular_deceleration", angular_acceleration, minimum=angular_acceleration),
         command_age=part.number("command_age", minimum=0.02, maximum=1.0),
         lag=part.number("lag", 0.11, minimum=0.0, maximum=0.2),
+        lateral_velocity=part.number("lateral_velocity", 0.0, minimum=0.0, maximum=10.0),
     )
     part.finish()
     return limits
