@@ -77,11 +77,17 @@ class Pose3(NamedTuple):
         return Pose2(self.x, self.y, yaw_of_quaternion(*self.rotation))
 
 
-def arc_end(distance: float, angle: float) -> Pose2:
-    """Return the pose after a way (m, negative is back) along an arc that turns by an angle (rad)."""
+def arc_end(distance: float, angle: float, left: float = 0.0) -> Pose2:
+    """Return the pose after a way (m, negative is back) along an arc that turns by an angle (rad).
+
+    `left` is the way to the left of the heading that is driven at the same time, m.
+    """
     half = angle / 2.0
-    chord = distance * (math.sin(half) / half if abs(half) > 1e-6 else 1.0)
-    return Pose2(chord * math.cos(half), chord * math.sin(half), angle)
+    share = math.sin(half) / half if abs(half) > 1e-6 else 1.0
+    chord, c, s = distance * share, math.cos(half), math.sin(half)
+    if not left:
+        return Pose2(chord * c, chord * s, angle)
+    return Pose2(chord * c - left * share * s, chord * s + left * share * c, angle)
 
 
 def make_pose3(position: tuple[float, float, float], quaternion: Quaternion) -> Pose3:

@@ -52,4 +52,4 @@ class BaseOutput:
 
 
 def _twist_of(velocity: Velocity) -> Twist:
-    return Twist(velocity.forward, velocity.turn)
+    return Twist(velocity.forward, velocity.turn, velocity.left)

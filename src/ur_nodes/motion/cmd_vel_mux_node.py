@@ -37,7 +37,9 @@ def start(node: Node) -> None:
 
     def report_output(state: MuxState) -> None:
         wanted, output = state.wanted, state.output
-        obstacle_stop.note(state.verdict, (wanted.forward, wanted.turn), (output.forward, output.turn))
+        obstacle_stop.note(
+            state.verdict, (wanted.forward, wanted.turn, wanted.left), (output.forward, output.turn, output.left)
+        )
 
     first = start_mux(settings.mux, stopped=settings.stopped, share=settings.share)
     runner = MuxRunner(node, first, _OUTPUT, publish_state, report_output)

@@ -129,7 +129,10 @@ def _take(state: MuxState, event: Event | None, now: float) -> MuxState:
         timeout = state.settings.sources[event.source].timeout
         received = list(state.received)
         at = now if event.at is None else min(now, event.at)
-        received[event.source] = _receive(received[event.source], event.velocity, timeout, at)
+        velocity = event.velocity
+        if velocity.left and not state.settings.left.speed:
+            velocity = Velocity(velocity.forward, velocity.turn)  # its wheels do not roll sideways
+        received[event.source] = _receive(received[event.source], velocity, timeout, at)
         return replace(state, now=now, received=tuple(received))
     if isinstance(event, LockMessage):
         locks = list(state.locks)
@@ -152,7 +155,7 @@ def _take(state: MuxState, event: Event | None, now: float) -> MuxState:
 def _receive(before: ReceivedCommand, velocity: Velocity, timeout: float, at: float) -> ReceivedCommand:
     if at < before.at:
         return before
-    if velocity.still or not (math.isfinite(velocity.forward) and math.isfinite(velocity.turn)):
+    if velocity.still or not velocity.finite:
         velocity = STILL  # what is too slow to count as motion must not be sent on as motion either
     paused = velocity.still or at - before.at > timeout
     moved_at = before.moved_at if velocity.still else at
@@ -201,7 +204,7 @@ def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
     output = _approach(state.output, wanted, settings, left_to_brake, seconds)
     verdict = _judge(state, output, now)
     if verdict is not None and verdict.cause is not None:
-        wanted = Velocity(verdict.forward, verdict.turn)
+        wanted = Velocity(verdict.forward, verdict.turn, verdict.left)
         output = _approach(state.output, wanted, settings, left_to_brake, seconds)
     rests = state.active is None and output == STILL
     zeros_left = (state.zeros_left if state.output == STILL else settings.zeros) - 1 if rests else settings.zeros
@@ -217,13 +220,15 @@ def _judge(state: MuxState, output: Velocity, now: float) -> GuardVerdict | None
     """Return the guard's verdict on an output; None if the driving source is not guarded."""
     if state.guard is None or state.active is None or state.settings.sources[state.active].avoids_obstacles:
         return None
-    return state.guard.permit(output.forward, output.turn, now)
+    return state.guard.permit(output.forward, output.turn, now, output.left)
 
 
 def _approach(before: Velocity, target: Velocity, settings: MuxSettings, left: float, seconds: float) -> Velocity:
+    aside = before.left or target.left
     return Velocity(
         _follow(before.forward, target.forward, settings.forward, left, seconds),
         _follow(before.turn, target.turn, settings.turn, left, seconds),
+        _follow(before.left, target.left, settings.left, left, seconds) if aside else 0.0,
     )
 
 
@@ -234,8 +239,14 @@ def _follow(value: float, target: float, axis: Axis, left: float, seconds: float
 
 
 def _next_output(settings: MuxSettings, output: Velocity, target: Velocity, left: float, now: float) -> float:
-    slows = abs(output.forward) > abs(target.forward) or abs(output.turn) > abs(target.turn)
+    slows = (
+        abs(output.forward) > abs(target.forward)
+        or abs(output.turn) > abs(target.turn)
+        or abs(output.left) > abs(target.left)
+    )
     brake_in = left - max(
-        abs(output.forward) / settings.forward.slow_down, abs(output.turn) / settings.turn.slow_down
+        abs(output.forward) / settings.forward.slow_down,
+        abs(output.turn) / settings.turn.slow_down,
+        abs(output.left) / settings.left.slow_down,
     )  # s: then the speed is too high for the age of the command
     return now + max(settings.brake_period, min(settings.period, 0.0 if slows else brake_in))

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from ur_nodes.motion.obstacle_stop.guard import Guard
-from ur_nodes.motion.ramp import Axis
+from ur_nodes.motion.ramp import NO_AXIS, Axis
 
 IDLE = "idle"
 _SLOWEST = 1e-4  # m/s, rad/s: less is rounding, not a command to move
@@ -55,19 +56,26 @@ class MuxSettings:
     lag: float = 0.11
     zeros: int = 3
     forgets: float = 0.1
+    left: Axis = NO_AXIS
 
 
 @dataclass(frozen=True, slots=True)
 class Velocity:
-    """m/s forward, rad/s about z."""
+    """m/s forward, rad/s about z, m/s to the left."""
 
     forward: float = 0.0
     turn: float = 0.0
+    left: float = 0.0
 
     @property
     def still(self) -> bool:
         """True if there is no motion."""
-        return abs(self.forward) < _SLOWEST and abs(self.turn) < _SLOWEST
+        return abs(self.forward) < _SLOWEST and abs(self.turn) < _SLOWEST and abs(self.left) < _SLOWEST
+
+    @property
+    def finite(self) -> bool:
+        """True if all parts are numbers."""
+        return math.isfinite(self.forward) and math.isfinite(self.turn) and math.isfinite(self.left)
 
 
 STILL = Velocity()
@@ -125,6 +133,8 @@ def slow_to(wanted: Velocity, share: float, settings: MuxSettings) -> Velocity:
     """Return the velocity with at most this share of the base's speeds, on the same curve."""
     if share >= 1.0 or wanted.still:
         return wanted
-    parts = (abs(wanted.forward) / settings.forward.speed, abs(wanted.turn) / settings.turn.speed)
-    factor = min(1.0, share / max(parts))
-    return Velocity(factor * wanted.forward, factor * wanted.turn)
+    part = max(abs(wanted.forward) / settings.forward.speed, abs(wanted.turn) / settings.turn.speed)
+    if wanted.left and settings.left.speed:
+        part = max(part, abs(wanted.left) / settings.left.speed)
+    factor = min(1.0, share / part)
+    return Velocity(factor * wanted.forward, factor * wanted.turn, factor * wanted.left)

@@ -9,7 +9,7 @@ from ur.source.project import launch_library
 from ur_nodes.motion.challenge.freshness import FRESHNESS
 from ur_nodes.motion.lease.text import LEASE_TIMEOUT
 from ur_nodes.motion.mux_events import MuxSettings, Source
-from ur_nodes.motion.ramp import axes_of
+from ur_nodes.motion.ramp import axes_of, lateral_axis
 from ur_nodes.motion.sources import read_locks, read_sources
 from ur_nodes.ports.parameters import Parameters
 
@@ -56,6 +56,7 @@ def read_settings(own: Parameters) -> MuxNodeSettings:
             stop_time=own.number("stop_time", 0.3, minimum=0.1, maximum=2.0),
             forgets=base.limits.command_age + _SLACK,
             lag=own.number("lag", base.limits.lag, minimum=0.0, maximum=0.5),
+            left=lateral_axis(base.limits),
         ),
         stopped=own.any(STOPPED, False) is True,
         share=read_share(own.any(LIMIT, 100.0)) or 1.0,

@@ -24,12 +24,23 @@ class Axis:
         return max(-self.speed, min(self.speed, value)) if math.isfinite(value) else 0.0
 
 
+NO_AXIS = Axis(0.0, 1.0, 1.0)
+"""The limits of a direction in which a base does not move."""
+
+
 def axes_of(limits: MotionLimits) -> tuple[Axis, Axis]:
     """Forward and turning limits of a base."""
     return (
         Axis(limits.velocity, limits.acceleration, limits.deceleration),
         Axis(limits.angular_velocity, limits.angular_acceleration, limits.angular_deceleration),
     )
+
+
+def lateral_axis(limits: MotionLimits) -> Axis:
+    """Limits to the left of a base."""
+    if not limits.lateral_velocity:
+        return NO_AXIS
+    return Axis(limits.lateral_velocity, limits.acceleration, limits.deceleration)
 
 
 def approach(value: float, target: float, axis: Axis, seconds: float) -> float:

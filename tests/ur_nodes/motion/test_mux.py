@@ -41,6 +41,7 @@ SOURCES = (
 )
 FORWARD, TURN = Axis(0.5, 1.0, 4.0), Axis(1.0, 3.0, 10.0)
 SETTINGS = MuxSettings(SOURCES, FORWARD, TURN, locks=(Lock("pause", "pause", 50, 0.0),))
+SIDEWAYS = replace(SETTINGS, left=Axis(0.4, 1.0, 4.0))
 BUDGET = SETTINGS.stop_time - SETTINGS.lag
 
 
@@ -112,6 +113,26 @@ def test_mux_brakes_in_time_when_the_commander_is_lost_then_says_zero_three_time
     assert zeros[0] - last <= BUDGET + 1e-9
     assert run.state.next_at == math.inf
     assert run.sent[-1][2] == "idle"
+
+
+def test_mux_drives_a_base_sideways_within_its_limits_and_stops_it_in_time() -> None:
+    run = MuxRun(start_mux(SIDEWAYS))
+    run.drive(KEYBOARD, Velocity(0.0, 0.0, 0.7), 1.0, rate=30.0)
+    assert run.last == Velocity(0.0, 0.0, 0.4)
+    assert run.sent[10][1].left == pytest.approx(0.02 * 11)
+    last = run.now - 1.0 / 30.0
+    run.until(3.0)
+    assert max(at for at, velocity, _ in run.sent if velocity != STILL) - last < BUDGET
+
+
+@pytest.mark.parametrize(("settings", "expected"), [(SETTINGS, 0.0), (SIDEWAYS, 0.2)])
+def test_speed_limit_holds_sideways_and_a_base_without_such_wheels_stays(
+    settings: MuxSettings, expected: float
+) -> None:
+    run = MuxRun(start_mux(settings, share=0.5))
+    run.drive(KEYBOARD, Velocity(0.0, 0.0, -0.4), 1.0)
+    assert min((velocity.left for _, velocity, _ in run.sent), default=0.0) == pytest.approx(-expected)
+    assert bool(run.sent) is bool(expected)
 
 
 def test_mux_follows_zeros_of_the_active_source_with_the_harder_limit(run: MuxRun) -> None:

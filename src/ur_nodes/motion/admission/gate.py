@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import random
 import time
 from collections.abc import Callable, Mapping
@@ -127,8 +126,9 @@ class AdmissionGate:
             self._reports.count(self._settings.sources[index], verdict, stamped=stamped)
 
     def _velocity_of(self, twist: Twist, index: int) -> Velocity:
-        if math.isfinite(twist.forward) and math.isfinite(twist.turn):
-            return Velocity(twist.forward, twist.turn)
+        velocity = Velocity(twist.forward, twist.turn, twist.left)
+        if velocity.finite:
+            return velocity
         source = self._settings.sources[index]
         text = f"{source.name}: a command on {source.topic} is not finite, expected numbers; taken as stop"
         self._log.warn(text, every=5.0)

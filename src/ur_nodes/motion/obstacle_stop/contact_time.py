@@ -20,28 +20,31 @@ _ROUNDING = 1e-9
 
 
 def time_to_contact(
-    hull: Hull, points: Floats, margin: float, velocity: tuple[float, float], horizon: float
+    hull: Hull, points: Floats, margin: float, velocity: tuple[float, float], horizon: float, left: float = 0.0
 ) -> tuple[float, int]:
     """The time (s) until the outline, `margin` (m) wider, meets the first of some points (n, 2), and which one.
 
-    Infinite, and -1, when it meets none within `horizon` s of driving with `velocity` (forward, turn). A point that is
+    Infinite, and -1, when it meets none within `horizon` s of driving with `velocity` (forward, turn) and to the
+    `left` (m/s). A point that is
     nearer than the margin already is met at once by a motion that brings it nearer, and never by one that does not.
     """
     forward, turn = velocity
     margins = np.minimum(margin, hull.distances(points) - _LEAST) if len(points) else np.empty(0)
     if not len(points):
         return math.inf, -1
-    times = _arc(hull, points, margins, forward, turn, horizon) if abs(turn) > _STRAIGHT else None
+    times = _arc(hull, points, margins, (forward, left), turn, horizon) if abs(turn) > _STRAIGHT else None
     if times is None:
-        times = _straight(hull, points, margins, forward)
+        times = _straight(hull, points, margins, (forward, left))
     first = int(np.argmin(times))
     return (float(times[first]), first) if times[first] <= horizon else (math.inf, -1)
 
 
-def _straight(hull: Hull, points: Floats, margins: Floats, forward: float) -> Floats:
+def _straight(hull: Hull, points: Floats, margins: Floats, along: tuple[float, float]) -> Floats:
     """Return times (n) for straight motion: the interval in which a point is within the half-planes of all edges."""
     outside = points @ hull.normals.T - hull.offsets - margins[:, None]  # (n, edges)
-    rates = -forward * hull.normals[:, 0]
+    rates = -along[0] * hull.normals[:, 0]
+    if along[1]:
+        rates = rates - along[1] * hull.normals[:, 1]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         crossings = -outside / rates
     enters = np.where(rates < -_ROUNDING, crossings, -np.inf).max(axis=1)
@@ -51,9 +54,11 @@ def _straight(hull: Hull, points: Floats, margins: Floats, forward: float) -> Fl
     return times
 
 
-def _arc(hull: Hull, points: Floats, margins: Floats, forward: float, turn: float, horizon: float) -> Floats:
+def _arc(
+    hull: Hull, points: Floats, margins: Floats, along: tuple[float, float], turn: float, horizon: float
+) -> Floats:
     """Return times (n) for an arc: in the robot's frame, each point moves on a circle about the centre of the arc."""
-    centre = np.array((0.0, forward / turn))
+    centre = np.array((-along[1] / turn, along[0] / turn))
     spokes = points - centre
     radii = np.hypot(*spokes.T)[:, None]
     phases = np.arctan2(

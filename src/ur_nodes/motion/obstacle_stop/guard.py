@@ -15,6 +15,7 @@ What no sensor sees is taken for neither free nor blocked: towards it the base d
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -23,7 +24,7 @@ import numpy as np
 from ur.robot.base import MotionLimits
 from ur_nodes.geometry.hull import Floats, Hull
 from ur_nodes.motion.obstacle_stop.contact_time import time_to_contact
-from ur_nodes.motion.obstacle_stop.sensors import covers
+from ur_nodes.motion.obstacle_stop.sensors import Side, covers
 from ur_nodes.motion.obstacle_stop.sight import Sight
 
 MARGIN = 0.03  # m
@@ -37,8 +38,9 @@ _PERIOD = 0.02  # s from one output of the mux to the next
 _STILL = 0.01  # m/s of the fastest point: less is a stop
 _TURN_ONLY = 0.02  # m/s: with less left of the way forward the turn is tried alone
 
+_LENGTHWISE = ("ahead", "behind")
+
 Kind = Literal["obstacle", "bumper", "cliff", "unseen", "silent"]
-Side = Literal["ahead", "behind", "on the left", "on the right"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +64,7 @@ class GuardVerdict:
     forward: float
     turn: float
     cause: Cause | None = None
+    left: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,49 +75,52 @@ class Guard:
     braking: tuple[float, float]
     lag: float
 
-    def permit(self, forward: float, turn: float, now: float) -> GuardVerdict:
-        """Return the velocity to send at `now` (s) in place of a requested one, on the same arc."""
+    def permit(self, forward: float, turn: float, now: float, left: float = 0.0) -> GuardVerdict:
+        """Return the velocity to send at `now` (s) in place of a requested one, on the same arc.
+
+        `left` is the speed to the left, m/s.
+        """
         sight = self.sight
         cause = None
-        if forward and sight.sensors and (limit := self._blind(forward, now)):
-            cap, cause = limit
-            if abs(forward) > cap:
-                forward, turn = forward * cap / abs(forward), turn * cap / abs(forward)
-            else:
-                cause = None
+        for side, speed in _sides_of(forward, left):
+            if sight.sensors and speed > BLIND and (unseen := self._look_for(side, now)):
+                share, cause = min(1.0, BLIND / abs(forward if side in _LENGTHWISE else left)), unseen
+                forward, turn, left = share * forward, share * turn, share * left
         points = sight.points_at(now)
         touched = list(sight.touched.values())
         everything = np.concatenate((points, *touched)) if touched else points
         if not len(everything):
-            return GuardVerdict(forward, turn, cause)
-        swept = self._sweep(everything, forward, turn, now)
-        share, index = swept
+            return GuardVerdict(forward, turn, cause, left)
+        share, index = self._sweep(everything, forward, turn, now, left)
         if share >= 1.0:
-            return GuardVerdict(forward, turn, cause)
+            return GuardVerdict(forward, turn, cause, left)
         cause = self._describe(everything[index], index - len(points))
-        if turn and forward and abs(share * forward) < _TURN_ONLY:
+        speed = math.hypot(forward, left)
+        if turn and speed and share * speed < _TURN_ONLY:
             alone, _ = self._sweep(everything, 0.0, turn, now)
             if alone > share:
                 return GuardVerdict(0.0, alone * turn, cause)
-        return GuardVerdict(share * forward, share * turn, cause)
+        return GuardVerdict(share * forward, share * turn, cause, share * left)
 
-    def _sweep(self, points: Floats, forward: float, turn: float, now: float) -> tuple[float, int]:
+    def _sweep(self, points: Floats, forward: float, turn: float, now: float, left: float = 0.0) -> tuple[float, int]:
         """Return the permitted share (0 to 1) of a velocity, and the index of the point that limits it; -1 for none."""
         hull = self.sight.hull
         reaction = self.lag + _PERIOD + self._age(now)
-        braking = max(abs(forward) / self.braking[0], abs(turn) / self.braking[1])
-        fastest = abs(forward) + abs(turn) * hull.radius
+        speed = math.hypot(forward, left)
+        braking = max(speed / self.braking[0], abs(turn) / self.braking[1])
+        fastest = speed + abs(turn) * hull.radius
         if fastest <= 0.0:
             return 1.0, -1
         horizon = reaction + braking / 2.0
-        within = np.hypot(*points.T) <= hull.radius + MARGIN + abs(forward) * horizon
+        within = np.hypot(*points.T) <= hull.radius + MARGIN + speed * horizon
         near = np.nonzero(within)[0]
-        time, first = time_to_contact(hull, points[near], MARGIN, (forward, turn), horizon)
+        time, first = time_to_contact(hull, points[near], MARGIN, (forward, turn), horizon, left)
         share = _share(time, reaction, braking)
         if first < 0:
             return 1.0, -1
         if share * fastest < CREEP:
-            time, _ = time_to_contact(hull, points[near], _SCRAPE, (forward, turn), horizon + MARGIN / fastest)
+            longer = horizon + MARGIN / fastest
+            time, _ = time_to_contact(hull, points[near], _SCRAPE, (forward, turn), longer, left)
             slow = _share(time - (MARGIN - _SCRAPE) / fastest, reaction, braking)
             share = max(share, min(slow, CREEP / fastest))
         return (share if share * fastest >= _STILL else 0.0), int(near[first])
@@ -125,11 +131,10 @@ class Guard:
         ages = [max(sensor.period, sight.age(sensor, now)) for sensor in sight.sensors]
         return min(SILENT, max((age for age in ages if age <= SILENT), default=0.0))
 
-    def _blind(self, forward: float, now: float) -> tuple[float, Cause] | None:
-        """Return the speed limit (m/s) towards areas without a live sensor, and the reason; None if all is seen."""
-        side: Side = "ahead" if forward > 0.0 else "behind"
+    def _look_for(self, side: Side, now: float) -> Cause | None:
+        """Return the reason why no live sensor sees all of a side; None if all is seen."""
         sensors = self.sight.sensors
-        views = [each.ahead if forward > 0.0 else each.behind for each in sensors]
+        views = [each.views[side] for each in sensors]
         ages = [self.sight.age(each, now) for each in sensors]
         live = [age <= max(SILENT, _PERIODS * each.period) for age, each in zip(ages, sensors, strict=True)]
         if covers([view for view, alive in zip(views, live, strict=True) if alive]):
@@ -137,8 +142,8 @@ class Guard:
         silent = [pair for pair, alive in zip(zip(sensors, ages, strict=True), live, strict=True) if not alive]
         if silent and covers(views):
             sensor, age = max(silent, key=lambda pair: pair[1])
-            return BLIND, Cause("silent", side, name=sensor.label, age=age)
-        return BLIND, Cause("unseen", side)
+            return Cause("silent", side, name=sensor.label, age=age)
+        return Cause("unseen", side)
 
     def _describe(self, point: Floats, touched: int) -> Cause:
         hull = self.sight.hull
@@ -150,6 +155,14 @@ class Guard:
                 return Cause(kind, side, 0.0, name)
             touched -= len(points)
         return Cause("bumper", side, 0.0)
+
+
+def _sides_of(forward: float, left: float) -> Iterator[tuple[Side, float]]:
+    """The sides towards which a base moves, and how fast (m/s)."""
+    if forward:
+        yield ("ahead" if forward > 0.0 else "behind"), abs(forward)
+    if left:
+        yield ("on the left" if left > 0.0 else "on the right"), abs(left)
 
 
 def make_guard(sight: Sight, limits: MotionLimits, lag: float) -> Guard:

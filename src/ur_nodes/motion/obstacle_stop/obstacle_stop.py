@@ -11,7 +11,7 @@ from ur.robot.base import Base
 from ur_nodes.motion.mux_time import read_mux_time
 from ur_nodes.motion.obstacle_stop.base import contact_points, contact_topics, explain_frame, make_sight
 from ur_nodes.motion.obstacle_stop.guard import Guard, GuardVerdict, make_guard
-from ur_nodes.motion.obstacle_stop.report import CLEAR, OFF, ObstacleReport, report_of, write_report
+from ur_nodes.motion.obstacle_stop.report import CLEAR, OFF, Motion, ObstacleReport, report_of, write_report
 from ur_nodes.motion.obstacle_stop.sight import Contact, SensorRanges, Sight, look, move, touch
 from ur_nodes.motion.obstacle_stop.track import Odometer
 from ur_nodes.motion.writes import AsideLog, Writes
@@ -67,8 +67,8 @@ class ObstacleStop:
                 node.subscribe(topic, bool, partial(self._take_contact, contact), quality)
         node.serve_later("~set_obstacle_stop", Switch, self._choose)
 
-    def note(self, verdict: GuardVerdict | None, wanted: tuple[float, float], output: tuple[float, float]) -> None:
-        """Publish the report of a verdict of the mux, for a wanted velocity and what was sent (m/s, rad/s)."""
+    def note(self, verdict: GuardVerdict | None, wanted: Motion, output: Motion) -> None:
+        """Publish the report of a verdict of the mux, for a wanted velocity and what was sent."""
         if not self._on:
             return
         report = report_of(verdict, wanted, output)
@@ -109,7 +109,7 @@ class ObstacleStop:
 
     def _take_odometry(self, odometry: Odometry) -> None:
         twist = odometry.twist
-        reading = Odometer(odometry.pose, twist.forward, twist.turn, self._time_of(odometry.stamp))
+        reading = Odometer(odometry.pose, twist.forward, twist.turn, self._time_of(odometry.stamp), twist.left)
         self._change(move(self._guard.sight, reading))
 
     def _take_scan(self, topic: str, scan: Scan) -> None:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from ur.source.foreign.json_values import BadJsonError, ForeignValue, read_json, write_json
 from ur.source.printable import printable
 from ur_nodes.motion.obstacle_stop.guard import BLIND, Cause, GuardVerdict
 
 State = Literal["none", "off", "clear", "slowed", "stopped"]
+Motion: TypeAlias = tuple[float, float, float]
+"""Ahead (m/s), turning (rad/s), to the left (m/s)."""
 
 _MOST = 2000  # characters
 _LONGEST = 120
@@ -39,13 +41,13 @@ OFF = ObstacleReport("off", "the obstacle stop is off")
 CLEAR = ObstacleReport("clear")
 
 
-def report_of(verdict: GuardVerdict | None, wanted: tuple[float, float], output: tuple[float, float]) -> ObstacleReport:
-    """The report of a verdict on a wanted velocity (m/s, rad/s), and what was sent instead."""
+def report_of(verdict: GuardVerdict | None, wanted: Motion, output: Motion) -> ObstacleReport:
+    """The report of a verdict on a wanted velocity, and what was sent instead."""
     if verdict is None or verdict.cause is None:
         return CLEAR
     if all(abs(sent) >= _NOTICED * abs(asked) for sent, asked in zip(output, wanted, strict=True)):
         return CLEAR
-    if verdict.forward == 0.0 and verdict.turn == 0.0:
+    if verdict.forward == 0.0 and verdict.turn == 0.0 and verdict.left == 0.0:
         return ObstacleReport("stopped", f"stopped: {_describe(verdict.cause)}")
     slow = f" to {BLIND:g} m/s" if verdict.cause.kind in ("unseen", "silent") else ""
     return ObstacleReport("slowed", f"slowed{slow}: {_describe(verdict.cause)}")

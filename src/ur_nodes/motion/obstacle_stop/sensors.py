@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +16,10 @@ from ur_nodes.geometry.rigid import from_angles
 from ur_nodes.geometry.scan import SensorMount
 
 Floats = NDArray[np.float64]
+Side = Literal["ahead", "behind", "on the left", "on the right"]
 
-_COVERED = 0.9  # of the width: then a direction is seen
-_STRIP = 21  # positions over the width of a base
+_COVERED = 0.9  # of a side: then a direction is seen
+_STRIP = 21  # positions along a side of a base
 _NEAREST, _FURTHEST, _STEP = 0.05, 0.6, 0.05  # m before the outline
 
 
@@ -26,7 +28,7 @@ class RangeSensor:
     """A lidar or a sonar on the base.
 
     It sees `start` to `end` (rad in its frame, counter-clockwise) and up to `reach` (m), each `period` s. `label` is
-    its name in messages. `ahead` and `behind` are which of the positions over the width of the base it sees.
+    its name in messages. `views` are which of the positions along each side of the base it sees.
     """
 
     name: str
@@ -36,8 +38,7 @@ class RangeSensor:
     end: float
     reach: float
     period: float
-    ahead: NDArray[np.bool_]
-    behind: NDArray[np.bool_]
+    views: Mapping[Side, NDArray[np.bool_]]
 
     def sees(self, points: Floats) -> NDArray[np.bool_]:
         """Return which points (n, 2) of the base's frame lie in its field of view."""
@@ -52,7 +53,7 @@ def _sees(points: Floats, mount: SensorMount, span: tuple[float, float], reach: 
 
 
 def covers(views: Sequence[NDArray[np.bool_]]) -> bool:
-    """Return whether views together cover nearly the whole width of a base."""
+    """Return whether views together cover nearly a whole side of a base."""
     return bool(views) and float(np.any(views, axis=0).mean()) >= _COVERED
 
 
@@ -82,15 +83,21 @@ def _sensor(
 ) -> RangeSensor:
     rigid = from_angles(pose[:3], pose[3:])
     mount = SensorMount(rigid[:3, :3], rigid[:3, 3])
-    ahead, behind = (np.array([_sees(column, mount, span, reach).any() for column in strip]) for strip in _strips(hull))
-    return RangeSensor(name, label, mount, *span, reach, period, ahead, behind)
+    views = {
+        side: np.array([_sees(column, mount, span, reach).any() for column in strip])
+        for side, strip in _strips(hull).items()
+    }
+    return RangeSensor(name, label, mount, *span, reach, period, views)
 
 
-def _strips(hull: Hull) -> tuple[Floats, Floats]:
-    """Return points before and behind the outline (positions over the width, distances, 2)."""
+def _strips(hull: Hull) -> Mapping[Side, Floats]:
+    """Return points beside each side of the outline (positions along it, distances, 2)."""
     (low_x, low_y), (high_x, high_y) = hull.corners.min(axis=0), hull.corners.max(axis=0)
-    across = np.linspace(low_y, high_y, _STRIP)
+    across, along = np.linspace(low_y, high_y, _STRIP), np.linspace(low_x, high_x, _STRIP)
     away = np.arange(_NEAREST, _FURTHEST, _STEP)
-    ahead = np.stack(np.meshgrid(across, high_x + away, indexing="ij")[::-1], axis=-1)
-    behind = np.stack(np.meshgrid(across, low_x - away, indexing="ij")[::-1], axis=-1)
-    return ahead, behind
+    return {
+        "ahead": np.stack(np.meshgrid(across, high_x + away, indexing="ij")[::-1], axis=-1),
+        "behind": np.stack(np.meshgrid(across, low_x - away, indexing="ij")[::-1], axis=-1),
+        "on the left": np.stack(np.meshgrid(along, high_y + away, indexing="ij"), axis=-1),
+        "on the right": np.stack(np.meshgrid(along, low_y - away, indexing="ij"), axis=-1),
+    }

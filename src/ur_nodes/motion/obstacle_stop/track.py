@@ -17,17 +17,22 @@ _JUMP = 0.5  # m or rad beyond what the velocity explains: odometry was reset
 
 @dataclass(frozen=True, slots=True)
 class Odometer:
-    """A reading of odometry at the time `at` (s of the mux's clock): the pose, and m/s forward and rad/s about z."""
+    """A reading of odometry at the time `at` (s of the mux's clock): the pose; m/s forward, rad/s, m/s to the left."""
 
     pose: Pose2
     forward: float
     turn: float
     at: float
+    left: float = 0.0
+
+    def pose_after(self, seconds: float) -> Pose2:
+        """The pose after a time with the velocity of the reading."""
+        return self.pose.compose(arc_end(self.forward * seconds, self.turn * seconds, self.left * seconds))
 
     @property
     def finite(self) -> bool:
         """Return whether all values are finite."""
-        return all(math.isfinite(each) for each in (*self.pose, self.forward, self.turn))
+        return all(math.isfinite(each) for each in (*self.pose, self.forward, self.turn, self.left))
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +58,7 @@ class Track:
                 return Pose2(x, y, before.pose.yaw + share * wrap_angle(after.pose.yaw - before.pose.yaw))
         newest = self.readings[-1]
         seconds = min(at - newest.at, _AHEAD)
-        return newest.pose.compose(arc_end(newest.forward * seconds, newest.turn * seconds))
+        return newest.pose_after(seconds)
 
     def poses_at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Poses (n, 3) at times (n) that lie close together, by the poses at the first and the last."""
@@ -71,9 +76,7 @@ def follow(track: Track, reading: Odometer) -> tuple[Track, bool]:
     newest = track.readings[-1]
     if reading.at <= newest.at:
         return track, True
-    expected = newest.pose.compose(
-        arc_end(newest.forward * (reading.at - newest.at), newest.turn * (reading.at - newest.at))
-    )
+    expected = newest.pose_after(reading.at - newest.at)
     far = math.hypot(reading.pose.x - expected.x, reading.pose.y - expected.y)
     if far > _JUMP or abs(wrap_angle(reading.pose.yaw - expected.yaw)) > _JUMP:
         return Track((reading,)), False

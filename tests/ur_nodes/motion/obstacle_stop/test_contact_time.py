@@ -17,16 +17,17 @@ MAGNI = ((0.13, 0.205), (-0.28, 0.205), (-0.28, -0.205), (0.13, -0.205))
 HULL = hull_of_outline(MAGNI)
 
 
-def walk(points: np.ndarray, margin: float, velocity: tuple[float, float], horizon: float) -> float:
+def walk(points: np.ndarray, margin: float, velocity: tuple[float, float], horizon: float, left: float = 0.0) -> float:
     """The time of the first contact by steps of 1 ms; infinite for none."""
     forward, turn = velocity
     for number in range(round(horizon * 1000)):
         seconds = number / 1000.0
         angle = turn * seconds
         if abs(turn) > 1e-9:
-            place = Pose2(forward / turn * math.sin(angle), forward / turn * (1.0 - math.cos(angle)), angle)
+            ahead, aside = math.sin(angle) / turn, (1.0 - math.cos(angle)) / turn
+            place = Pose2(forward * ahead - left * aside, forward * aside + left * ahead, angle)
         else:
-            place = Pose2(forward * seconds, 0.0, 0.0)
+            place = Pose2(forward * seconds, left * seconds, 0.0)
         if (HULL.distances(place.inverse().transform_points(points)) <= margin).any():
             return seconds
     return math.inf
@@ -37,22 +38,25 @@ def walk(points: np.ndarray, margin: float, velocity: tuple[float, float], horiz
     st.lists(st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0)), min_size=1, max_size=8),
     st.floats(-0.5, 0.5),
     st.sampled_from((0.0, 0.3, -0.3, 1.0, -1.0)),
+    st.sampled_from((0.0, 0.4, -0.2)),
 )
-def test_time_to_contact_is_that_of_small_steps(places: list[tuple[float, float]], forward: float, turn: float) -> None:
+def test_time_to_contact_is_that_of_small_steps(
+    places: list[tuple[float, float]], forward: float, turn: float, left: float
+) -> None:
     points = np.array(places)
     points = points[HULL.distances(points) > 0.04]
-    time, first = time_to_contact(HULL, points, 0.03, (forward, turn), 2.0)
-    stepped = walk(points, 0.03, (forward, turn), 2.0)
+    time, first = time_to_contact(HULL, points, 0.03, (forward, turn), 2.0, left)
+    stepped = walk(points, 0.03, (forward, turn), 2.0, left)
     if math.isinf(stepped):
-        assert time > 1.99 or _grazes(points, forward, turn, time)
+        assert time > 1.99 or _grazes(points, (forward, turn), time, left)
     else:
         assert time == pytest.approx(stepped, abs=0.0025)
         assert 0 <= first < len(points)
 
 
-def _grazes(points: np.ndarray, forward: float, turn: float, time: float) -> bool:
+def _grazes(points: np.ndarray, velocity: tuple[float, float], time: float, left: float) -> bool:
     """Return whether the contact is so shallow that steps of 1 ms miss it."""
-    return math.isfinite(walk(points, 0.031, (forward, turn), time + 0.01))
+    return math.isfinite(walk(points, 0.031, velocity, time + 0.01, left))
 
 
 @pytest.mark.parametrize(

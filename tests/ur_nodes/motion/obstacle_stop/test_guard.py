@@ -43,6 +43,23 @@ def test_curve_slows_on_the_same_arc(sight: Sight) -> None:
     assert verdict.turn == pytest.approx(verdict.forward)
 
 
+def test_wall_beside_a_robot_stops_its_way_to_that_side_only(sight: Sight) -> None:
+    ranges = np.full(360, math.inf)
+    ranges[225:316] = sight.hull.corners[:, 1].max() / np.sin(np.radians(np.arange(45, 136))) + 0.02  # to the left
+    guard = guard_of(seeing(sight, SensorRanges(ranges, (0.12, 12.0), 1.0, -math.pi, math.pi / 180.0)))
+    verdict = guard.permit(0.0, 0.0, 1.0, 0.3)
+    assert verdict.left == 0.0
+    assert verdict.cause is not None
+    assert verdict.cause.side == "on the left"
+    assert guard.permit(0.0, 0.0, 1.0, -0.3).left == -0.3
+
+
+def test_side_that_no_sensor_sees_is_driven_to_slowly(sight: Sight) -> None:
+    blind = guard_of(sight).permit(0.3, 0.0, 9.0, 0.4)
+    assert blind.left == pytest.approx(BLIND)
+    assert blind.forward == pytest.approx(0.15)
+
+
 def test_robot_at_a_wall_turns_and_backs_off(sight: Sight) -> None:
     guard = guard_of(seeing(sight, scan_of(FRONT + 0.02, 1.0)))
     assert guard.permit(0.5, 0.0, 1.0).forward == 0.0
@@ -98,8 +115,8 @@ def test_robot_drives_slowly_to_where_no_sensor_looks() -> None:
 @pytest.mark.parametrize("name", ["stage", "botvac", "botvac/xv11", "magni", "magni/lidar", "loki"])
 def test_every_base_sees_what_is_ahead(name: str) -> None:
     sensors = make_sight(load(name)).sensors
-    assert np.any([sensor.ahead for sensor in sensors], axis=0).mean() >= 0.9
-    seen_behind = np.any([sensor.behind for sensor in sensors], axis=0).mean()
+    assert np.any([sensor.views["ahead"] for sensor in sensors], axis=0).mean() >= 0.9
+    seen_behind = np.any([sensor.views["behind"] for sensor in sensors], axis=0).mean()
     assert bool(seen_behind >= 0.9) is (name != "magni")
 
 

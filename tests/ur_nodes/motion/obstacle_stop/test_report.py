@@ -8,7 +8,7 @@ import pytest
 from ur_nodes.motion.obstacle_stop.guard import Cause, GuardVerdict
 from ur_nodes.motion.obstacle_stop.report import CLEAR, OFF, ObstacleReport, read_report, report_of, write_report
 
-WANTED = (0.5, 0.0)
+WANTED = (0.5, 0.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -24,14 +24,14 @@ WANTED = (0.5, 0.0)
     ],
 )
 def test_report_names_what_is_in_the_way(forward: float, cause: Cause, state: str, text: str) -> None:
-    report = report_of(GuardVerdict(forward, 0.0, cause), WANTED, (forward, 0.0))
+    report = report_of(GuardVerdict(forward, 0.0, cause), WANTED, (forward, 0.0, 0.0))
     assert (report.state, report.text) == (state, text)
     assert read_report(write_report(report)) == report
 
 
 def test_nothing_is_reported_while_the_robot_is_hardly_slower_than_wanted() -> None:
     assert report_of(None, WANTED, WANTED) == CLEAR
-    assert report_of(GuardVerdict(0.48, 0.0, Cause("obstacle", "ahead", 0.5)), WANTED, (0.48, 0.0)) == CLEAR
+    assert report_of(GuardVerdict(0.48, 0.0, Cause("obstacle", "ahead", 0.5)), WANTED, (0.48, 0.0, 0.0)) == CLEAR
 
 
 @pytest.mark.parametrize(

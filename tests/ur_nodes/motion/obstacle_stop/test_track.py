@@ -49,3 +49,10 @@ def test_odometry_that_begins_anew_forgets_the_way() -> None:
 
 def test_older_reading_is_ignored() -> None:
     assert follow(AHEAD, Odometer(Pose2(0.0, 0.0, 0.0), 0.0, 0.0, 1.05)) == (AHEAD, True)
+
+
+def test_track_goes_on_sideways_with_a_base_that_does() -> None:
+    track = drive(
+        Odometer(Pose2(0.0, 0.0, 0.0), 0.0, 0.0, 1.0, 0.4), Odometer(Pose2(0.0, 0.04, 0.0), 0.0, 0.0, 1.1, 0.4)
+    )
+    assert track.pose_at(1.2) == pytest.approx((0.0, 0.08, 0.0))
