@@ -12,12 +12,19 @@ from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.planning.legs import Leg, bearing_of, legs_of_motions
-from ur_nodes.navigation.planning.outline_motions import MotionPose
+from ur_nodes.navigation.planning.outline_motions import LEFT, RIGHT, MotionPose, course_of
 from ur_nodes.navigation.planning.path_geometry import Points, nearest_index
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.local_plan import LocalCommand, follow_reference, sweep_is_free
 from ur_nodes.navigation.steering.rollout import FollowSettings, ReferencePath, RolloutState, make_reference
-from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach, speed_shares, turn_towards
+from ur_nodes.navigation.steering.speed_profile import (
+    DriveVelocity,
+    SpeedLimits,
+    approach,
+    brake,
+    speed_shares,
+    turn_towards,
+)
 
 _BACK = 0.2  # m/s, at most, while a leg is driven back
 _ARRIVED = 0.015  # m from the end of a leg
@@ -79,13 +86,9 @@ class LegFollower:
             turned = self._align(leg, motion, local, odom, driving)
             if turned is not None:
                 return LegStep(turned, 0.0)
-        if leg.gear < 0:
-            motion = RolloutState(motion.pose.compose(Pose2(0.0, 0.0, math.pi)), -motion.speed, motion.turn)
-            driving = replace(
-                driving,
-                footprint=_turned_round(driving.footprint),
-                limits=replace(driving.limits, speed=min(_BACK, driving.limits.speed)),
-            )
+        base = motion
+        if leg.gear != 1:
+            motion, driving = _along_gear(motion, leg.gear), _driving_in(driving, leg.gear)
         reference = self._refer(leg, odom, speed_mask, driving.limits)
         x, y = motion.pose.x, motion.pose.y
         last = min(self._index + _MOST_POINTS, reference.end + 1)
@@ -93,13 +96,13 @@ class LegFollower:
         end_x, end_y = reference.points[reference.end].tolist()
         away = math.hypot(end_x - x, end_y - y)
         if self._index >= reference.end or away < _ARRIVED:
-            resting = abs(motion.speed) < _STILL
+            resting = math.hypot(motion.speed, motion.left) < _STILL
             if self._number == len(self._legs) - 1:
-                return LegStep(_brake(motion, driving, leg.gear), away, ended=True)
+                return LegStep(_brake(base, driving), away, ended=True)
             if resting:
                 self._number, self._index, self._reference = self._number + 1, 0, None
                 self._aligned = self._legs[self._number].turned is None
-            return LegStep(_brake(motion, driving, leg.gear), 0.0)
+            return LegStep(_brake(base, driving), 0.0)
         found = follow_reference(
             reference,
             self._index,
@@ -111,7 +114,7 @@ class LegFollower:
             driving.period,
         )
         astray = math.hypot(*(reference.points[self._index] - (x, y)))
-        return LegStep(found if leg.gear > 0 else replace(found, speed=-found.speed), astray)
+        return LegStep(_in_base(found, motion.left, leg.gear, driving), astray)
 
     def _align(
         self, leg: Leg, motion: RolloutState, local: LocalObstacles, odom: Pose2, driving: Driving
@@ -120,18 +123,18 @@ class LegFollower:
         error = wrap_angle(odom.yaw + bearing_of(leg) - motion.pose.yaw)
         if leg.turned is not None and abs(leg.turned) > _LONG_TURN and error * leg.turned < 0.0 and abs(error) > 0.3:
             error += math.copysign(math.tau, leg.turned)
-        if abs(error) < _ALIGNED and abs(motion.speed) < _STILL and abs(motion.turn) < _SLOW_TURN:
+        slow = math.hypot(motion.speed, motion.left) < _STILL and abs(motion.turn) < _SLOW_TURN
+        if abs(error) < _ALIGNED and slow:
             self._aligned = True
             return None
         limits, period = driving.limits, driving.period
-        speed = approach(motion.speed, 0.0, limits.acceleration * period)
+        braked = brake(DriveVelocity(motion.speed, motion.turn, motion.left), limits, period)
         turn = turn_towards(error, motion.turn, limits, period)
         here = np.array(motion.pose)[None]
         trial = RolloutState(motion.pose, 0.0, turn)
         if abs(turn) >= _STILL and not sweep_is_free(trial, 0.3, local, driving.footprint):
-            turn = approach(motion.turn, 0.0, limits.turn_acceleration * period)
-            return LocalCommand(speed, turn, here, blocked=True)
-        return LocalCommand(speed, turn, here)
+            return LocalCommand(braked.speed, braked.turn, here, blocked=True, left=braked.left)
+        return LocalCommand(braked.speed, turn, here, left=braked.left)
 
     def _refer(self, leg: Leg, odom: Pose2, speed_mask: Grid | None, limits: SpeedLimits) -> ReferencePath:
         made_for = (odom, speed_mask, limits)
@@ -150,8 +153,11 @@ class LegFollower:
         return self._reference
 
 
-def legs_back(track: Sequence[Pose2], distance: float) -> tuple[Leg, ...]:
-    """Return the legs that lead back along the poses of a track, oldest first, for at most `distance` m."""
+def legs_back(track: Sequence[Pose2], distance: float, *, sideways: bool = False) -> tuple[Leg, ...]:
+    """Return the legs that lead back along the poses of a track, oldest first, for at most `distance` m.
+
+    `sideways`: the robot may have driven to its side.
+    """
     if len(track) < 2:
         return ()
     motions, length = [MotionPose(*track[-1], 0)], 0.0
@@ -159,7 +165,10 @@ def legs_back(track: Sequence[Pose2], distance: float) -> tuple[Leg, ...]:
         dx, dy = before.x - here.x, before.y - here.y
         step = math.hypot(dx, dy)
         ahead = dx * math.cos(here.yaw) + dy * math.sin(here.yaw)
+        aside = dy * math.cos(here.yaw) - dx * math.sin(here.yaw)
         gear = 0 if step < 0.01 else 1 if ahead > 0.0 else -1
+        if gear and sideways and abs(aside) > abs(ahead):
+            gear = LEFT if aside > 0.0 else RIGHT
         motions.append(MotionPose(*before, gear))
         length += step
         if length >= distance:
@@ -167,13 +176,36 @@ def legs_back(track: Sequence[Pose2], distance: float) -> tuple[Leg, ...]:
     return legs_of_motions(motions)[0]
 
 
-def _brake(motion: RolloutState, driving: Driving, gear: int) -> LocalCommand:
-    limits, period = driving.limits, driving.period
-    speed = approach(motion.speed, 0.0, limits.acceleration * period)
-    turn = approach(motion.turn, 0.0, limits.turn_acceleration * period)
-    return LocalCommand(gear * speed, turn, np.array(motion.pose)[None])
+def _brake(motion: RolloutState, driving: Driving) -> LocalCommand:
+    speed, turn, left = brake(DriveVelocity(motion.speed, motion.turn, motion.left), driving.limits, driving.period)
+    return LocalCommand(speed, turn, np.array(motion.pose)[None], left=left)
 
 
-def _turned_round(footprint: Footprint) -> Footprint:
-    """Return the outline of a robot that drives backwards."""
-    return Footprint(-footprint.outline, footprint.inscribed, footprint.circumscribed, -footprint.samples)
+_TURNS = {1: (1.0, 0.0), -1: (-1.0, 0.0), LEFT: (0.0, 1.0), RIGHT: (0.0, -1.0)}  # cosine and sine of its course
+
+
+def _along_gear(motion: RolloutState, gear: int) -> RolloutState:
+    """Return the motion of a robot whose front is where a gear drives to."""
+    c, s = _TURNS[gear]
+    ahead, left = c * motion.speed + s * motion.left, c * motion.left - s * motion.speed
+    return RolloutState(motion.pose.compose(Pose2(0.0, 0.0, course_of(gear))), ahead, motion.turn, left)
+
+
+def _driving_in(driving: Driving, gear: int) -> Driving:
+    """Return the settings of such a robot."""
+    (c, s), limits, footprint = _TURNS[gear], driving.limits, driving.footprint
+    rotation = np.array(((c, -s), (s, c)))  # of row vectors, by the course backwards
+    turned = Footprint(
+        footprint.outline @ rotation, footprint.inscribed, footprint.circumscribed, footprint.samples @ rotation
+    )
+    fastest = limits.lateral if s else min(_BACK, limits.speed)
+    return replace(driving, footprint=turned, limits=replace(limits, speed=fastest))
+
+
+def _in_base(found: LocalCommand, across: float, gear: int, driving: Driving) -> LocalCommand:
+    """Return a command along a gear as one of the base; what is `across` it (m/s) is braked."""
+    across = approach(across, 0.0, driving.limits.acceleration * driving.period)
+    if gear == 1 and not across:
+        return found
+    c, s = _TURNS[gear]
+    return replace(found, speed=c * found.speed - s * across, left=s * found.speed + c * across)

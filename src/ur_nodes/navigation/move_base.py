@@ -22,6 +22,7 @@ from ur_nodes.navigation.planning.global_plan import path_is_free
 from ur_nodes.navigation.planning.outline_motions import Steering
 from ur_nodes.navigation.steering.recovery import Behaviour
 from ur_nodes.navigation.steering.rollout import FollowSettings
+from ur_nodes.navigation.steering.speed_profile import AT_REST, DriveVelocity
 from ur_nodes.navigation.velocity_output import VelocityOutput
 from ur_nodes.navigation.world_view import WorldView
 from ur_nodes.ports.actions import GoalHandle, GoalServer
@@ -52,7 +53,7 @@ class MoveBase:
         self._key = 0  # of the newest request for a plan; answers to earlier ones are dropped
         self._answer: PlanAnswer | None = None  # that the next step of the navigator takes
         self._path_blocked = False
-        self._sent = (0.0, 0.0)  # the last command, m/s and rad/s
+        self._sent = AT_REST  # the last command
         self._stopped = False  # by the emergency stop
         self._beats = 0
         self._tick = 0  # of control periods
@@ -67,8 +68,8 @@ class MoveBase:
         """Step the navigator, or repeat the last command, which the mux would otherwise time out."""
         self._beats += 1
         if self._beats % self._settings.repeats != 1 % self._settings.repeats:
-            if self._navigator.phase is not NavigatorPhase.IDLE and self._sent != (0.0, 0.0):
-                self._send(*self._sent)
+            if self._navigator.phase is not NavigatorPhase.IDLE and self._sent != AT_REST:
+                self._send(self._sent)
             return
         now = self._now()
         if now < self._last - _RESTART:
@@ -147,7 +148,7 @@ class MoveBase:
         """Stop the robot."""
         if self._navigator.phase is not NavigatorPhase.IDLE:
             self._navigator.stop()
-            self._send(0.0, 0.0)
+            self._send(AT_REST)
 
     def _offer_goals(self) -> None:
         """Start to accept goals; after the first challenge, those that answer one have an age."""
@@ -222,15 +223,15 @@ class MoveBase:
         if out.clear is not None:
             self._forget_obstacles(out.clear)
         if out.command is not None:
-            self._send(*out.command)
+            self._send(out.command)
         if out.plan:
             self._ask_for_plan(careful=out.careful, waited=out.waited)
         if out.ending is not None:
             self._finish(out.ending, out.text)
 
-    def _send(self, speed: float, turn: float) -> None:
-        self._sent = (speed, turn)
-        self._output.send(speed, turn)
+    def _send(self, velocity: DriveVelocity) -> None:
+        self._sent = velocity
+        self._output.send(velocity)
 
     def _finish(self, ending: Ending, text: str) -> None:
         handle, self._goal = self._handle, None
@@ -260,7 +261,7 @@ class MoveBase:
         return self._handle is not None and has_any_heading(self._handle.goal.id)
 
     def _plan(self, request: PlanRequest) -> PlanAnswer:
-        steering = Steering(self._settings.limits.radius)
+        steering = Steering(self._settings.limits.radius, sideways=self._settings.limits.lateral > 0.0)
         return answer_request(request, self._settings.planner, self._settings.footprint, steering)
 
     def _take_plan(self, request: PlanRequest, answer: PlanAnswer) -> None:
@@ -274,7 +275,7 @@ class MoveBase:
         self._answer = None
         self._key += 1
         if moving:
-            self._send(0.0, 0.0)
+            self._send(AT_REST)
 
     def _refuse(self, handle: GoalHandle, reason: str) -> None:
         self._node.log.error(f"goal refused: {reason}")

@@ -179,5 +179,6 @@ def _limits(dwa: Parameters, teb: Parameters) -> SpeedLimits:
         turn=dwa.number("max_vel_theta", 1.0, minimum=0.01),
         acceleration=dwa.number("acc_lim_x", 1.0, minimum=0.01),
         turn_acceleration=dwa.number("acc_lim_theta", 3.0, minimum=0.01),
+        lateral=dwa.number("max_vel_y", 0.0, minimum=0.0),
         radius=teb.number("min_turning_radius", 0.0, minimum=0.0, maximum=20.0),
     )

@@ -25,7 +25,14 @@ from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.local_plan import LocalCommand, sweep_is_free
 from ur_nodes.navigation.steering.recovery import Behaviour, Recovery, begin_recovery, move_to_recover
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
-from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach, limit_speeds, turn_towards
+from ur_nodes.navigation.steering.speed_profile import (
+    AT_REST,
+    DriveVelocity,
+    SpeedLimits,
+    brake,
+    limit_speeds,
+    turn_towards,
+)
 
 _ASTRAY, _ASTRAY_TIGHT = 0.4, 0.15  # m beside a path, and beside one that was made for the outline
 _SHUNTED, _MOST_SHUNTS = 0.12, 5  # rad off a heading, and manoeuvres for it, without turns on the spot
@@ -63,7 +70,7 @@ class Navigator:
 
         `any_heading`: it is reached at its place with any heading.
         """
-        sent = self._run.sent if self._run else (0.0, 0.0)
+        sent = self._run.sent if self._run else AT_REST
         self._run = GoalPursuit(goal, NavigatorPhase.PLANNING, now, any_heading, sent=sent, moved_at=now)
 
     def stop(self) -> None:
@@ -96,8 +103,8 @@ class Navigator:
         }[run.phase]
         out = step(run, inputs.motion, inputs.local, inputs)
         if out.command is not None and self._limits.radius:
-            out = replace(out, command=(out.command[0], self._limits.turn_at(*out.command)))
-        run.sent = out.command or (0.0, 0.0)
+            out = replace(out, command=DriveVelocity(out.command.speed, self._limits.turn_at(*out.command[:2])))
+        run.sent = out.command or AT_REST
         if out.plan:
             run.asked = run.last_asked = inputs.now
         return out
@@ -110,11 +117,11 @@ class Navigator:
         first = run.trouble_since is None
         if run.trouble_since is None:
             run.trouble_since = inputs.now
-        run.sent = (0.0, 0.0)
+        run.sent = AT_REST
         run.moved_at = inputs.now
         if inputs.now - run.trouble_since > self._settings.trouble_patience:
             return self._end(Ending.FAILED, trouble)
-        return NavigatorOutputs(command=(0.0, 0.0), log=f"stopped: {trouble}" if first else "")
+        return NavigatorOutputs(command=AT_REST, log=f"stopped: {trouble}" if first else "")
 
     def _take_answer(self, run: GoalPursuit, answer: PlanAnswer, inputs: NavigatorInputs) -> NavigatorOutputs | None:
         run.asked = None
@@ -160,8 +167,8 @@ class Navigator:
             inputs.now, _TIGHT_PAUSE if tight else 0.5 if step.blocked else 1.0
         )
         periodic = self._settings.planner_period > 0.0 and run.may_ask(inputs.now, self._settings.planner_period)
-        command, plan = (step.speed, step.turn), wanted or periodic
-        return NavigatorOutputs(command=command, plan=plan, careful=step.blocked, ahead=step.ahead)
+        plan = wanted or periodic
+        return NavigatorOutputs(command=step.velocity, plan=plan, careful=step.blocked, ahead=step.ahead)
 
     def _wait(self, run: GoalPursuit, step: LocalCommand, inputs: NavigatorInputs) -> NavigatorOutputs:
         """Stop for people, who will move on, and search for a path around them."""
@@ -173,7 +180,7 @@ class Navigator:
         run.moved_at, run.stuck_since = inputs.now, None
         plan = run.may_ask(inputs.now, _WAIT_PAUSE)
         return NavigatorOutputs(
-            command=(step.speed, step.turn),
+            command=step.velocity,
             plan=plan,
             waited=inputs.now - run.waited_since,
             ahead=step.ahead,
@@ -195,25 +202,25 @@ class Navigator:
         if abs(planned) > 2.0 and error * planned < 0.0 and abs(error) > 0.3:  # the other way may be blocked
             error += math.copysign(math.tau, planned)
         away = math.hypot(end.x - motion.pose.x, end.y - motion.pose.y)
-        speed = approach(run.sent[0], 0.0, self._limits.acceleration * self._settings.period)
-        resting = abs(speed) < 0.02
+        braked = self._braked(run)
+        resting = math.hypot(braked.speed, braked.left) < 0.02
         if resting and away > self._settings.xy_tolerance:
             self._enter(run, NavigatorPhase.PLANNING, inputs.now)
             return NavigatorOutputs(command=self._braked(run), plan=run.may_ask(inputs.now, 0.5))
-        if abs(error) < 0.3 * self._settings.yaw_tolerance and resting and abs(run.sent[1]) < 0.15:
+        if abs(error) < 0.3 * self._settings.yaw_tolerance and resting and abs(run.sent.turn) < 0.15:
             return self._end(Ending.REACHED, "goal reached")
-        turn = turn_towards(error, run.sent[1], self._limits, self._settings.period)
+        turn = turn_towards(error, run.sent.turn, self._limits, self._settings.period)
         trial = RolloutState(motion.pose, 0.0, turn)
         free = abs(turn) < 0.02 or sweep_is_free(trial, 0.3, local, self._footprint)
         if not free and sweep_is_free(trial, 0.3, replace(local, people=NO_PEOPLE), self._footprint):
             run.moved_at, run.stuck_since = inputs.now, None
         elif run.is_stuck(not free, inputs.now, motion.pose, self._settings):
             return self._get_stuck(run, inputs, "no room to turn at the goal")
-        return NavigatorOutputs(command=(speed, turn) if free else self._braked(run))
+        return NavigatorOutputs(command=braked._replace(turn=turn) if free else braked)
 
     def _end_shunting(self, run: GoalPursuit, error: float, inputs: NavigatorInputs) -> NavigatorOutputs:
         """End at rest where the heading is about right, without turning on the spot; else drive back and forth."""
-        if run.sent != (0.0, 0.0):
+        if run.sent != AT_REST:
             return NavigatorOutputs(command=self._braked(run))
         if abs(error) < max(_SHUNTED, self._settings.yaw_tolerance):
             return self._end(Ending.REACHED, "goal reached")
@@ -221,7 +228,7 @@ class Navigator:
         if run.shunts > _MOST_SHUNTS:
             return self._get_stuck(run, inputs, f"{math.degrees(abs(error)):.0f} degrees off the heading of the goal")
         self._enter(run, NavigatorPhase.PLANNING, inputs.now)
-        return NavigatorOutputs(command=(0.0, 0.0), plan=run.may_ask(inputs.now, 0.5))
+        return NavigatorOutputs(command=AT_REST, plan=run.may_ask(inputs.now, 0.5))
 
     def _recover(
         self, run: GoalPursuit, motion: RolloutState, local: LocalObstacles, inputs: NavigatorInputs
@@ -230,22 +237,22 @@ class Navigator:
         assert behaviour is not None
         if behaviour in (Behaviour.CLEAR_FAR, Behaviour.CLEAR_ALL):
             self._after_recovery(run, motion.pose, inputs.now)
-            return NavigatorOutputs(command=(0.0, 0.0), clear=behaviour, plan=True)
+            return NavigatorOutputs(command=AT_REST, clear=behaviour, plan=True)
         held = RolloutState(motion.pose, *run.sent)
         if behaviour is Behaviour.BACK_OFF and run.retreat is not None:
             back = run.retreat.step(held, local, Pose2(0.0, 0.0, 0.0), None, self._driving)
             if not (back.ended or back.command.blocked or inputs.now - run.phase_since > 20.0):
-                return NavigatorOutputs(command=(back.command.speed, back.command.turn))
+                return NavigatorOutputs(command=back.command.velocity)
             run.retreat = None
             if back.ended:
                 self._after_recovery(run, motion.pose, inputs.now)
-                return NavigatorOutputs(command=(0.0, 0.0), plan=True, careful=True)
+                return NavigatorOutputs(command=AT_REST, plan=True, careful=True)
         move = move_to_recover(run.recovery, held, local, self._footprint, self._limits, self._settings.period)
         run.recovery = move.recovery
         if move.finished or inputs.now - run.phase_since > 20.0:
             self._after_recovery(run, motion.pose, inputs.now)
-            return NavigatorOutputs(command=(0.0, 0.0), plan=True)
-        return NavigatorOutputs(command=(move.speed, move.turn))
+            return NavigatorOutputs(command=AT_REST, plan=True)
+        return NavigatorOutputs(command=move.command)
 
     def _after_recovery(self, run: GoalPursuit, pose: Pose2, now: float) -> None:
         run.recovery = Recovery(run.recovery.tried + 1, began=pose)
@@ -262,21 +269,18 @@ class Navigator:
         run.recovery = Recovery(run.recovery.tried)
         run.retreat = None
         if behaviour is Behaviour.BACK_OFF and (self._limits.radius or is_long(self._footprint)):
-            legs = legs_back(self._track.poses, 2.0 * self._footprint.circumscribed)
+            far, sideways = 2.0 * self._footprint.circumscribed, self._limits.lateral > 0.0
+            legs = legs_back(self._track.poses, far, sideways=sideways)
             run.retreat = LegFollower(legs) if legs else None
         self._enter(run, NavigatorPhase.RECOVERING, inputs.now)
-        return NavigatorOutputs(command=(0.0, 0.0), log=f"{reason}; recovering: {behaviour.value}")
+        return NavigatorOutputs(command=AT_REST, log=f"{reason}; recovering: {behaviour.value}")
 
     @property
     def _driving(self) -> Driving:
         return Driving(self._footprint, self._limits, self._follow, self._settings.period)
 
-    def _braked(self, run: GoalPursuit) -> tuple[float, float]:
-        period = self._settings.period
-        return (
-            approach(run.sent[0], 0.0, self._limits.acceleration * period),
-            approach(run.sent[1], 0.0, self._limits.turn_acceleration * period),
-        )
+    def _braked(self, run: GoalPursuit) -> DriveVelocity:
+        return brake(run.sent, self._limits, self._settings.period)
 
     def _enter(self, run: GoalPursuit, phase: NavigatorPhase, now: float) -> None:
         run.phase, run.phase_since, run.stuck_since = phase, now, None
@@ -284,7 +288,7 @@ class Navigator:
 
     def _end(self, ending: Ending, text: str) -> NavigatorOutputs:
         self._run = None
-        return NavigatorOutputs(command=(0.0, 0.0), ending=ending, text=text)
+        return NavigatorOutputs(command=AT_REST, ending=ending, text=text)
 
 
 def _blocked_at(pose: Pose2, odom: Pose2) -> str:

@@ -12,6 +12,7 @@ from ur_nodes.navigation.planning.path_geometry import Points
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.recovery import Behaviour
 from ur_nodes.navigation.steering.rollout import RolloutState
+from ur_nodes.navigation.steering.speed_profile import DriveVelocity
 
 
 class NavigatorPhase(Enum):
@@ -91,12 +92,12 @@ class NavigatorInputs:
 class NavigatorOutputs:
     """The outputs of a step.
 
-    A command (m/s, rad/s) or silence; whether to plan (from the robot's place to the goal), and with care, as the path
+    A command or silence; whether to plan (from the robot's place to the goal), and with care, as the path
     could not be followed, after it has `waited` so long (s) for people; what to clear; an ending with a text. `ahead`
     (t, 3) in the odometry frame are the poses that the local planner predicts; `log` is for the log.
     """
 
-    command: tuple[float, float] | None = None
+    command: DriveVelocity | None = None
     plan: bool = False
     careful: bool = False
     waited: float = 0.0

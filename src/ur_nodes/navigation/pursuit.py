@@ -11,6 +11,7 @@ from ur_nodes.navigation.leg_follower import LegFollower
 from ur_nodes.navigation.navigator_step import NavigatorPhase, NavigatorSettings
 from ur_nodes.navigation.planning.path_geometry import Points
 from ur_nodes.navigation.steering.recovery import Recovery
+from ur_nodes.navigation.steering.speed_profile import AT_REST, DriveVelocity
 
 _TRACK_STEP, _TRACK_TURN = 0.05, 0.1  # m, rad between poses of the track that is kept
 _TRACK = 120  # such poses
@@ -38,7 +39,7 @@ class GoalPursuit:
     moved_from: Pose2 | None = None
     recovery: Recovery = field(default_factory=Recovery)
     reason: str = ""
-    sent: tuple[float, float] = (0.0, 0.0)
+    sent: DriveVelocity = AT_REST
 
     def is_stuck(self, blocked: bool, now: float, pose: Pose2, settings: NavigatorSettings) -> bool:
         """No command for the controller's patience but such that move little, or commanded to move and not moving."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ur_nodes.motion.challenge.link import ChallengeLink, FreshPublisher
+from ur_nodes.navigation.steering.speed_profile import DriveVelocity
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Twist
 
@@ -27,10 +28,10 @@ class VelocityOutput:
     def _take_limit(self, percent: float) -> None:
         self.share = percent / 100.0 if 0.0 < percent <= 100.0 else 1.0
 
-    def send(self, speed: float, turn: float) -> None:
-        """Publish a command, m/s and rad/s. Without a fresh challenge nothing is sent, and the robot stops."""
+    def send(self, velocity: DriveVelocity) -> None:
+        """Publish a command. Without a fresh challenge nothing is sent, and the robot stops."""
         self._to_mux = self._to_mux or (self._stamped is not None and self._stamped.listeners() > 0)
         if self._stamped is None or not self._to_mux:
-            self._plain.send(Twist(speed, turn))
+            self._plain.send(Twist(*velocity))
         else:
-            self._stamped.send(Twist(speed, turn))
+            self._stamped.send(Twist(*velocity))

@@ -22,6 +22,7 @@ from ur_nodes.navigation.people.tracker import PeopleTracker
 from ur_nodes.navigation.planning.outline_plan import is_long
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.rollout import RolloutState
+from ur_nodes.navigation.steering.speed_profile import DriveVelocity
 from ur_nodes.navigation.zone_masks import ZoneMasks
 from ur_nodes.ports.newest_work import NewestWork
 from ur_nodes.ports.node import Node
@@ -128,7 +129,7 @@ class WorldView:
         turned = Pose2(0.0, 0.0, back.yaw).transform_points(people.velocities)
         return TrackedPeople(back.transform_points(people.places), turned, people.radii)
 
-    def motion(self, sent: tuple[float, float], now: float) -> RolloutState | None:
+    def motion(self, sent: DriveVelocity, now: float) -> RolloutState | None:
         """Extrapolate the robot's newest pose in the odometry frame to `now`, with the command that was sent."""
         try:
             pose = self.frames.pose(self._settings.local.frame, self._settings.base_frame)
@@ -136,7 +137,7 @@ class WorldView:
         except TransformError:
             return None
         ahead = min(max(age, 0.0), 0.1)
-        return RolloutState(pose.compose(Pose2(sent[0] * ahead, 0.0, sent[1] * ahead)), *sent)
+        return RolloutState(pose.compose(Pose2(sent.speed * ahead, sent.left * ahead, sent.turn * ahead)), *sent)
 
     def odom(self) -> Pose2 | None:
         """The map's pose in the odometry frame."""

@@ -25,7 +25,7 @@ from ur_nodes.navigation.planning.outline_motions import Steering
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.recovery import Behaviour
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
-from ur_nodes.navigation.steering.speed_profile import SpeedLimits
+from ur_nodes.navigation.steering.speed_profile import AT_REST, SpeedLimits
 
 STAGE = (
     (0.20, 0.15),
@@ -100,7 +100,7 @@ class ClosedLoop:
         self.world = self.grid.values >= 65
         self.navigator = Navigator(self.settings, self.limits, self.follow, self.footprint)
         self.now = 0.0
-        self.command = (0.0, 0.0)
+        self.command = AT_REST
         self.random = np.random.default_rng(self.seed)
 
     def add_obstacle(self, x: float, y: float, size: float) -> None:
@@ -153,7 +153,7 @@ class ClosedLoop:
             if out.plan:
                 plans += 1
                 answer = self._plan(goal)
-            self.command = out.command or (0.0, 0.0)
+            self.command = out.command or AT_REST
             self._move(0.1)
             self.now += 0.1
             speeds.append(self.command)
@@ -185,7 +185,12 @@ class ClosedLoop:
         request = PlanRequest(
             0, start, (goal.x, goal.y), costs.costmap, costs.static, yaw=self.pose.yaw, heading=goal.yaw
         )
-        return answer_request(request, self.plan_settings, self.footprint, Steering(self.limits.radius))
+        return answer_request(
+            request,
+            self.plan_settings,
+            self.footprint,
+            Steering(self.limits.radius, sideways=self.limits.lateral > 0.0),
+        )
 
     def _scan(self) -> None:
         angles = np.arange(360) * math.tau / 360 - math.pi
@@ -209,12 +214,12 @@ class ClosedLoop:
         self.local_costs.update(here, here, beams)
 
     def _move(self, dt: float) -> None:
-        v, w = self.command
+        v, w, left = self.command
         for _ in range(4):
-            middle = self.pose.yaw + w * dt / 8
+            c, s = math.cos(self.pose.yaw + w * dt / 8), math.sin(self.pose.yaw + w * dt / 8)
             self.pose = Pose2(
-                self.pose.x + v * dt / 4 * math.cos(middle),
-                self.pose.y + v * dt / 4 * math.sin(middle),
+                self.pose.x + (v * c - left * s) * dt / 4,
+                self.pose.y + (v * s + left * c) * dt / 4,
                 self.pose.yaw + w * dt / 4,
             )
 

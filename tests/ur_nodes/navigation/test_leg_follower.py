@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.leg_follower import Driving, LegFollower, legs_back
 from ur_nodes.navigation.navigator_step import Ending
 from ur_nodes.navigation.planning.legs import Leg, legs_of_motions
-from ur_nodes.navigation.planning.outline_motions import MotionPose
+from ur_nodes.navigation.planning.outline_motions import LEFT, RIGHT, MotionPose
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
 
@@ -27,16 +28,18 @@ def line(start: tuple[float, float], end: tuple[float, float]) -> NDArray[np.flo
     return np.linspace(start, end, 1 + round(math.dist(start, end) / 0.05))
 
 
-def drive(legs: tuple[Leg, ...], local: Costmap = NOTHING, start: Pose2 = ORIGIN) -> list[RolloutState]:
+def drive(
+    legs: tuple[Leg, ...], local: Costmap = NOTHING, start: Pose2 = ORIGIN, driving: Driving = DRIVING
+) -> list[RolloutState]:
     """The states of a robot that follows legs until they end, or something blocks it."""
     follower, states = LegFollower(legs), [RolloutState(start, 0.0, 0.0)]
     for _ in range(400):
         state = states[-1]
-        step = follower.step(state, LocalObstacles(local), ORIGIN, None, DRIVING)
+        step = follower.step(state, LocalObstacles(local), ORIGIN, None, driving)
         if step.ended or step.command.blocked:
             return states
-        v, w = step.command.speed, step.command.turn
-        states.append(RolloutState(state.pose.compose(Pose2(v * 0.1, 0.0, w * 0.1)), v, w))
+        v, w, left = step.command.velocity
+        states.append(RolloutState(state.pose.compose(Pose2(v * 0.1, left * 0.1, w * 0.1)), v, w, left))
     raise AssertionError("the legs do not end")
 
 
@@ -48,6 +51,23 @@ def test_robot_turns_on_the_spot_between_legs_and_drives_back_where_a_leg_says_s
     assert abs(wrap_angle(end.yaw - math.pi / 2)) < 0.1
     assert max(abs(state.pose.y) for state in states if state.speed > 0.1) < 0.02
     assert min(state.speed for state in states) == pytest.approx(-0.2, abs=0.01)
+
+
+@pytest.mark.parametrize(("gear", "side"), [(LEFT, 1.0), (RIGHT, -1.0)])
+def test_robot_drives_sideways_along_a_leg_with_its_heading_and_is_stopped_by_what_is_there(
+    gear: int, side: float
+) -> None:
+    driving = replace(DRIVING, limits=replace(LIMITS, lateral=0.3))
+    legs = (Leg(line((0.0, 0.0), (0.0, side)), gear, 0.0),)
+    states = drive(legs, driving=driving)
+    assert math.dist(states[-1].pose[:2], (0.0, side)) < 0.05
+    assert max(abs(state.pose.yaw) for state in states) < 0.05
+    assert max(side * state.left for state in states) == pytest.approx(0.3, abs=0.01)
+    costs = NOTHING.costs.copy()
+    rows = 100 + round(side * 16)
+    costs[rows : rows + 2, 90:110] = LETHAL
+    states = drive(legs, Costmap(costs, 0.05, NOTHING.origin), driving=driving)
+    assert 0.05 < side * states[-1].pose.y < 0.8 - DRIVING.footprint.inscribed + 0.1
 
 
 @pytest.mark.parametrize("turned", [2.6, 2.6 - math.tau])
@@ -91,6 +111,11 @@ def test_track_is_driven_back_for_a_distance() -> None:
     assert math.dist(states[-1].pose[:2], (0.5, 0.0)) < 0.05
     assert abs(states[-1].pose.yaw) < 0.06
     assert legs_back(track[:1], 0.5) == ()
+
+
+def test_track_of_a_robot_that_drove_sideways_is_driven_sideways_back() -> None:
+    track = [Pose2(0.0, 0.05 * step, 0.0) for step in range(21)]
+    assert [leg.gear for leg in legs_back(track, 0.5, sideways=True)] == [RIGHT]
 
 
 @pytest.mark.long

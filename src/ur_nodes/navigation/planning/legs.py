@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from ur_nodes.geometry.pose import wrap_angle
-from ur_nodes.navigation.planning.outline_motions import MotionPose
+from ur_nodes.navigation.planning.outline_motions import MotionPose, course_of
 from ur_nodes.navigation.planning.path_geometry import Points, resample
 
 _SHORTEST = 0.02  # m: of a leg
@@ -20,11 +20,11 @@ _SAME_COURSE = 0.06  # rad: a turn on the spot by less is left to steering
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leg:
-    """Points (n, 2) in m, n >= 2, evenly apart, driven ahead (`gear` 1) or back (-1).
+    """Points (n, 2) in m, n >= 2, evenly apart, driven ahead (`gear` 1), back (-1), to the left or to the right.
 
-    Where `turned` is not None, the robot first turns on the spot, by about so much (rad, left is positive), so that it
-    points along the leg. `course` is the direction of motion at its end (rad), None for a path that was not made for
-    the outline, where it need not be exact.
+    Where `turned` is not None, the robot first turns on the spot, by about so much (rad, left is positive), so that the
+    gear leads along the leg. `course` is the direction of motion at its end (rad), None for a path that was not made
+    for the outline, where it need not be exact.
     """
 
     points: Points
@@ -58,7 +58,7 @@ def _close(legs: list[Leg], places: list[MotionPose], gear: int, turned: float) 
     if np.hypot(*np.diff(points, axis=0).T).sum() < _SHORTEST:
         return turned
     exact = abs(turned) > _SAME_COURSE or (bool(legs) and legs[-1].gear != gear)
-    course = places[-1].yaw if gear > 0 else wrap_angle(places[-1].yaw + math.pi)
+    course = wrap_angle(places[-1].yaw + course_of(gear))
     legs.append(Leg(resample(points, _SPACING), gear, turned if exact else None, course))
     return 0.0
 
@@ -72,4 +72,4 @@ def bearing_of(leg: Leg) -> float:
     """The heading of a robot at the begin of a leg, rad."""
     ahead = leg.points[min(2, len(leg.points) - 1)] - leg.points[0]
     bearing = math.atan2(float(ahead[1]), float(ahead[0]))
-    return bearing if leg.gear > 0 else wrap_angle(bearing + math.pi)
+    return wrap_angle(bearing - course_of(leg.gear))

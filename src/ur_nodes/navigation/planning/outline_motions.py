@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple, TypeAlias
 
+from ur_nodes.geometry.pose import wrap_angle
 from ur_nodes.navigation.planning.outline_grid import HEADINGS, STEP
 
 _LENGTH = 0.15  # m: of a straight piece, and of an arc where the robot can turn on the spot
@@ -16,9 +17,10 @@ _SPIN = 2  # headings of one turn on the spot
 
 @dataclass(frozen=True, slots=True)
 class Steering:
-    """The steering of a robot: it turns on the spot, or in circles of `radius` m and more."""
+    """The steering of a robot: it turns on the spot, or in circles of `radius` m and more; some drive `sideways`."""
 
     radius: float = 0.0
+    sideways: bool = False
 
     @property
     def spins(self) -> bool:
@@ -30,8 +32,26 @@ SPINS = Steering()
 """The steering of a robot that turns on the spot."""
 
 
+LEFT, RIGHT = 2, -2
+
+_COURSES = {1: 0.0, -1: math.pi, LEFT: 0.5 * math.pi, RIGHT: -0.5 * math.pi}
+
+
+def course_of(gear: int) -> float:
+    """The direction of motion of a gear, rad from the heading."""
+    return _COURSES[gear]
+
+
+def gears_by_turn(yaw: float, bearing: float) -> tuple[int, ...]:
+    """All gears to drive at a bearing (rad), that which needs the least turn on the spot first."""
+    return tuple(sorted(_COURSES, key=lambda gear: abs(wrap_angle(bearing - _COURSES[gear] - yaw))))
+
+
 class MotionPose(NamedTuple):
-    """A pose on the way (m, m, rad), and the gear that leads there: 1 ahead, -1 back, 0 a turn on the spot."""
+    """A pose on the way (m, m, rad), and the gear that leads there.
+
+    Gears are 1 ahead, -1 back, 0 a turn on the spot, LEFT and RIGHT.
+    """
 
     x: float
     y: float
@@ -55,13 +75,13 @@ class MotionPrimitive(NamedTuple):
 
 
 @lru_cache(maxsize=4)
-def list_pieces(radius: float) -> tuple[tuple[MotionPrimitive, ...], ...]:
+def list_pieces(steering: Steering) -> tuple[tuple[MotionPrimitive, ...], ...]:
     """The pieces of a robot that begin with each heading."""
-    return tuple(tuple(_pieces_of(heading, radius)) for heading in range(HEADINGS))
+    return tuple(tuple(_pieces_of(heading, steering)) for heading in range(HEADINGS))
 
 
-def _pieces_of(heading: int, radius: float) -> list[MotionPrimitive]:
-    pieces = []
+def _pieces_of(heading: int, steering: Steering) -> list[MotionPrimitive]:
+    pieces, radius = [], steering.radius
     if radius > 0.0:
         bends = [(turned, max(_LENGTH, abs(turned) * STEP * radius * 1.001)) for turned in (1, 2)]
     else:
@@ -76,7 +96,16 @@ def _pieces_of(heading: int, radius: float) -> list[MotionPrimitive]:
             numbers = [(heading + sign * step) % HEADINGS for step in range(1, _SPIN + 1)]
             checks = tuple((0.0, 0.0, number) for number in numbers)
             pieces.append(MotionPrimitive(0.0, 0.0, numbers[-1], checks, 0.0, 0, turned))
+    if steering.sideways:
+        pieces += [_aside(heading, gear) for gear in (LEFT, RIGHT)]
     return pieces
+
+
+def _aside(heading: int, gear: int) -> MotionPrimitive:
+    course = heading * STEP + course_of(gear)
+    ways = (0.5 * _LENGTH, _LENGTH)
+    checks = tuple((way * math.cos(course), way * math.sin(course), heading) for way in ways)
+    return MotionPrimitive(*checks[-1][:2], heading, checks, _LENGTH, gear, 0)
 
 
 def _arc(heading: int, turned: int, length: float, gear: int) -> MotionPrimitive:

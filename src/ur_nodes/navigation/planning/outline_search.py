@@ -15,8 +15,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ur_nodes.navigation.planning.outline_costs import SHUNTING, SPINNING
 from ur_nodes.navigation.planning.outline_grid import HEADINGS, STEP, heading_angle, heading_number
-from ur_nodes.navigation.planning.outline_motions import MotionPose, MotionPrimitive, Steering, list_pieces
+from ur_nodes.navigation.planning.outline_motions import (
+    MotionPose,
+    MotionPrimitive,
+    Steering,
+    course_of,
+    gears_by_turn,
+    list_pieces,
+)
 from ur_nodes.navigation.planning.outline_shots import list_shots
 
 Floats = NDArray[np.float64]
@@ -30,23 +38,6 @@ _SHOT, _SHOT_LONGER = 4.0, 1.5  # m: from the goal, where arcs and lines to it a
 _SHOT_EVERY = 8  # states
 _BACK = tuple(1.0 - 0.05 * step for step in range(1, 21))  # shares of that line
 _SHUNTS = (0.0, 0.5, 1.0)  # m: of a straight line after such a way, driven in the other gear
-
-
-@dataclass(frozen=True, slots=True)
-class _Costs:
-    """Costs of a search: of a metre driven back, a change between ahead and back (m), a metre with no room beside it.
-
-    `greed` is the weight of what is left of the way.
-    """
-
-    backward: float
-    reversal: float
-    narrow: float
-    greed: float
-
-
-_SPINNING = _Costs(2.0, 0.5, 3.0, 1.3)
-_SHUNTING = _Costs(1.3, 0.2, 2.0, 2.5)  # without turns on the spot: the way is longer than the crow flies
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,12 +99,12 @@ class _Search:
         self._goal, self._yaw = goal[:2], goal[2]
         self._heading = None if goal[2] is None else heading_number(goal[2])
         self._steering = steering
-        self._costs = _SPINNING if steering.spins else _SHUNTING
+        self._costs = SPINNING if steering.spins else SHUNTING
         self._near = (1.5 if steering.spins else 1.0) * grid.resolution
         self._nodes: list[_Node] = []
 
     def run(self, start: tuple[float, float, float], most: int) -> SearchEnd:
-        pieces = list_pieces(self._steering.radius)
+        pieces = list_pieces(self._steering)
         heading = heading_number(start[2])
         cell = self._cell(start[0], start[1])
         if cell < 0 or not math.isfinite(self._ahead[cell]):
@@ -181,7 +172,7 @@ class _Search:
             spin = _SPIN_COST * STEP * abs(piece.turned) * (self._costs.narrow if narrow else 1.0)
             return spin if again else spin + _BEGIN_SPIN
         cost = piece.length * weight * (self._costs.narrow if narrow else 1.0)
-        if piece.gear < 0:
+        if piece.gear != 1:
             cost *= self._costs.backward
         if node.gear and node.gear != piece.gear:
             cost += self._costs.reversal
@@ -244,17 +235,19 @@ class _Search:
         return [self._goal, *((self._goal[0] - d * c, self._goal[1] - d * s) for d in _RUN_UPS)]
 
     def _go(self, here: MotionPose, place: tuple[float, float]) -> list[MotionPose] | None:
-        """Turn on the spot and go straight to a place, ahead, or back where it is near."""
+        """Turn on the spot and go straight to a place, ahead, or in another gear where it is near."""
         away = math.dist(here[:2], place)
         if away < 0.02:
             return []
         bearing = math.atan2(place[1] - here.y, place[0] - here.x)
-        for gear in (1, -1) if away <= _SHORT else (1,):
-            course = heading_number(bearing if gear > 0 else bearing + math.pi)
-            line = self._line(here, bearing, away, course)
-            spin = None if line is None else self._spin(here.x, here.y, heading_number(here.yaw), course)
+        gears: tuple[int, ...] = (1, -1) if away <= _SHORT else (1,)
+        if self._steering.sideways and away <= _SHORT:
+            gears = gears_by_turn(here.yaw, bearing)
+        for gear in gears:
+            yaw = bearing - course_of(gear)
+            line = self._line(here, bearing, away, heading_number(yaw))
+            spin = None if line is None else self._spin(here.x, here.y, heading_number(here.yaw), heading_number(yaw))
             if line is not None and spin is not None:
-                yaw = bearing if gear > 0 else bearing + math.pi
                 return spin + [MotionPose(x, y, yaw, gear) for x, y in line]
         return None
 

@@ -18,7 +18,7 @@ from ur_nodes.navigation.people.tracked_people import approaches, hull_of_footpr
 from ur_nodes.navigation.planning.outline_grid import overlaps
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.rollout import Floats, FollowSettings, ReferencePath, RolloutState, roll_out
-from ur_nodes.navigation.steering.speed_profile import SpeedLimits
+from ur_nodes.navigation.steering.speed_profile import DriveVelocity, SpeedLimits
 
 # Variants of the steering law: the share of the speed limit, the offset to the left of the path (m).
 _PLAIN = np.array(((1.0, 0.0),))
@@ -32,7 +32,7 @@ _SAMPLED = 0.1  # s between two poses of a sweep
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalCommand:
-    """The next command: speed (m/s) and turn (rad/s). `ahead` (t, 3) are the poses that this leads to.
+    """The next command: speed and turn, and m/s to the left. `ahead` (t, 3) are the poses that this leads to.
 
     `hindered`: an obstacle blocks the plain law, another variant was taken. `blocked`: every variant would
     touch something, the command is to stop. `waits`: without people the robot would drive on.
@@ -44,6 +44,12 @@ class LocalCommand:
     hindered: bool = False
     blocked: bool = False
     waits: bool = False
+    left: float = 0.0
+
+    @property
+    def velocity(self) -> DriveVelocity:
+        """The velocity to send."""
+        return DriveVelocity(self.speed, self.turn, self.left)
 
 
 def follow_reference(
@@ -82,12 +88,13 @@ def follow_reference(
 
 
 def sweep_is_free(motion: RolloutState, seconds: float, around: LocalObstacles, footprint: Footprint) -> bool:
-    """Return True when keeping the speed and turn for a while touches nothing (more than the robot does already)."""
+    """Return True when keeping the velocity for a while touches nothing (more than the robot does already)."""
     times = np.linspace(0.0, seconds, max(2, math.ceil(seconds / _SAMPLED) + 1))
     yaws = motion.pose.yaw + motion.turn * times
-    steps = np.diff(times, prepend=0.0) * motion.speed
-    xs = motion.pose.x + np.cumsum(steps * np.cos(yaws))
-    ys = motion.pose.y + np.cumsum(steps * np.sin(yaws))
+    steps = np.diff(times, prepend=0.0)
+    ahead, aside, cosines, sines = steps * motion.speed, steps * motion.left, np.cos(yaws), np.sin(yaws)
+    xs = motion.pose.x + np.cumsum(ahead * cosines - aside * sines)
+    ys = motion.pose.y + np.cumsum(ahead * sines + aside * cosines)
     poses = np.stack((xs, ys, yaws), axis=-1)[:, None]
     if approaches(poses, times, motion.pose, around.people, footprint).any():
         return False

@@ -16,7 +16,7 @@ from ur_nodes.navigation.people.tracked_people import hull_of_footprint, rooms_t
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.local_plan import sweep_is_free
 from ur_nodes.navigation.steering.rollout import RolloutState
-from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach
+from ur_nodes.navigation.steering.speed_profile import AT_REST, DriveVelocity, SpeedLimits, approach
 
 _BACK_OFF, _FARTHEST = 0.3, 0.9  # m: to back off, and as long as there is no room to turn
 _LOOKS = (4.0, 1.0)  # s that are looked ahead for a way to back off, the shorter one where nothing else is free
@@ -79,11 +79,10 @@ def begin_recovery(
 
 @dataclass(frozen=True, slots=True)
 class RecoveryMotion:
-    """The next command of a moving behaviour: m/s, rad/s; `finished` when it ends or must stop."""
+    """The next command of a moving behaviour; `finished` when it ends or must stop."""
 
     recovery: Recovery
-    speed: float
-    turn: float
+    command: DriveVelocity
     finished: bool
 
 
@@ -103,40 +102,43 @@ def move_to_recover(
     last = recovery.last or motion.pose
     if recovery.behaviour is Behaviour.ROTATE:
         done = recovery.done + abs(wrap_angle(motion.pose.yaw - last.yaw))
-        speed, turn, over = 0.0, 0.6 * limits.turn, done >= 6.28 or bool(limits.radius)
+        wanted, over = DriveVelocity(0.0, 0.6 * limits.turn), done >= 6.28 or bool(limits.radius)
     else:
         done = math.hypot(motion.pose.x - began.x, motion.pose.y - began.y)
-        speed, turn = find_escape(motion, around, footprint, limits)
+        wanted = find_escape(motion, around, footprint, limits)
         over = done >= _FARTHEST or (done >= _BACK_OFF and _can_turn(motion.pose, around, footprint, limits))
     state = replace(recovery, began=began, done=done, last=motion.pose)
-    trial = RolloutState(motion.pose, speed, turn)
+    trial = RolloutState(motion.pose, *wanted)
     if over or not sweep_is_free(trial, 0.5, around, footprint):
-        return RecoveryMotion(state, 0.0, 0.0, finished=True)
-    return RecoveryMotion(
-        state,
-        approach(motion.speed, speed, limits.acceleration * period),
-        approach(motion.turn, turn, limits.turn_acceleration * period),
-        finished=False,
+        return RecoveryMotion(state, AT_REST, finished=True)
+    shift, swing = limits.acceleration * period, limits.turn_acceleration * period
+    command = DriveVelocity(
+        approach(motion.speed, wanted.speed, shift),
+        approach(motion.turn, wanted.turn, swing),
+        approach(motion.left, wanted.left, shift),
     )
+    return RecoveryMotion(state, command, finished=False)
 
 
 def find_escape(
     motion: RolloutState, around: LocalObstacles, footprint: Footprint, limits: SpeedLimits
-) -> tuple[float, float]:
-    """Find the slow speed and turn towards the most clearance without further contact; backwards rather than ahead."""
+) -> DriveVelocity:
+    """Find the slow motion towards the most clearance without further contact; backwards rather than ahead."""
     exact = around.exact()
     costmap, hull = exact.costmap, hull_of_footprint(footprint)
     distances = distance_transform_edt(costmap.costs != LETHAL) * costmap.resolution
     bends = sorted({side * bend for bend in _BENDS for side in (1, -1)})
     options = {
-        (speed, limits.turn_at(speed, max(-0.5 * limits.turn, min(0.5 * limits.turn, speed * bend))))
+        DriveVelocity(speed, limits.turn_at(speed, max(-0.5 * limits.turn, min(0.5 * limits.turn, speed * bend))))
         for speed in (-limits.backward, limits.backward)
         for bend in bends
     }
+    if limits.lateral:
+        options |= {DriveVelocity(0.0, 0.0, side * min(limits.lateral, limits.backward)) for side in (1, -1)}
 
-    def value(option: tuple[float, float], seconds: float) -> float:
-        speed, turn = option
-        pose = motion.pose.compose(arc_end(speed * seconds, turn * seconds))
+    def value(option: DriveVelocity, seconds: float) -> float:
+        speed, turn, left = option
+        pose = motion.pose.compose(arc_end(speed * seconds, turn * seconds, left * seconds))
         cells = costmap.cells_of_points(pose.transform_points(footprint.samples))
         rooms = distances[tuple(cells[costmap.contains(cells)].T)]
         room = min(_ROOMY, float(rooms.min(initial=1.0)))
@@ -145,10 +147,10 @@ def find_escape(
         return room + (0.02 if speed < 0.0 else 0.0) - 0.005 * abs(turn)
 
     for seconds in _LOOKS:
-        for speed, turn in sorted(options, key=lambda option: value(option, seconds), reverse=True):
-            if sweep_is_free(RolloutState(motion.pose, speed, turn), seconds, exact, footprint):
-                return speed, turn
-    return -limits.backward, 0.0
+        for option in sorted(options, key=lambda option: value(option, seconds), reverse=True):
+            if sweep_is_free(RolloutState(motion.pose, *option), seconds, exact, footprint):
+                return option
+    return DriveVelocity(-limits.backward, 0.0)
 
 
 def _can_turn(pose: Pose2, around: LocalObstacles, footprint: Footprint, limits: SpeedLimits) -> bool:

@@ -65,11 +65,12 @@ class ReferencePath:
 
 @dataclass(frozen=True, slots=True)
 class RolloutState:
-    """Pose and velocity of the robot: pose in the frame of the path, m/s, rad/s."""
+    """Pose and velocity of the robot: pose in the frame of the path, m/s, rad/s, m/s to the left."""
 
     pose: Pose2
     speed: float
     turn: float
+    left: float = 0.0
 
 
 def make_reference(

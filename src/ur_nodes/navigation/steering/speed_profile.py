@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +13,23 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.navigation.planning.path_geometry import Points, curvatures
 
 
+class DriveVelocity(NamedTuple):
+    """A velocity of the base: m/s ahead, rad/s, m/s to the left."""
+
+    speed: float
+    turn: float
+    left: float = 0.0
+
+
+AT_REST = DriveVelocity(0.0, 0.0)
+
+
 @dataclass(frozen=True, slots=True)
 class SpeedLimits:
     """Limits of the robot: m/s, rad/s, m/s^2, rad/s^2. `backward` is the greatest speed backwards, as a positive.
 
-    `radius` (m) is that of its narrowest bend, 0 when it turns on the spot.
+    `radius` (m) is that of its narrowest bend, 0 when it turns on the spot. `lateral` is the greatest speed to either
+    side, 0 when its wheels do not roll sideways.
     """
 
     speed: float
@@ -25,6 +38,7 @@ class SpeedLimits:
     turn_acceleration: float
     backward: float = 0.1
     radius: float = 0.0
+    lateral: float = 0.0
 
     def turn_at(self, speed: float, turn: float) -> float:
         """The turn (rad/s) nearest to `turn` that the robot can make at a speed."""
@@ -36,8 +50,13 @@ class SpeedLimits:
 
 def limit_speeds(limits: SpeedLimits, share: float) -> SpeedLimits:
     """Return the limits with a share (0 to 1) of the speeds and the same accelerations."""
-    speeds = (share * limits.speed, share * limits.turn, share * limits.backward)
-    return replace(limits, speed=speeds[0], turn=speeds[1], backward=speeds[2])
+    return replace(
+        limits,
+        speed=share * limits.speed,
+        turn=share * limits.turn,
+        backward=share * limits.backward,
+        lateral=share * limits.lateral,
+    )
 
 
 def speed_shares(mask: Grid | None, points: Points) -> NDArray[np.float64] | None:
@@ -88,6 +107,15 @@ def turn_towards(error: float, turn: float, limits: SpeedLimits, period: float) 
     most = abs(ahead) / (1.5 * period)
     rate = max(-most, min(most, turn_rate(ahead, limits)))
     return approach(turn, rate, limits.turn_acceleration * period)
+
+
+def brake(velocity: DriveVelocity, limits: SpeedLimits, period: float) -> DriveVelocity:
+    """Return the velocity after a period (s) of braking with the accelerations of the limits."""
+    speed, turn, left = velocity
+    step = limits.acceleration * period
+    return DriveVelocity(
+        approach(speed, 0.0, step), approach(turn, 0.0, limits.turn_acceleration * period), approach(left, 0.0, step)
+    )
 
 
 def approach(value: float, target: float, step: float) -> float:

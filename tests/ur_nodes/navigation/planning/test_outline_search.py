@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.pose import wrap_angle
 from ur_nodes.navigation.planning.outline_grid import blocked_headings, heading_number, make_stamp
-from ur_nodes.navigation.planning.outline_motions import MotionPose, Steering
+from ur_nodes.navigation.planning.outline_motions import LEFT, MotionPose, Steering
 from ur_nodes.navigation.planning.outline_search import SearchGrid, find_motions
 
 CELL = 0.05
@@ -55,6 +55,17 @@ def test_robot_in_a_dead_end_too_narrow_to_turn_in_backs_out() -> None:
     assert found.motions[1].gear == -1
     assert abs(wrap_angle(found.motions[-1].yaw - 3.14)) < 0.06
     assert not any(touches(grid, motion) for motion in found.motions)
+
+
+def test_robot_between_two_walls_drives_sideways_to_a_place_beside_it_and_keeps_its_heading() -> None:
+    lethal = room(4.0, 4.0)
+    lethal[:, :30] = lethal[:, 48:] = True  # 0.9 m apart, too narrow to turn
+    grid = grid_of(lethal, (1.96, 3.0))
+    found = find_motions(grid, (1.96, 1.0, 0.0), (1.96, 3.0, 0.0), Steering(sideways=True))
+    assert {motion.gear for motion in found.motions[1:]} == {LEFT}
+    assert {motion.yaw for motion in found.motions} == {0.0}
+    assert math.dist(found.motions[-1][:2], (1.96, 3.0)) < 0.08
+    assert not find_motions(grid, (1.96, 1.0, 0.0), (1.96, 3.0, 0.0), Steering()).motions
 
 
 def test_place_behind_a_gap_that_is_too_narrow_is_not_reached_and_all_was_searched() -> None:

@@ -37,14 +37,11 @@ def play(
         recovery = move.recovery
         if move.finished:
             return motion, turned, went
+        speed, turn, _ = move.command
         x, y, yaw = motion.pose
-        pose = Pose2(
-            x + 0.1 * move.speed * math.cos(yaw),
-            y + 0.1 * move.speed * math.sin(yaw),
-            wrap_angle(yaw + 0.1 * move.turn),
-        )
-        turned, went = turned + 0.1 * abs(move.turn), went + 0.1 * abs(move.speed)
-        motion = RolloutState(pose, move.speed, move.turn)
+        pose = Pose2(x + 0.1 * speed * math.cos(yaw), y + 0.1 * speed * math.sin(yaw), wrap_angle(yaw + 0.1 * turn))
+        turned, went = turned + 0.1 * abs(turn), went + 0.1 * abs(speed)
+        motion = RolloutState(pose, speed, turn)
     raise AssertionError(f"{behaviour} does not end")
 
 
@@ -66,7 +63,7 @@ def test_robot_that_cannot_turn_on_the_spot_does_not_turn_round_and_backs_off_in
     costmap = LocalObstacles(window((slice(30, 50), slice(45, 47))))
     turning = Recovery(SEQUENCE.index(Behaviour.ROTATE))
     assert move_to_recover(turning, here, costmap, FOOTPRINT, limits, 0.1).finished
-    speed, turn = find_escape(here, costmap, FOOTPRINT, limits)
+    speed, turn, _ = find_escape(here, costmap, FOOTPRINT, limits)
     assert speed < 0.0
     assert abs(turn) <= abs(speed) / 0.9
 
@@ -96,13 +93,21 @@ def test_back_off_leaves_a_wall_beside_the_robot_until_it_can_turn() -> None:
 
 
 def test_find_way_out_goes_ahead_when_something_is_close_behind() -> None:
-    speed, _ = find_escape(
+    speed, _, _ = find_escape(
         RolloutState(Pose2(0.0, 0.0, 0.0), 0.0, 0.0),
         LocalObstacles(window((slice(30, 50), slice(34, 36)))),
         FOOTPRINT,
         LIMITS,
     )
     assert speed > 0.0
+
+
+def test_robot_that_drives_sideways_leaves_a_corner_to_its_free_side() -> None:
+    here = RolloutState(Pose2(0.0, 0.0, 0.0), 0.0, 0.0)
+    walls = window((slice(30, 36), slice(30, 50)), (slice(30, 50), slice(45, 47)), (slice(30, 50), slice(33, 35)))
+    speed, turn, left = find_escape(here, LocalObstacles(walls), FOOTPRINT, replace(LIMITS, lateral=0.3))
+    assert left > 0.0
+    assert (speed, turn) == (0.0, 0.0)
 
 
 def test_recovery_begins_anew_once_the_robot_has_come_away() -> None:
