@@ -28,6 +28,7 @@ from ur_nodes.navigation.steering.speed_profile import (
 
 _BACK = 0.2  # m/s, at most, while a leg is driven back
 _ARRIVED = 0.015  # m from the end of a leg
+_NO_LENGTH = 0.001  # m between points of a path that ends where it begins
 _ALIGNED = 0.03  # rad
 _STILL = 0.02  # m/s
 _SLOW_TURN = 0.15  # rad/s
@@ -95,7 +96,7 @@ class LegFollower:
         self._index = nearest_index(reference.points, x, y, self._index, last)
         end_x, end_y = reference.points[reference.end].tolist()
         away = math.hypot(end_x - x, end_y - y)
-        if self._index >= reference.end or away < _ARRIVED:
+        if self._index >= reference.end or away < _ARRIVED or reference.spacing < _NO_LENGTH:
             resting = math.hypot(motion.speed, motion.left) < _STILL
             if self._number == len(self._legs) - 1:
                 return LegStep(_brake(base, driving), away, ended=True)

@@ -85,6 +85,13 @@ def test_turn_on_the_spot_that_would_touch_something_is_blocked() -> None:
     assert abs(states[-1].pose.yaw) < 0.5
 
 
+def test_path_without_a_length_ends_at_once_though_the_robot_is_a_little_beside_it() -> None:
+    follower = LegFollower((Leg(np.array(((1.0, 1.0), (1.0, 1.0)))),))
+    step = follower.step(RolloutState(Pose2(1.03, 1.0, 0.5), 0.0, 0.0), LocalObstacles(NOTHING), ORIGIN, None, DRIVING)
+    assert step.ended
+    assert step.away == pytest.approx(0.03)
+
+
 def test_rest_begins_at_the_robot() -> None:
     follower = LegFollower((Leg(line((0.0, 0.0), (1.0, 0.0))), Leg(line((1.0, 0.0), (0.5, 0.0)), -1, 0.0)))
     assert len(follower.rest) == 32
