@@ -33,6 +33,7 @@ _LIDAR_HEAD = 0.03  # a lidar's housing ends this far above its beams
 _PERSON_SIDES = 8
 _PERSON_HEIGHT = 1.7  # m
 _WAITING_ROOM = 1000.0  # m: people are placed before the first step
+_GRIP = 0.4  # of the gain at which a servo that holds a velocity would oscillate
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +54,8 @@ def build_model(
     Names: bodies `robot_<n>` (origin on the ground between the wheels), `obstacle/<name>` and `person_<n>` (until they
     are moved they wait outside of the floor plan); shapes `chassis_<n>`, and `person_<n>`; joints `left_<n>` and
     `right_<n>`; actuators of the same names take wheel speeds in rad/s; sites `lidar_<n>`.
+    A base that drives sideways has a joint `aside_<n>` that measures how far its wheels rolled to the left, with an
+    actuator in m/s, and actuators `velocity_<n>/<axis>` (x, y: m/s, yaw: rad/s), which move it.
     With `scenery` the state means the same.
     """
     scenery = scenery or Scenery()
@@ -166,7 +169,22 @@ def _robot(base: Base, number: int, pose: tuple[float, float, float], scenery: S
         + "".join(_caster(caster) for caster in base.casters)
         + _wheel(base, f"left_{number}", base.wheels.separation / 2.0)
         + _wheel(base, f"right_{number}", -base.wheels.separation / 2.0)
+        + _sideways(base, number)
         + "</body>"
+    )
+
+
+def _sideways(base: Base, number: int) -> str:
+    """Return the point on the floor where the wheels of a base that drives sideways push, and a wheel that counts.
+
+    Its other wheels carry it without friction, and turn as its motion ahead and its turns have it; what their rollers
+    do is not modelled. The one that counts has no shape and no weight.
+    """
+    if not base.limits.lateral_velocity:
+        return ""
+    return (
+        f'<site name="drive_{number}"/><body><joint name="aside_{number}" axis="0 0 1" armature="1"/>'
+        '<inertial pos="0 0 0" mass="1e-6" diaginertia="1e-9 1e-9 1e-9"/></body>'
     )
 
 
@@ -181,12 +199,13 @@ def _caster(caster: Caster) -> str:
 def _wheel(base: Base, name: str, y: float) -> str:
     """Return a wheel that touches the floor at one point: an ellipsoid as wide as the wheel."""
     wheels = base.wheels
+    smooth = ' condim="1" priority="2"' if base.limits.lateral_velocity else ""
     axial = wheels.mass * wheels.radius**2 / 2.0
     radial = wheels.mass * (3.0 * wheels.radius**2 + wheels.width**2) / 12.0
     return (
         f'<body pos="0 {y!r} {wheels.radius!r}"><joint name="{name}" axis="0 1 0" armature="{_rotor_inertia(base)!r}"/>'
         f'<inertial pos="0 0 0" mass="{wheels.mass!r}" diaginertia="{radial!r} {axial!r} {radial!r}"/>'
-        f'<geom type="ellipsoid" size="{wheels.radius!r} {wheels.width / 2.0!r} {wheels.radius!r}"'
+        f'<geom type="ellipsoid" size="{wheels.radius!r} {wheels.width / 2.0!r} {wheels.radius!r}"{smooth}'
         f' contype="{_ROLLING}" conaffinity="0" group="3"/></body>'
     )
 
@@ -204,6 +223,25 @@ def _motors(base: Base, robots: int, friction: float) -> Iterable[str]:
         for side in ("left", "right"):
             name = f"{side}_{number}"
             yield f'<velocity name="{name}" joint="{name}" kv="{gain!r}" forcerange="{-torque!r} {torque!r}"/>'
+        if base.limits.lateral_velocity:
+            yield from _velocity_motors(base, number, friction)
+
+
+def _velocity_motors(base: Base, number: int, friction: float) -> Iterable[str]:
+    """Return servos that hold the velocity of a base, along x, along y and in turns, as far as its wheels grip."""
+    yield f'<velocity name="aside_{number}" joint="aside_{number}" kv="{0.8 / TIME_STEP!r}"/>'
+    grip = friction * base.mass * GRAVITY
+    xs, ys = [p[0] for p in base.footprint], [p[1] for p in base.footprint]
+    inertia = base.mass * ((max(xs) - min(xs)) ** 2 + (max(ys) - min(ys)) ** 2) / 12.0
+    for axis, gear, weight, most in (
+        ("x", "1 0 0 0 0 0", base.mass, grip),
+        ("y", "0 1 0 0 0 0", base.mass, grip),
+        ("yaw", "0 0 0 0 0 1", inertia, grip * base.wheels.separation / 2.0),
+    ):
+        yield (
+            f'<velocity name="velocity_{number}/{axis}" site="drive_{number}" gear="{gear}"'
+            f' kv="{_GRIP * weight / TIME_STEP!r}" forcerange="{-most!r} {most!r}"/>'
+        )
 
 
 def _rotor_inertia(base: Base) -> float:

@@ -38,7 +38,8 @@ class BodyMotion:
 class Physics:
     """A model of `ur_nodes.simulator.mujoco_model` with `robots` robots, and its state. Poses are x, y, yaw: m, rad."""
 
-    def __init__(self, text: str, robots: int) -> None:
+    def __init__(self, text: str, robots: int, *, sideways: bool = False) -> None:
+        """`sideways`: the robots have the joint and the actuators of a base that drives sideways."""
         self._model = mujoco.MjModel.from_xml_string(text)
         self._data = mujoco.MjData(self._model)
         self._robots = robots
@@ -55,6 +56,7 @@ class Physics:
         self._spins = [
             [int(self._model.joint(f"{side}_{n}").dofadr[0]) for side in ("left", "right")] for n in range(robots)
         ]
+        self._aside = [int(self._model.joint(f"aside_{n}").qposadr[0]) for n in range(robots) if sideways]
         self.reset()
 
     def reset(self) -> None:
@@ -69,6 +71,15 @@ class Physics:
     def set_wheel_speeds(self, robot: int, left: float, right: float) -> None:
         """Set the target speeds of the motors, rad/s."""
         self._data.ctrl[self._motors[robot]] = (left, right)
+
+    def set_velocity(self, robot: int, forward: float, left: float, turn: float) -> None:
+        """Set the velocity that the wheels of a robot that drives sideways give it: m/s, rad/s."""
+        motors = self._motors[robot]
+        self._data.ctrl[motors.stop : motors.stop + 4] = (left, forward, left, turn)
+
+    def rolled_aside(self, robot: int) -> float:
+        """Return how far the wheels rolled to the left, m; 0 for a robot that does not drive sideways."""
+        return float(self._data.qpos[self._aside[robot]]) if self._aside else 0.0
 
     def wheel_angles(self, robot: int) -> tuple[float, float]:
         """Return the angles of the left and right wheel, rad, forward is positive."""

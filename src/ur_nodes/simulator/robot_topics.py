@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ur_nodes.geometry.dead_reckoning import SPEED_COVARIANCE, covariance_matrix
+from ur_nodes.geometry.dead_reckoning import SIDEWAYS_SPEED_COVARIANCE, SPEED_COVARIANCE, covariance_matrix
 from ur_nodes.geometry.pose import Pose3, quaternion_of_yaw
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
@@ -37,6 +37,8 @@ class RobotTopics:
         self._robot = robot
         self._map, self._odom_frame, self._base = frames.map, prefix + frames.odom, prefix + frames.base
         self._wheels = (f"{prefix}left_wheel_joint", f"{prefix}right_wheel_joint")
+        sideways = simulation.base.limits.lateral_velocity > 0.0
+        self._speed_covariance = SIDEWAYS_SPEED_COVARIANCE if sideways else SPEED_COVARIANCE
         lidar = simulation.base.lidar
         self._odom = None if real else node.publish(f"{prefix}odom", Odometry, quality)
         self._truth = node.publish(f"{prefix}base_pose_ground_truth", Odometry, quality)
@@ -50,7 +52,7 @@ class RobotTopics:
             node.subscribe(f"{prefix}cmd_vel", Twist, self._take_command)
 
     def _take_command(self, command: Twist) -> None:
-        self._simulation.command(self._robot, command.forward, command.turn)
+        self._simulation.command(self._robot, command.forward, command.turn, command.left)
 
     def transform(self, stamp: int) -> Transform:
         """The transform odom -> base_footprint, from the odometry of the encoders."""
@@ -64,7 +66,7 @@ class RobotTopics:
             covariance = covariance_matrix(odometry.covariance)
             twist = Twist(*odometry.velocity)
             self._odom.send(
-                Odometry(stamp, self._odom_frame, self._base, odometry.pose, twist, covariance, SPEED_COVARIANCE)
+                Odometry(stamp, self._odom_frame, self._base, odometry.pose, twist, covariance, self._speed_covariance)
             )
         if self._truth.listeners():
             forward, left, turn = self._simulation.velocity(self._robot)

@@ -48,7 +48,9 @@ class Simulation:
         self._seed = seed
         self._starts = [start_pose(base, number, start or world.start) for number in range(robots)]
         self._hull = hull_of_outline(base.footprint)
-        self._physics = Physics(build_model(world, base, robots, start or world.start), robots)
+        self._physics = Physics(
+            build_model(world, base, robots, start or world.start), robots, sideways=base.limits.lateral_velocity > 0.0
+        )
         self._lidars = make_lidars(self._physics.model, base.lidar, robots) if base.lidar else []
         self._steps_before = 0
         self._step: int = 0
@@ -95,9 +97,9 @@ class Simulation:
             return np.empty((0, 3))
         return np.column_stack((self._crowd.places, self._crowd.headings))
 
-    def command(self, robot: int, linear: float, angular: float) -> None:
+    def command(self, robot: int, linear: float, angular: float, left: float = 0.0) -> None:
         """A velocity command that arrives now: m/s, rad/s. It takes effect with the next control period."""
-        self._drives[robot].command(linear, angular, self.time)
+        self._drives[robot].command(linear, angular, self.time, left)
 
     def take_wheels(self, robot: int) -> None:
         """From now on `turn_wheels` moves a robot, and `command` does not."""
@@ -116,8 +118,7 @@ class Simulation:
         now = [name for name, schedule in self._schedules.items() if due >= schedule.step and schedule.take(due)]
         placed = not self._placed.isdisjoint(now)
         if placed:
-            for robot, odometry in enumerate(self._odometry):
-                odometry.update(*self._physics.wheel_angles(robot), self.time)
+            self._read_encoders()
         if "scan" in now:
             self._noise = [random.standard_normal(self._noise[0].size) for random in self._random]
         for senses in self.senses:
@@ -191,7 +192,7 @@ class Simulation:
             blocked = self._outside(pose) or self._physics.place_robot(robot, pose)
             if not blocked:
                 self._drives[robot] = WheelDrive(self.base, 1.0 / CONTROL_RATE)
-                self._physics.set_wheel_speeds(robot, 0.0, 0.0)
+                self._turn_wheels(robot, 0.0, 0.0)
                 self.senses[robot].forget_motion()
         else:
             blocked = self._physics.place_obstacle(name, pose)
@@ -229,23 +230,34 @@ class Simulation:
         self._move_people(0.0)
         self._touched = [-math.inf] * self.robots
         self._collisions = [0] * self.robots
+        self._read_encoders()
+
+    def _read_encoders(self) -> None:
         for robot, odometry in enumerate(self._odometry):
-            odometry.update(*self._physics.wheel_angles(robot), self.time)
+            angles, aside = self._physics.wheel_angles(robot), self._physics.rolled_aside(robot)
+            odometry.update(*angles, self.time, aside)
 
     def _update_drives(self) -> None:
         for robot, drive in enumerate(self._drives):
             if robot in self._taken:
                 continue
-            self._physics.set_wheel_speeds(robot, *drive.update(self.time))
+            self._turn_wheels(robot, *drive.update(self.time))
+
+    def _turn_wheels(self, robot: int, left: float, right: float) -> None:
+        self._physics.set_wheel_speeds(robot, left, right)
+        if self.base.limits.lateral_velocity:
+            drive = self._drives[robot]
+            self._physics.set_velocity(robot, drive.velocity[0], drive.aside, drive.velocity[1])
 
     def _move_people(self, seconds: float) -> None:
         if self._crowd is None:
             return
         if self._crowd.is_due(self._step * TIME_STEP):
+            sideways = self.base.limits.lateral_velocity > 0.0
             velocities = [self._physics.velocity(robot) for robot in range(self.robots)]
             robots = [
-                NearbyRobot(self._hull, self._physics.pose(robot), forward, turn)
-                for robot, (forward, _, turn) in enumerate(velocities)
+                NearbyRobot(self._hull, self._physics.pose(robot), forward, turn, left if sideways else 0.0)
+                for robot, (forward, left, turn) in enumerate(velocities)
             ]
             self._crowd.decide(self._step * TIME_STEP, robots)
         self._crowd.advance(seconds)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import pytest
@@ -71,3 +72,18 @@ def test_drive_takes_a_command_that_is_not_finite_as_stop(stage: Base, bad: floa
     drive = WheelDrive(stage, PERIOD)
     run(drive, 0.5, 0.0, 1.0)
     assert run(drive, bad, 0.5, 1.0)[-1] == (0.0, 0.0)
+
+
+def test_drive_ramps_to_the_side_only_where_the_wheels_roll_sideways(stage: Base) -> None:
+    omni = dataclasses.replace(stage, limits=dataclasses.replace(stage.limits, lateral_velocity=0.3))
+    for base, reached in ((stage, 0.0), (omni, -0.3)):
+        drive = WheelDrive(base, PERIOD)
+        drive.command(0.0, 0.0, 0.0, -5.0)
+        drive.update(0.0)
+        assert abs(drive.aside) <= base.limits.acceleration * PERIOD + 1e-12
+        for n in range(200):
+            drive.command(0.0, 0.0, n * PERIOD, -5.0)
+            assert drive.update(n * PERIOD) == (0.0, 0.0)
+        assert drive.aside == pytest.approx(reached)
+        drive.halt()
+        assert drive.aside == 0.0

@@ -45,6 +45,7 @@ class NearbyRobot:
     pose: Pose2
     forward: float
     turn: float
+    left: float = 0.0
 
 
 @dataclass(slots=True)
@@ -146,7 +147,7 @@ class Pedestrians:
     def _give_way(self, number: int, person: _Person, time: float, robots: Sequence[NearbyRobot]) -> None:
         """Let a standing person leave after a robot has waited in front for a while."""
         here = self.places[number]
-        waits = any(abs(robot.forward) < _RESTING and _gap(robot.hull, robot.pose, here) < _WAITING for robot in robots)
+        waits = any(_is_resting(robot) and _gap(robot.hull, robot.pose, here) < _WAITING for robot in robots)
         person.blocked = person.blocked + _PERIOD if waits else 0.0
         if person.blocked > person.patience:
             person.until = time
@@ -198,15 +199,20 @@ def _keeps_space(here: Floats, velocity: Floats, space: float, robot: NearbyRobo
     now = _gap(robot.hull, robot.pose, here)
     for seconds in _AHEAD.tolist():
         turned = robot.pose.yaw + 0.5 * robot.turn * seconds
+        c, s = math.cos(turned), math.sin(turned)
         pose = Pose2(
-            robot.pose.x + robot.forward * seconds * math.cos(turned),
-            robot.pose.y + robot.forward * seconds * math.sin(turned),
+            robot.pose.x + robot.forward * seconds * c - robot.left * seconds * s,
+            robot.pose.y + robot.forward * seconds * s + robot.left * seconds * c,
             robot.pose.yaw + robot.turn * seconds,
         )
         walked, stayed = _gap(robot.hull, pose, here + velocity * seconds), _gap(robot.hull, pose, here)
         if walked < space and walked < min(stayed, now) + 0.05 * seconds:
             return False
     return True
+
+
+def _is_resting(robot: NearbyRobot) -> bool:
+    return abs(robot.forward) < _RESTING and abs(robot.left) < _RESTING
 
 
 def _gap(hull: Hull, pose: Pose2, point: Floats) -> float:

@@ -60,14 +60,18 @@ class BatterySense(Sense):
     def begin(self) -> None:
         """It is as full as at first."""
         self.charge = BatteryCharge(self._battery, self._site.charge)
-        self._rolled = self._site.physics.wheel_angles(self._site.robot)
+        self._rolled, self._aside = self._read_wheels()
+
+    def _read_wheels(self) -> tuple[tuple[float, float], float]:
+        physics, robot = self._site.physics, self._site.robot
+        return physics.wheel_angles(robot), physics.rolled_aside(robot)
 
     def sample(self, time: float) -> None:  # noqa: ARG002 - it is due at its rate
         """Draw what the wheels took since the last time."""
-        rolled = self._site.physics.wheel_angles(self._site.robot)
+        rolled, aside = self._read_wheels()
         turned = sum(abs(now - then) for now, then in zip(rolled, self._rolled, strict=True)) / 2.0
-        self._rolled = rolled
-        speed = turned * self._site.base.wheels.radius * self.rate
+        speed = (turned * self._site.base.wheels.radius + abs(aside - self._aside)) * self.rate
+        self._rolled, self._aside = rolled, aside
         self.charge.draw(min(1.0, speed / self._site.base.limits.velocity), 1.0 / self.rate)
 
     def advertise(self, node: Node, prefix: str, quality: Quality) -> Send:
