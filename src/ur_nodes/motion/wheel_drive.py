@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 from ur.robot.base import Base
-from ur_nodes.motion.ramp import approach, axes_of
+from ur_nodes.motion.ramp import approach, axes_of, lateral_axis
 
 
 class WheelDrive:
@@ -18,7 +17,7 @@ class WheelDrive:
     def __init__(self, base: Base, period: float) -> None:
         self._age = base.limits.command_age
         self._forward, self._turn = axes_of(base.limits)
-        self._left = replace(self._forward, speed=base.limits.lateral_velocity)
+        self._left = lateral_axis(base.limits)
         self._radius = base.wheels.radius
         self._half_separation = base.wheels.separation / 2.0
         self._period = period
