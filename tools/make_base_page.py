@@ -11,7 +11,7 @@ from pathlib import Path
 from ur.robot.base import SENSORS, Base, UpstreamDriver, list_bases, list_variants, load_base
 from ur_nodes.motion.obstacle_stop.base import make_sight
 from ur_nodes.motion.obstacle_stop.guard import BLIND
-from ur_nodes.motion.obstacle_stop.sensors import covers
+from ur_nodes.motion.obstacle_stop.sensors import Side, covers
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "ubiquity_launches"
@@ -128,8 +128,8 @@ def _braking(base: Base) -> str:
 def _obstacle_stop(base: Base) -> str:
     """Describe where the base sees obstacles while people drive it."""
     sensors = make_sight(base).sensors
-    sides = {"ahead": [sensor.ahead for sensor in sensors], "behind": [sensor.behind for sensor in sensors]}
-    seen = [side for side, views in sides.items() if covers(views)]
+    sides: tuple[Side, ...] = ("ahead", "behind")
+    seen = [side for side in sides if covers([sensor.views[side] for sensor in sensors])]
     if not sensors:
         return "where a bumper is pressed" if base.bumpers else "at cliffs" if base.cliffs else "none"
     slow = [side for side in sides if side not in seen]

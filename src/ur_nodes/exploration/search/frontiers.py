@@ -44,13 +44,14 @@ def find_frontiers(floor: Floor, smallest: float) -> tuple[Frontier, ...]:
     """The frontiers of at least `smallest` m, the longest first."""
     edge = frontier_cells(floor)
     walls = floor.occupied | continue_walls(floor)
+    centres = distance_transform_edt(~walls) * floor.resolution > floor.radius
     groups, _ = label(edge, np.ones((3, 3), bool))
     found: list[Frontier] = []
     for number, box in enumerate(find_objects(groups), start=1):
         cells = np.argwhere(groups[box] == number) + np.array([part.start for part in box])
         if len(cells) * floor.resolution < smallest:
             continue
-        found.extend(_frontier(floor, piece, walls) for piece in _cut(cells, floor.resolution))
+        found.extend(_frontier(floor, piece, walls, centres) for piece in _cut(cells, floor.resolution))
     return tuple(sorted(found, key=lambda each: (-each.size, each.place)))
 
 
@@ -75,18 +76,19 @@ def _cut(cells: NDArray[np.intp], resolution: float) -> list[NDArray[np.intp]]:
     return [*_cut(cells[half], resolution), *_cut(cells[~half], resolution)]
 
 
-def _frontier(floor: Floor, cells: NDArray[np.intp], walls: NDArray[np.bool_]) -> Frontier:
+def _frontier(floor: Floor, cells: NDArray[np.intp], walls: NDArray[np.bool_], centres: NDArray[np.bool_]) -> Frontier:
     middle = cells[int(np.argmin(np.hypot(*(cells - cells.mean(axis=0)).T)))]
     size = len(cells) * floor.resolution
-    gain = min(_hidden_floor(floor, cells, walls), size**2)  # a narrow gap hides a corner, not a room
+    gain = min(_hidden_floor(floor, cells, walls, centres), size**2)  # a narrow gap hides a corner, not a room
     x, y = floor.points_of_cells(middle)
     return Frontier(cells, middle, (float(x), float(y)), size, gain)
 
 
-def _hidden_floor(floor: Floor, cells: NDArray[np.intp], walls: NDArray[np.bool_]) -> float:
+def _hidden_floor(floor: Floor, cells: NDArray[np.intp], walls: NDArray[np.bool_], centres: NDArray[np.bool_]) -> float:
     """The unknown floor (m2) near the cells of a frontier that the robot's disc may cover when it drives on there.
 
-    `walls` (height, width): the occupied cells, and those where a wall probably goes on.
+    `walls` (height, width): the occupied cells, and those where a wall probably goes on. `centres` (height, width): the
+    cells where the middle of the robot has room among them.
     """
     reach = math.ceil(_DEPTH / floor.resolution)
     low = np.maximum(cells.min(axis=0) - reach, 0)
@@ -99,8 +101,7 @@ def _hidden_floor(floor: Floor, cells: NDArray[np.intp], walls: NDArray[np.bool_
     begin = floor.reachable[box] & (apart <= floor.radius + 3 * floor.resolution)
     if not begin.any():  # the robot does not get there; what it would find is measured all the same
         return float(np.count_nonzero(_connected(hidden & ~walls[box], ~away) & hidden)) * floor.resolution**2
-    centres = distance_transform_edt(~walls[box]) * floor.resolution > floor.radius
-    reached = _connected(hidden & centres, begin)
+    reached = _connected(hidden & centres[box], begin)
     covered = distance_transform_edt(~reached) * floor.resolution <= floor.radius
     return float(np.count_nonzero(covered & hidden)) * floor.resolution**2
 

@@ -43,9 +43,7 @@ def find_viewpoint(
     low = np.maximum(cells.min(axis=0) - margin, 0)
     high = np.minimum(cells.max(axis=0) + margin + 1, floor.shape)
     box = (slice(low[0], high[0]), slice(low[1], high[1]))
-    away = np.ones((high - low).tolist(), bool)
-    away[tuple((cells - low).T)] = False
-    apart, nearest = distance_transform_edt(away, return_indices=True)
+    apart, nearest = _distances_to(cells - low, (high - low).tolist())
     near = np.isfinite(floor.distance[box]) & (apart * floor.resolution <= reach) & (floor.clearance[box] >= clearance)
     spots = np.argwhere(near)
     if not len(spots):
@@ -64,6 +62,19 @@ def find_viewpoint(
     turned = facing and (to_x, to_y) != (x, y)
     yaw = math.atan2(to_y - y, to_x - x) if turned else _arrival(floor, (row, column))
     return Viewpoint(Pose2(x, y, yaw), (row, column), float(floor.distance[row, column]), frontier)
+
+
+def _distances_to(cells: NDArray[np.intp], shape: list[int]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    """For each cell of a box the distance to the nearest of some cells (n, 2), in cells, and which that is."""
+    if len(cells) == 1:
+        rows, columns = np.ogrid[: shape[0], : shape[1]]
+        row, column = cells[0].tolist()
+        apart = np.sqrt((rows - row) ** 2 + (columns - column) ** 2)
+        return apart, np.broadcast_to(cells[0][:, None, None], (2, *shape))
+    away = np.ones(shape, bool)
+    away[tuple(cells.T)] = False
+    apart, nearest = distance_transform_edt(away, return_indices=True)
+    return apart, nearest
 
 
 def next_viewpoint(floor: Floor, frontier: Frontier, looks: int, room: float) -> Viewpoint | None:
