@@ -188,6 +188,14 @@ def test_frame_of_a_cliff_sensor_is_its_own(tmp_path: Path) -> None:
     assert "frame 'cliff_front' in a base file, sensors, imu is taken by cliffs" in read_text(tmp_path, text)
 
 
+def test_driver_of_two_wheels_is_refused_for_a_base_that_drives_sideways(tmp_path: Path) -> None:
+    aside = GOOD.replace("command_age:", "lateral_velocity: 0.3, command_age:", 1)
+    path = tmp_path / "base.yaml"
+    path.write_text(aside, encoding="utf-8")
+    assert read_base(path, "odd").limits.lateral_velocity == 0.3
+    assert "drives two wheels, expected none" in read_text(tmp_path, aside + "\ndriver: create2\n")
+
+
 def test_outline_that_goes_round_clockwise_is_refused(tmp_path: Path) -> None:
     text = re.sub(r"footprint: .*", "footprint: [[0.2, -0.2], [-0.2, -0.2], [-0.2, 0.2], [0.2, 0.2]]", GOOD)
     assert "goes round clockwise" in read_text(tmp_path, text)

@@ -105,9 +105,9 @@ def _read_filter(p: Parameters) -> FilterSettings:
 
 
 def _read_motion(p: Parameters) -> MotionModel:
-    kinds: tuple[OdometryKind, ...] = ("diff", "diff-corrected")
+    kinds: tuple[OdometryKind, ...] = ("diff", "diff-corrected", "omni", "omni-corrected")
     wanted = p.text("odom_model_type", "diff", choices=kinds)
-    alphas = [p.number(f"odom_alpha{number}", 0.2, minimum=0.0) for number in (1, 2, 3, 4)]
+    alphas = [p.number(f"odom_alpha{number}", 0.2, minimum=0.0) for number in (1, 2, 3, 4, 5)]
     return MotionModel(next(kind for kind in kinds if kind == wanted), *alphas)
 
 

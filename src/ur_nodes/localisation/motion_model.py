@@ -1,6 +1,8 @@
-"""The odometry motion model of a robot with two driven wheels.
+"""The odometry motion models of a robot with two driven wheels, and of one whose wheels roll to all sides.
 
-Source: Thrun, Burgard, Fox, Probabilistic Robotics, table 5.6; the two kinds of spread are those of upstream's amcl.
+Source: Thrun, Burgard, Fox, Probabilistic Robotics, table 5.6; the kinds of spread, and the model of a robot that
+drives sideways, are those of upstream's amcl: a movement is a translation along a bearing, a strafe across it, and a
+turn.
 """
 
 from __future__ import annotations
@@ -14,15 +16,17 @@ from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 
-OdometryKind = Literal["diff", "diff-corrected"]
+OdometryKind = Literal["diff", "diff-corrected", "omni", "omni-corrected"]
 
 
 @dataclass(frozen=True, slots=True)
 class MotionModel:
     """Noise of the odometry: rotation by rotation, by translation, translation by translation, by rotation.
 
-    With "diff-corrected" the alphas scale squares and the deviation is the square root, as in the book; with "diff" the
-    sum of squares itself is the deviation, as in upstream's first version and as many parameter files expect.
+    For a kind that begins with "omni", alpha1 is the noise of translation by rotation and alpha4 that of rotation by
+    rotation, as upstream has it; alpha5, which the others do not use, is that of the strafe by translation.
+    With "-corrected" the alphas scale squares and the deviation is the square root, as in the book; without it the sum
+    of squares itself is the deviation, as in upstream's first version and as many parameter files expect.
     """
 
     kind: OdometryKind
@@ -30,6 +34,7 @@ class MotionModel:
     alpha2: float
     alpha3: float
     alpha4: float
+    alpha5: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,21 +64,47 @@ def spread_of_steps(steps: Steps, model: MotionModel) -> Steps:
         model.alpha3 * drive + model.alpha4 * (turn1 * turn1 + turn2 * turn2),
         model.alpha1 * turn2 * turn2 + model.alpha2 * drive,
     )
-    if model.kind == "diff":
-        return Steps(*squares)
-    return Steps(*(math.sqrt(value) for value in squares))
+    return Steps(*_deviations(squares, model))
 
 
 def move_poses(
     poses: NDArray[np.float64], before: Pose2, after: Pose2, model: MotionModel, rng: np.random.Generator
 ) -> NDArray[np.float64]:
     """Return poses (n, 3) after the movement of the odometry, each with independent noise."""
+    noise = rng.standard_normal((3, len(poses)))
+    if model.kind.startswith("omni"):
+        return _move_sideways(poses, before.inverse().compose(after), model, noise)
     steps = decompose(before, after)
     spread = spread_of_steps(steps, model)
-    noise = rng.standard_normal((3, len(poses)))
     turn1 = steps.turn1 + spread.turn1 * noise[0]
     drive = steps.drive + spread.drive * noise[1]
     turn2 = steps.turn2 + spread.turn2 * noise[2]
     heading = poses[:, 2] + turn1
     yaws = wrap_angle(heading + turn2)
     return np.column_stack((poses[:, 0] + drive * np.cos(heading), poses[:, 1] + drive * np.sin(heading), yaws))
+
+
+def _move_sideways(
+    poses: NDArray[np.float64], movement: Pose2, model: MotionModel, noise: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Move poses along the bearing of a movement, across it by noise alone, and turn them."""
+    distance = math.hypot(movement.x, movement.y)
+    squared, turned = distance * distance, movement.yaw * movement.yaw
+    squares = (
+        model.alpha3 * squared + model.alpha1 * turned,
+        model.alpha5 * squared + model.alpha1 * turned,
+        model.alpha4 * turned + model.alpha2 * squared,
+    )
+    along, across, turn = _deviations(squares, model)
+    heading = poses[:, 2] + math.atan2(movement.y, movement.x)
+    c, s = np.cos(heading), np.sin(heading)
+    drive, strafe = distance + along * noise[0], across * noise[1]
+    yaws = wrap_angle(poses[:, 2] + movement.yaw + turn * noise[2])
+    return np.column_stack((poses[:, 0] + drive * c - strafe * s, poses[:, 1] + drive * s + strafe * c, yaws))
+
+
+def _deviations(squares: tuple[float, float, float], model: MotionModel) -> tuple[float, float, float]:
+    first, second, third = squares
+    if model.kind.endswith("-corrected"):
+        return math.sqrt(first), math.sqrt(second), math.sqrt(third)
+    return squares

@@ -164,7 +164,8 @@ def test_second_base_of_a_package_needs_no_base_called_stage(package: Path) -> N
 @pytest.mark.parametrize("end", [1, 2], ids=["least", "most"])
 @pytest.mark.usefixtures("package")
 def test_figures_at_the_ends_of_their_ranges_make_a_base(end: int, capsys: pytest.CaptureFixture[str]) -> None:
-    options = ("length", "width", "height", "mass", "wheel-radius", "wheel-separation", "velocity", "angular-velocity")
+    options = ["length", "width", "height", "mass", "wheel-radius", "wheel-separation", "velocity", "angular-velocity"]
+    options.append("lateral-velocity")
     figures: list[str] = []
     for option in options:
         assert main(["new", "base", "x", "--summary", "s", f"--{option}", "-1"]) == 2
@@ -172,6 +173,16 @@ def test_figures_at_the_ends_of_their_ranges_make_a_base(end: int, capsys: pytes
         assert told is not None
         figures += [f"--{option}", told[end]]
     assert main(["new", "base", "x", "--summary", "s", *figures, "--lidar", "--raspicam"]) == 0
+
+
+def test_base_with_mecanum_wheels_drives_sideways_and_has_no_driver_for_two_wheels(
+    package: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["new", "base", "x", "--summary", "s", "--lateral-velocity", "0.3"]
+    assert main([*words, "--driver", "create2"]) == 2
+    assert "--driver create2 drives two wheels, expected no --lateral-velocity" in capsys.readouterr().err
+    assert main(words) == 0
+    assert read_base(package / "bases" / "x" / "base.yaml", "x").limits.lateral_velocity == 0.3
 
 
 def test_nothing_is_written_twice(package: Path, capsys: pytest.CaptureFixture[str]) -> None:

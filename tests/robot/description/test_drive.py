@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from tests.robot.description.urdfs import FOUR_WHEELS, MESHES, SMALL
 
+from ur.robot.description.base_text import write_base_file
 from ur.robot.description.drive import DriveGeometry, find_drive
 from ur.robot.description.parse import parse_urdf
 from ur.robot.description.reading import DescriptionReading, read_base_figures
@@ -77,13 +78,16 @@ def test_wheel_stands_where_its_shape_is_and_not_where_its_joint_is() -> None:
     assert {round(wheel.x, 3) for wheel in drive_of(beside).wheels} == {0.256, -0.256}, "it turns about its joint"
 
 
-def test_robot_that_drives_sideways_is_told_that_its_base_cannot() -> None:
+def test_robot_that_drives_sideways_becomes_a_base_that_does() -> None:
     plugin = '<gazebo><plugin name="move" filename="libgazebo_ros_planar_move.so"/></gazebo></robot>'
     for text in (MESHES.replace("</robot>", plugin), FOUR_WHEELS.replace("_wheel_link", "_mecanum_link")):
-        assert any("it can drive sideways; the base cannot" in note for note in read(text).notes)
+        given = {"velocity": 0.3, "angular_velocity": 1.0}
+        reading = read_base_figures(parse_urdf(text, "robot.urdf"), given)
+        assert reading.figures["lateral_velocity"].value == 0.3
+        assert "\n  lateral_velocity: 0.3 # as ahead" in write_base_file(reading, "A robot.", "robot.urdf")
     receiver = plugin.replace("planar_move", "ir_omni_receiver")
     for text in (SMALL, FOUR_WHEELS, MESHES, MESHES.replace("</robot>", receiver)):
-        assert not any("sideways" in note for note in read(text).notes)
+        assert read(text).figures["lateral_velocity"].value == 0.0
 
 
 def test_outline_covers_what_is_seen_and_what_touches() -> None:

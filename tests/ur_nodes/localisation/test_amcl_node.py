@@ -207,6 +207,6 @@ def test_silence_is_explained() -> None:
 
 
 def test_parameter_that_cannot_be_used_is_named() -> None:
-    expected = "parameter /amcl/odom_model_type: 'dif', expected one of diff, diff-corrected"
+    expected = "parameter /amcl/odom_model_type: 'dif', expected one of diff, diff-corrected, omni, omni-corrected"
     with pytest.raises(UserError, match=expected):
         AmclStage(MAZE, odom_model_type="dif")

@@ -60,7 +60,9 @@ def test_amcl_refuses_a_parameter_in_one_line(ros: RosSession) -> None:
     amcl = ros.start(str(AMCL), "__name:=amcl", "_odom_model_type:=dif")
     _, errors = amcl.communicate(timeout=60)
     assert amcl.returncode == 2
-    assert "parameter /amcl/odom_model_type: 'dif', expected one of diff, diff-corrected" in errors
+    assert (
+        "parameter /amcl/odom_model_type: 'dif', expected one of diff, diff-corrected, omni, omni-corrected" in errors
+    )
     assert "Traceback" not in errors
 
 

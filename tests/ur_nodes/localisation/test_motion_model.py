@@ -49,3 +49,38 @@ def test_move_poses_keeps_headings_within_half_a_turn() -> None:
         np.array(((0.0, 0.0, 3.0),)), Pose2(0.0, 0.0, 0.0), Pose2(0.0, 0.0, 1.0), EXACT, np.random.default_rng(0)
     )
     assert moved[0, 2] == pytest.approx(4.0 - 2.0 * math.pi)
+
+
+@pytest.mark.parametrize("kind", ["omni", "omni-corrected"])
+def test_omni_model_without_noise_repeats_a_movement_to_the_side(kind: OdometryKind) -> None:
+    before = Pose2(4.0, -1.0, 2.0)
+    after = before.compose(Pose2(0.1, 0.6, 0.2))
+    start = Pose2(1.0, 2.0, -0.5)
+    model = MotionModel(kind, 0.0, 0.0, 0.0, 0.0)
+    moved = move_poses(np.array((start,)), before, after, model, np.random.default_rng(0))
+    assert moved[0] == pytest.approx(start.compose(Pose2(0.1, 0.6, 0.2)))
+
+
+@pytest.mark.parametrize(("kind", "expected"), [("omni-corrected", math.sqrt(0.01 * 4.0)), ("omni", 0.01 * 4.0)])
+def test_omni_model_spreads_along_and_across_a_movement_to_the_side(kind: OdometryKind, expected: float) -> None:
+    left, rng = Pose2(0.0, 2.0, 0.0), np.random.default_rng(3)
+    along = move_poses(np.zeros((20000, 3)), Pose2(0.0, 0.0, 0.0), left, MotionModel(kind, 0, 0, 0.01, 0), rng)
+    assert along[:, 1].mean() == pytest.approx(2.0, abs=4.0 * expected / math.sqrt(20000))
+    assert along[:, 1].std() == pytest.approx(expected, rel=0.03)
+    assert np.abs(along[:, (0, 2)]).max() < 1e-12
+    across = move_poses(np.zeros((20000, 3)), Pose2(0.0, 0.0, 0.0), left, MotionModel(kind, 0, 0, 0, 0, 0.01), rng)
+    assert across[:, 0].std() == pytest.approx(expected, rel=0.03)
+    assert np.abs(across[:, (1, 2)] - (2.0, 0.0)).max() < 1e-12
+
+
+def test_omni_model_does_not_take_a_movement_to_the_side_for_turns() -> None:
+    movement = Pose2(0.0, 0.5, 0.0)
+    turned = [
+        move_poses(np.zeros((2000, 3)), Pose2(0.0, 0.0, 0.0), movement, model, np.random.default_rng(1))[:, 2].std()
+        for model in (
+            MotionModel("omni-corrected", 0.02, 0.0, 0.02, 0.02, 0.02),
+            MotionModel("diff-corrected", 0.02, 0.0, 0.02, 0.02),
+        )
+    ]
+    assert turned[0] == 0.0
+    assert turned[1] > 0.2

@@ -163,6 +163,7 @@ def new_program(name: str | None, summary: str | None, package: str | None, laun
 @click.option("--wheel-separation", type=float, help="Between the middles of the two driven wheels, in m.")
 @click.option("--velocity", type=float, help="The highest, in m/s.")
 @click.option("--angular-velocity", type=float, help="The highest, in rad/s.")
+@click.option("--lateral-velocity", type=float, help="The highest to either side, in m/s: for mecanum or omni wheels.")
 @click.option("--lidar/--no-lidar", default=None, help="It has a lidar. [default: as FILE says]")
 @click.option("--raspicam", is_flag=True, help="It has a Raspberry Pi camera.")
 @click.option("--driver", metavar="DRIVER", help="The driver of the real base, for example create2: see drivers.md.")
@@ -185,13 +186,14 @@ def new_base(
     """
     from ur.cli.files.base_from import describe_base
     from ur.tools.new.description import check_source, refuse_arguments
-    from ur.tools.new.drivers import check_driver, driver_files, driver_lines, driver_speeds
+    from ur.tools.new.drivers import check_driver, driver_files, driver_lines, driver_speeds, refuse_sideways
     from ur.tools.new.package import write_base
     from ur.tools.new.parts import NewFile
     from ur.tools.new.target import next_step, target_of
 
     check_driver("--driver", driver, "")
     check_driver("--lidar-driver", lidar_driver, "lidar")
+    refuse_sideways(driver, figures["lateral_velocity"])
     figures = {**driver_speeds(driver), **{key: given for key, given in figures.items() if given is not None}}
     if source is not None:
         check_source(Path(source))

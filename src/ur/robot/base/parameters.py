@@ -16,6 +16,7 @@ def fit_parameters(text: str, like: str, base: Base) -> str:
     """Return the parameter file of base `like`, adapted to another base's outline, speeds and scan rate."""
     points = ", ".join(f"[{x:g}, {y:g}]" for x, y in base.footprint)
     text = _OUTLINE.sub(rf"\1 [{points}]", text)
+    text = _fit_sideways(text, base)
     for key, value in _list_values(base).items():
         text = re.sub(rf"^( *{key}:) *[-+.\de]+(?=\s)", rf"\1 {value:g}", text, flags=re.MULTILINE)
     if base.lidar and base.lidar.rate < _EXPECTED and "odom_model_type:" in text:
@@ -23,6 +24,22 @@ def fit_parameters(text: str, like: str, base: Base) -> str:
             r"^transform_tolerance: .*", f"transform_tolerance: {2.0 / base.lidar.rate:g} # s", text, flags=re.M
         )
     return re.sub(r"^#.*", lambda line: re.sub(rf"\b{re.escape(like)}\b", base.name, line[0]), text, flags=re.MULTILINE)
+
+
+def _fit_sideways(text: str, base: Base) -> str:
+    """Adapt what depends on whether a base drives sideways."""
+    limits, aside = base.limits, base.limits.lateral_velocity
+    text = re.sub(r"\b(?:diff|omni)(?=-corrected\b)", "omni" if aside else "diff", text)
+    values = (f"{aside:g}", f"-{aside:g}", f"{limits.acceleration:g}", "5") if aside else ("0.0", "0.0", "0.0", "1")
+    for key, value in zip(("max_vel_y", "min_vel_y", "acc_lim_y", "vy_samples"), values, strict=True):
+        text = re.sub(rf"^( *{key}:) *[-+.\de]+(?=\s)", rf"\1 {value}", text, flags=re.MULTILINE)
+    for key, share in (("scale_linear", _SHARE), ("scale_linear_turbo", 1.0)):
+        ahead, left = _round(share * limits.velocity), _round(share * aside)
+        scale = f"{{x: {ahead:g}, y: {left:g}}}" if aside else f"{ahead:g}"
+        text = re.sub(rf"^{key}: (?:\{{.*?\}}|[.\de]+)", f"{key}: {scale}", text, flags=re.MULTILINE)
+    if aside and "odom_alpha5" not in text:
+        text = re.sub(r"^(odom_alpha)4(: .*)", r"\g<0>\n\g<1>5\2", text, flags=re.MULTILINE)
+    return text
 
 
 def _list_values(base: Base) -> Mapping[str, float]:
@@ -36,9 +53,7 @@ def _list_values(base: Base) -> Mapping[str, float]:
         "acc_lim_theta": limits.angular_acceleration,
         "speed": slow,
         "turn": slow_turn,
-        "scale_linear": slow,
         "scale_angular": slow_turn,
-        "scale_linear_turbo": limits.velocity,
         "scale_angular_turbo": limits.angular_velocity,
         "speed_limit": limits.velocity,
         "turn_limit": limits.angular_velocity,

@@ -39,6 +39,13 @@ def read_whole(top: Section, name: str, variant: str) -> Base:
         drivers=tuple(_drivers(part, sensors)) if (part := top.optional_section("drivers")) else (),
         body=_body(top, footprint) if top.has("body") else (),
     )
+    if base.limits.lateral_velocity and base.driver and base.driver.protocol:
+        top.fail(
+            "driver",
+            f"driver: {base.driver.protocol} in {top.name} drives two wheels, expected none of this project's with "
+            "lateral_velocity",
+            "leave out lateral_velocity, or name the driver of your mecanum or omni base",
+        )
     top.finish()
     return replace(base, **sensors)  # type: ignore[arg-type]  # SENSORS pairs each key with its kind
 
@@ -96,7 +103,7 @@ def _limits(part: Section) -> MotionLimits:
         angular_deceleration=part.number("angular_deceleration", angular_acceleration, minimum=angular_acceleration),
         command_age=part.number("command_age", minimum=0.02, maximum=1.0),
         lag=part.number("lag", 0.11, minimum=0.0, maximum=0.2),
-        lateral_velocity=part.number("lateral_velocity", 0.0, minimum=0.0, maximum=10.0),
+        lateral_velocity=part.number("lateral_velocity", 0.0, minimum=0.0),
     )
     part.finish()
     return limits

@@ -59,12 +59,15 @@ def _lines(reading: DescriptionReading, summary: str, origin: str) -> Iterator[s
 def _limits(reading: DescriptionReading) -> Iterator[str]:
     figures = reading.figures
     velocity, turning = figures["velocity"].value, figures["angular_velocity"].value
+    aside = figures["lateral_velocity"].value
     acceleration = figures["acceleration"].value
-    braking = max(2.0 * acceleration, _up(velocity / BRAKING))
+    braking = max(2.0 * acceleration, _up(max(velocity, aside) / BRAKING))
     turns = max(5.0, _up(turning / BRAKING))
     yield "limits:"
     yield f"  velocity: {_n(velocity)} # {one_line(figures['velocity'].source)}"
     yield f"  angular_velocity: {_n(turning)} # {one_line(figures['angular_velocity'].source)}"
+    if aside:
+        yield f"  lateral_velocity: {_n(aside)} # {one_line(figures['lateral_velocity'].source)}"
     yield f"  acceleration: {_n(acceleration)} # {one_line(figures['acceleration'].source)}"
     yield "  angular_acceleration: 2.5 # usual"
     yield f"  deceleration: {_n(braking)} # so that it stops within 0.3 s of its last command"

@@ -38,6 +38,7 @@ QUESTIONS: Mapping[str, tuple[float, float]] = {
     "wheel_separation": (0.02, 10.0),
     "velocity": (0.05, HIGHEST_VELOCITY),
     "angular_velocity": (0.1, HIGHEST_ANGULAR_VELOCITY),
+    "lateral_velocity": (0.0, HIGHEST_VELOCITY),
 }
 # Instructions for the user to measure each of them.
 MEASURES: Mapping[str, str] = {
@@ -49,6 +50,7 @@ MEASURES: Mapping[str, str] = {
     "wheel_separation": "between the middles of the left and the right tyre, on the floor",
     "velocity": "drive 2 m at full speed: 2 divided by the seconds; a lower one if it is to drive slower",
     "angular_velocity": "turn it ten times on the spot: 63 divided by the seconds; a lower one if it is to turn slower",
+    "lateral_velocity": "drive 2 m to the side at full speed: 2 divided by the seconds",
 }
 _SIDEWAYS = re.compile(r"mecanum|omni", re.IGNORECASE)
 _MOST_LENGTH, _MOST_WIDTH = 4.0, 2.2  # of a body, in multiples of its wheel separation
@@ -118,11 +120,13 @@ def read_base_figures(
     read_heights(figures, [z for _, _, z in points])
     read_masses(description, drive, figures)
     read_limits(description, drive, figures)
+    sideways = description.sideways or any(_SIDEWAYS.search(f"{w.joint.name} {w.joint.child}") for w in drive.wheels)
+    if sideways and "velocity" in figures:
+        figures.setdefault("lateral_velocity", replace(figures["velocity"], source="as ahead: it can drive sideways"))
+    figures.setdefault("lateral_velocity", Figure(0.0, "usual"))
     supports = _read_supports(drive, figures, outline, origin)
     if len({round(wheel.x, 3) for wheel in drive.wheels}) > 1:
         notes.append("several driven axles (skid steer): simulated as two driven wheels between them")
-    if description.sideways or any(_SIDEWAYS.search(f"{w.joint.name} {w.joint.child}") for w in drive.wheels):
-        notes.append("it can drive sideways; the base cannot: it drives ahead and back, and turns")
     if steering := find_steering(description, drive):
         joints = " and ".join(steering)
         notes.append(f"it steers by {joints}, as a car does; the base turns on the spot, which this robot cannot")

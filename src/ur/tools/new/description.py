@@ -30,6 +30,7 @@ FIGURES: dict[str, tuple[str, float, float]] = {
     "wheel_separation": ("Separation of the driven wheels in m", 0.3, 0.02),
     "velocity": ("Highest speed in m/s", 0.5, 0.01),
     "angular_velocity": ("Highest turning speed in rad/s", 1.5, 0.01),
+    "lateral_velocity": ("Highest speed to either side in m/s, 0 unless it has mecanum or omni wheels", 0.0, 0.0),
 }
 
 

@@ -43,6 +43,14 @@ def check_driver(option: str, name: str | None, sensor: str) -> None:
     raise UserError(error(message, rule="unknown-driver", help=help_, subject=name))
 
 
+def refuse_sideways(driver: str | None, aside: float | None) -> None:
+    """Raise UserError for a driver with a base that drives sideways: its board drives two wheels."""
+    if driver and aside:
+        message = f"--driver {driver} drives two wheels, expected no --lateral-velocity"
+        help_ = "leave out --driver, and name the driver of your mecanum or omni base in its base.yaml"
+        raise UserError(error(message, rule="bad-value", help=help_))
+
+
 def driver_speeds(driver: str | None) -> dict[str, float]:
     """Return the highest speeds of a base with a driver, by the names of its figures; empty where it knows none."""
     fastest = OWN_DRIVERS[driver].fastest if driver else None

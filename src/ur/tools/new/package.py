@@ -62,7 +62,7 @@ casters:
   - {{x: -{caster:g}, y: 0.0, radius: {ball:g}}}
 limits:
   {{velocity: {velocity:g}, angular_velocity: {angular_velocity:g}, acceleration: 0.8, angular_acceleration: 2.5,
-   deceleration: 3.0, angular_deceleration: 8.0, command_age: 0.08}}
+   deceleration: 3.0, angular_deceleration: 8.0, command_age: 0.08{aside}}}
 odometry: {{rate: 20, ticks_per_turn: 1000, wheel_noise: 0.003, radius_error: 0.003, separation_error: 0.006}}
 """
 _LIDAR = """\
@@ -107,6 +107,7 @@ def write_base(request: BaseRequest) -> str:
         ball=min(0.02, request.wheel_radius / 2.0),
         velocity=request.velocity,
         angular_velocity=request.angular_velocity,
+        aside=f",\n   lateral_velocity: {request.lateral_velocity:g}" if request.lateral_velocity else "",
     )
     sensors = ""
     if request.lidar:

@@ -86,5 +86,6 @@ class BaseRequest:
     wheel_separation: float
     velocity: float
     angular_velocity: float
+    lateral_velocity: float = 0.0
     lidar: bool = False
     raspicam: bool = False

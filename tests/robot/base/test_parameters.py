@@ -1,0 +1,44 @@
+"""Parameter files of a new base, made from those of another."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+import yaml
+from tests.base_contract import PACKAGE, load
+
+from ur.robot.base import Base
+from ur.robot.base.parameters import fit_parameters
+
+
+@pytest.fixture(scope="module")
+def omni() -> Base:
+    stage = load("stage", "")
+    limits = dataclasses.replace(stage.limits, velocity=0.5, acceleration=0.8, lateral_velocity=0.4)
+    return dataclasses.replace(stage, name="rover", limits=limits)
+
+
+def read(node: str) -> str:
+    return (PACKAGE / node / "params" / "stage.yaml").read_text(encoding="utf-8")
+
+
+def test_parameters_of_a_base_that_drives_sideways_permit_it(omni: Base) -> None:
+    planner = yaml.safe_load(fit_parameters(read("n_move_base"), "stage", omni))["DWAPlannerROS"]
+    assert (planner["max_vel_y"], planner["min_vel_y"], planner["acc_lim_y"]) == (0.4, -0.4, 0.8)
+    assert planner["vy_samples"] > 1
+    amcl = yaml.safe_load(fit_parameters(read("n_amcl"), "stage", omni))
+    assert (amcl["odom_model_type"], amcl["odom_alpha5"]) == ("omni-corrected", amcl["odom_alpha4"])
+    joystick = yaml.safe_load(fit_parameters(read("n_teleop_twist_joy"), "stage", omni))
+    assert joystick["scale_linear"] == {"x": 0.3, "y": 0.24}
+    assert joystick["scale_linear_turbo"] == {"x": 0.5, "y": 0.4}
+
+
+@pytest.mark.parametrize("node", ["n_move_base", "n_amcl", "n_teleop_twist_joy"])
+def test_parameters_of_a_wheeled_base_are_the_same_when_made_from_those_of_one_that_drives_sideways(
+    omni: Base, node: str
+) -> None:
+    wheeled = dataclasses.replace(omni, limits=dataclasses.replace(omni.limits, lateral_velocity=0.0))
+    direct = yaml.safe_load(fit_parameters(read(node), "stage", wheeled))
+    back = yaml.safe_load(fit_parameters(fit_parameters(read(node), "stage", omni), "rover", wheeled))
+    assert {key: value for key, value in back.items() if key != "odom_alpha5"} == direct
