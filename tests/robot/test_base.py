@@ -193,7 +193,9 @@ def test_driver_of_two_wheels_is_refused_for_a_base_that_drives_sideways(tmp_pat
     path = tmp_path / "base.yaml"
     path.write_text(aside, encoding="utf-8")
     assert read_base(path, "odd").limits.lateral_velocity == 0.3
-    assert "drives two wheels, expected none" in read_text(tmp_path, aside + "\ndriver: create2\n")
+    assert "drives two wheels, expected none" in read_text(
+        tmp_path, aside.split("\ndriver:")[0] + "\ndriver: create2\n"
+    )
 
 
 def test_outline_that_goes_round_clockwise_is_refused(tmp_path: Path) -> None:

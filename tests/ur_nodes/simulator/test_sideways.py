@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from pathlib import Path
 
 import pytest
-from tests.base_contract import load
+from tests.base_contract import PACKAGE, load
+from tests.ur_nodes.first_drive.stage import DrivenStage
 
 from ur.robot.base import Base
 from ur.worlds.world_file import WorldModel
+from ur_nodes.ports.values import Odometry, Twist
 from ur_nodes.simulator.mujoco_model import build_model
 from ur_nodes.simulator.simulation import Simulation
 
@@ -108,3 +111,24 @@ def test_base_with_two_driven_wheels_ignores_a_command_to_the_left(room: WorldMo
     assert commanded.pose(0) == plain.pose(0)
     assert commanded.odometry(0).pose == plain.odometry(0).pose
     assert "aside" not in build_model(room, wheeled, 1, room.start)
+
+
+def test_node_takes_commands_to_the_left_and_reports_motion_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = (PACKAGE / "bases" / "stage" / "base.yaml").read_text(encoding="utf-8")
+    folder = tmp_path / "share" / "ubiquity_launches" / "bases" / "omni"
+    folder.mkdir(parents=True)
+    (tmp_path / ".catkin").touch()
+    aside = text.replace("command_age:", "lateral_velocity: 0.4, command_age:", 1)
+    (folder / "base.yaml").write_text(aside, encoding="utf-8")
+    monkeypatch.setenv("CMAKE_PREFIX_PATH", str(tmp_path))
+    for base, speed, variance in (("omni", 0.3, 1e-4), ("stage", 0.0, 1e-6)):
+        stage = DrivenStage(base=base)
+        odometry, commands = stage.record("odom", Odometry), stage.client.publish("cmd_vel", Twist)
+        for _ in range(20):
+            commands.send(Twist(0.0, 0.0, 0.3))
+            stage.bus.run(0.05)
+        assert odometry[-1].twist.left == pytest.approx(speed, abs=0.04)
+        assert stage.truths[-1].twist.left == pytest.approx(speed, abs=0.01)
+        assert odometry[-1].twist_covariance[1, 1] == variance

@@ -61,3 +61,18 @@ def test_robot_is_at_rest_when_neither_length_nor_turn_is_reported() -> None:
     assert is_still(Pose2(0.001, 0.001, -0.001))
     assert not is_still(Pose2(0.0, 0.003, 0.0))
     assert not is_still(Pose2(0.0, 0.0, -0.003))
+
+
+def test_motions_to_the_side_are_learned_and_predicted_as_those_ahead() -> None:
+    model = OdometryModel()
+    for reported, true in motions(60):
+        model.learn(reported, true)
+    true = Pose2(0.02, 0.3, 0.0)
+    for _ in range(2):
+        reported = Pose2(1.05 * true.x, 1.05 * true.y, 0.0)
+        off = true.inverse().compose(model.correct(reported))
+        spread = np.sqrt(np.diag(model.covariance(reported)))
+        assert (np.abs(off) < 2.0 * spread).all(), "what wheels turn ahead they do not turn to the side"
+        for _ in range(40):
+            model.learn(reported, true)
+    assert math.hypot(off.x, off.y) < 0.004
