@@ -34,6 +34,7 @@ _STILL = 0.02  # m/s
 _SLOW_TURN = 0.15  # rad/s
 _LONG_TURN = 2.0  # rad: a planned turn by more is made in its direction, as the other may be blocked
 _NEAR, _NEAREST = 0.4, 0.12  # s, m: preview on a path that was made for the outline, whose bends are short
+_COURSES = {1: (1.0, 0.0), -1: (-1.0, 0.0), LEFT: (0.0, 1.0), RIGHT: (0.0, -1.0)}  # cosine and sine of a gear
 _MOST_POINTS = 40  # of the path that the robot may pass in a period
 
 
@@ -182,19 +183,16 @@ def _brake(motion: RolloutState, driving: Driving) -> LocalCommand:
     return LocalCommand(speed, turn, np.array(motion.pose)[None], left=left)
 
 
-_TURNS = {1: (1.0, 0.0), -1: (-1.0, 0.0), LEFT: (0.0, 1.0), RIGHT: (0.0, -1.0)}  # cosine and sine of its course
-
-
 def _along_gear(motion: RolloutState, gear: int) -> RolloutState:
     """Return the motion of a robot whose front is where a gear drives to."""
-    c, s = _TURNS[gear]
+    c, s = _COURSES[gear]
     ahead, left = c * motion.speed + s * motion.left, c * motion.left - s * motion.speed
     return RolloutState(motion.pose.compose(Pose2(0.0, 0.0, course_of(gear))), ahead, motion.turn, left)
 
 
 def _driving_in(driving: Driving, gear: int) -> Driving:
     """Return the settings of such a robot."""
-    (c, s), limits, footprint = _TURNS[gear], driving.limits, driving.footprint
+    (c, s), limits, footprint = _COURSES[gear], driving.limits, driving.footprint
     rotation = np.array(((c, -s), (s, c)))  # of row vectors, by the course backwards
     turned = Footprint(
         footprint.outline @ rotation, footprint.inscribed, footprint.circumscribed, footprint.samples @ rotation
@@ -208,5 +206,5 @@ def _in_base(found: LocalCommand, across: float, gear: int, driving: Driving) ->
     across = approach(across, 0.0, driving.limits.acceleration * driving.period)
     if gear == 1 and not across:
         return found
-    c, s = _TURNS[gear]
+    c, s = _COURSES[gear]
     return replace(found, speed=c * found.speed - s * across, left=s * found.speed + c * across)
