@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+import yaml
 
 from ur.source.diagnostic import UserError
+from ur.source.project import launch_library
 from ur_nodes.memory.bus import Bus
 from ur_nodes.motion.joystick.device import RECORD, JoystickSettings
 from ur_nodes.motion.joystick.joy_node import start as start_joy
@@ -119,6 +121,21 @@ def test_plain_commands_come_only_while_the_button_is_held_and_end_with_zeros() 
     for _ in range(5):
         teleop.move(0.5, FREE)
     assert teleop.plain == [Twist(0.5, 1.0)] + [Twist(0.0, 0.0)] * 3
+
+
+@pytest.mark.parametrize("joystick", ["xbox", "ps4"])
+def test_left_stick_drives_to_the_side_and_the_right_one_turns_a_base_that_can(joystick: str) -> None:
+    folder = launch_library() / "n_teleop_twist_joy" / "params" / "joysticks"
+    own, usual = (yaml.safe_load((folder / f"{name}.yaml").read_text()) for name in (f"{joystick}_sideways", joystick))
+    axes = ("axis_linear", "axis_angular")
+    assert {key: own[key] for key in own if key not in axes} == {key: usual[key] for key in usual if key not in axes}
+    linear = {f"axis_linear/{key}": axis for key, axis in own["axis_linear"].items()}
+    scales = {"scale_linear/x": 0.5, "scale_linear/y": 0.4, "scale_angular": 1.0}
+    teleop = Teleop(lease="false", axis_angular=own["axis_angular"], **linear, **scales)
+    teleop.mux.subscribe("joy_vel", Twist, teleop.plain.append, Quality.EVERY)
+    teleop.joy.send(Joystick(0, (1.0, 0.5, 0.0, -0.25), HELD))
+    teleop.bus.run(0.05)
+    assert teleop.plain == [Twist(0.25, -0.25, 0.4)]
 
 
 def test_stamped_commands_carry_the_newest_challenge_once_the_lease_allows() -> None:
