@@ -33,6 +33,9 @@ _WAITING = 1.0  # m to a robot at rest that seems to wait
 _RESTING = 0.05  # m/s
 _SIDESTEPS = (0.0, 0.5, -0.5, 1.0, -1.0)  # rad
 _AHEAD = np.array((0.2, 0.4, 0.6, 0.9))  # s
+_BESIDE = tuple(0.2 * n for n in range(1, 9))  # m that one steps aside who cannot leave
+_NEARER, _CLOSE, _SLOW = 0.1, 0.15, 0.4  # m nearer to a robot then, m to it at all, m/s
+_DIRECTIONS = 16  # in which they look for room then
 _SOON = 0.4  # s: where they look for walls and for each other
 _ARRIVED = 0.15  # m
 
@@ -60,6 +63,7 @@ class _Person:
     route: list[Floats] = field(default_factory=list)
     until: float = 0.0
     blocked: float = 0.0
+    aside: bool = False
 
 
 class Pedestrians:
@@ -122,7 +126,7 @@ class Pedestrians:
         bearing = math.atan2(ahead[1], ahead[0])
         for aside in _SIDESTEPS:
             angle = bearing + aside
-            velocity = person.speed * np.array((math.cos(angle), math.sin(angle)))
+            velocity = (_SLOW if person.aside else person.speed) * np.array((math.cos(angle), math.sin(angle)))
             if self._may_walk(number, person, velocity, near):
                 person.heading, person.blocked = angle, 0.0
                 self.velocities[number] = velocity
@@ -142,7 +146,8 @@ class Pedestrians:
         for other, place in enumerate(self.places.tolist()):
             if other != number and math.dist(place, then) < min(_BETWEEN, math.dist(place, (x, y))):
                 return False
-        return all(_keeps_space(here, velocity, person.space, robot) for robot in robots)
+        space = _CLOSE if person.aside else person.space
+        return all(_keeps_space(here, velocity, space, robot) for robot in robots)
 
     def _give_way(self, number: int, person: _Person, time: float, robots: Sequence[NearbyRobot]) -> None:
         """Let a standing person leave after a robot has waited in front for a while."""
@@ -154,9 +159,9 @@ class Pedestrians:
             self._turn_round(number, person, robots)
 
     def _turn_round(self, number: int, person: _Person, robots: Sequence[NearbyRobot]) -> None:
-        """Choose a destination whose route leads away from robots, if there is one."""
+        """Choose a destination whose route leads away from robots; without one, step aside."""
         here = self.places[number]
-        person.blocked, person.route = 0.0, []
+        person.blocked, person.route, person.aside = 0.0, [], False
         for end in self._random.permutation(self._floor.rooms).tolist():
             route = list(self._floor.route(here, end))[1:]
             if not route or math.dist(route[0], here) < _ARRIVED:
@@ -165,10 +170,30 @@ class Pedestrians:
             if all(_keeps_space(here, person.speed * step, person.space, robot) for robot in robots):
                 person.end, person.route = end, route
                 return
+        person.route = self._find_room_beside(number, robots)
+        person.aside = bool(person.route)
+
+    def _find_room_beside(self, number: int, robots: Sequence[NearbyRobot]) -> list[Floats]:
+        """Return a route straight to the place nearby that is farthest from robots, none if it is here."""
+        here, route = self.places[number], list[Floats]()
+        now = min((_gap(robot.hull, robot.pose, here) for robot in robots), default=math.inf)
+        farthest = now + _NEARER
+        for angle in np.linspace(0.0, math.tau, _DIRECTIONS, endpoint=False).tolist():
+            direction = np.array((math.cos(angle), math.sin(angle)))
+            for distance in _BESIDE:
+                place = here + distance * direction
+                if not self._floor.fits(*place.tolist()):
+                    break
+                gap = min((_gap(robot.hull, robot.pose, place) for robot in robots), default=math.inf)
+                if gap < now - _NEARER:
+                    break
+                if gap > farthest:
+                    farthest, route = gap, [place]
+        return route
 
     def _arrive(self, number: int, person: _Person, time: float) -> None:
         """Stand for a while at the destination, and choose the next."""
-        here, arrived = self.places[number], person.end
+        here, arrived, person.aside = self.places[number], person.end, False
         draw = float(self._random.random())
         doors = len(self._floor.ends) - self._floor.rooms
         standing = [other.end for other in self._people if other is not person and other.until > time]

@@ -90,6 +90,20 @@ def test_one_who_stands_in_the_way_leaves_when_a_robot_waits(room: WorldModel, s
     assert math.dist(crowd.places[0], (1.0, 0.0)) > 1.3
 
 
+def test_one_who_cannot_leave_steps_aside(room: WorldModel, stage: Base) -> None:
+    crowd = Pedestrians(replace(room, people=1), 0, [])
+    crowd._people[0].until = 1000.0
+    crowd.places[0] = (4.6, 0.1)
+    robot = NearbyRobot(hull_of_outline(stage.footprint), Pose2(4.0, 0.0, 0.0), 0.0, 0.0)
+    gaps = []
+    for step in range(100):
+        crowd.decide(0.1 * step, [robot])
+        crowd.advance(0.1)
+        gaps.append(float(robot.hull.distances(robot.pose.inverse().transform_points(crowd.places))[0]))
+    assert max(gaps) > gaps[0] + 0.3
+    assert min(gaps) > gaps[0] - 0.1
+
+
 def test_a_robot_that_drives_on_strikes_a_person_and_one_at_rest_does_not(
     room: WorldModel, stage: Base, drive: Callable[..., None]
 ) -> None:
