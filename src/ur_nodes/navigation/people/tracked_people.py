@@ -17,8 +17,10 @@ Floats = NDArray[np.float64]
 MARGIN = 0.29
 """Room between the robot and a person that it keeps while it moves, m."""
 
-_SLACK = 0.02  # m: a motion that loses less than this brings the robot no nearer
+_SLACK, _LEAST_SLACK = 0.02, 0.002  # m: a motion that loses less than this brings the robot no nearer
+_CLOSEST = 0.265  # m to a person from where on only the least counts as none: each period may lose it again
 _HORIZON = 1.0  # s ahead: the robot stops within half of it, and people do not keep their course for longer
+_SUDDEN, _SUDDEN_MARGIN = 0.2, 0.27  # s ahead and m: where they are now counts, too, as they may stop
 _REACH = 3.0  # m to people who matter within that time
 
 
@@ -44,8 +46,8 @@ def approaches(
 ) -> NDArray[np.bool_]:
     """Mark the poses (t, k, 3) at times (t) in s that bring the robot nearer to a person than MARGIN.
 
-    People go on at constant velocity. Where one comes that near to a robot that stays at `start`, only what loses more
-    room than that counts: the robot may leave, and it may not drive towards them.
+    People go on at constant velocity, and may stop at once. Where one comes that near to a robot that stays at `start`,
+    only what loses more room than that counts: the robot may leave, and it may not drive towards them.
     """
     people = people.near(start)
     nearer = np.zeros(poses.shape[:2], bool)
@@ -57,8 +59,17 @@ def approaches(
     then = people.places + times[:, None, None] * people.velocities  # (t, n, 2)
     rooms = rooms_to(hull, poses, then[:, None]) - people.radii
     stayed = rooms_to(hull, np.array(start), then)[:, None] - people.radii
-    nearer[:soon] = (rooms < np.minimum(MARGIN, stayed - _SLACK)).any(axis=-1)
+    nearer[:soon] = (rooms < np.minimum(MARGIN, _without_slack(stayed))).any(axis=-1)
+    brief = int(np.searchsorted(times, _SUDDEN + 1e-9))
+    rooms = rooms_to(hull, poses[:brief], people.places) - people.radii
+    stayed = rooms_to(hull, np.array(start), people.places) - people.radii
+    nearer[:brief] |= (rooms < np.minimum(_SUDDEN_MARGIN, _without_slack(stayed))).any(axis=-1)
     return nearer
+
+
+def _without_slack(rooms: Floats) -> Floats:
+    slack: Floats = np.clip(rooms - _CLOSEST, _LEAST_SLACK, _SLACK)
+    return rooms - slack
 
 
 def rooms_to(hull: Hull, poses: Floats, points: Floats) -> Floats:
@@ -68,6 +79,12 @@ def rooms_to(hull: Hull, poses: Floats, points: Floats) -> Floats:
     c, s = np.cos(poses[..., 2]), np.sin(poses[..., 2])
     local = np.stack((c * dx + s * dy, c * dy - s * dx), axis=-1)
     return hull.distances(local.reshape(-1, 2)).reshape(local.shape[:-1])
+
+
+def room_to_people(pose: Pose2, people: TrackedPeople, footprint: Footprint) -> float:
+    """Return the clearance in m between the robot at a pose and the nearest person; inf without people."""
+    near = people.near(pose)
+    return float((rooms_to(hull_of_footprint(footprint), np.array(pose), near.places) - near.radii).min(initial=np.inf))
 
 
 @lru_cache(maxsize=8)

@@ -27,7 +27,7 @@ _AGILITY, _NOISE = 1.5, 0.04  # m/s2 and m: how people accelerate, and how exact
 _MOVING = 0.3  # m/s: a track that is faster walks
 _WALKED = 0.25  # m from where it was first seen
 _LOST, _WALKER_LOST = 0.4, 1.0  # s without a cluster until a track ends
-_FURNITURE, _WALKER_STILL = 12.0, 60.0  # s without motion after which a track is no person
+_FURNITURE, _WALKER_STILL = 30.0, 60.0  # s without motion after which a track is no person
 _LONGEST = 1.0  # s between two scans
 
 

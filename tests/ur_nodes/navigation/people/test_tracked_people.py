@@ -42,6 +42,19 @@ def test_one_who_comes_towards_the_robot_slows_it_down_early() -> None:
     assert command(person(1.9, 0.0, -0.8, 0.0)).speed < 0.5
 
 
+def test_one_who_walks_away_just_ahead_may_stop() -> None:
+    assert command(person(0.5 + FRONT + 0.2 + 0.3, 0.0, 0.6, 0.0), speed=0.5).speed < 0.5
+
+
+def test_the_robot_does_not_come_nearer_bit_by_bit() -> None:
+    here = Pose2(0.0, 0.0, 0.0)
+    ahead = RolloutState(here, 0.05, 0.0)
+    for room, free in ((0.285, True), (0.26, False), (0.2, False)):
+        around = LocalObstacles(window(), person(FRONT + 0.2 + room, 0.0))
+        assert sweep_is_free(ahead, 0.3, around, FOOTPRINT) == free
+        assert sweep_is_free(RolloutState(here, -0.05, 0.0), 0.3, around, FOOTPRINT)
+
+
 def test_one_who_crosses_after_the_robot_has_passed_hinders_nothing() -> None:
     crossing = person(1.2, 3.2, 0.0, -0.8)
     assert not command(crossing).hindered

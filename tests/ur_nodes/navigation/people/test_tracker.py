@@ -50,7 +50,7 @@ def test_one_who_walks_is_found_with_place_and_velocity(speed: float, course: fl
 def test_one_who_stands_counts_as_a_person_at_first_only() -> None:
     assert len(track(*[(2.0, 0.0)] * 20).places) == 1
     assert np.all(track(*[(2.0, 0.0)] * 20).velocities == 0.0)
-    assert len(track(*[(2.0, 0.0)] * 130).places) == 0
+    assert len(track(*[(2.0, 0.0)] * 310).places) == 0
 
 
 def test_one_who_walked_and_stands_stays_a_person() -> None:
