@@ -21,7 +21,8 @@ from ur_nodes.navigation.planning.path_geometry import Points, arc_lengths
 
 _STANDING = 0.3  # m/s: slower people are planned round
 _DETOUR, _DETOUR_SPEED = 3.0, 0.5  # m longer, and as much for each second that the robot has waited (m/s)
-_ROOM = 0.05  # m more than what the local planner keeps
+_ROOM, _AMPLE = 0.05, 0.15  # m more than what the local planner keeps; ample: the robot need not slow down
+_BEND = 1.0  # m longer, for ample room
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,23 +88,26 @@ def _plan_round_people(request: PlanRequest, settings: PlanSettings, footprint: 
     straight = plan_path(request.costmap, request.start, request.goal, settings)
     if footprint is None or not standing.any():
         return straight
-    try:
-        costmap = _with_people(request, people.places[standing], people.radii[standing], footprint.inscribed)
-        round_them = plan_path(costmap, request.start, request.goal, settings)
-    except NoPathError:
-        return straight
-    longest = arc_lengths(straight)[-1] + _DETOUR + _DETOUR_SPEED * request.waited
-    return round_them if arc_lengths(round_them)[-1] <= longest else straight
+    length = arc_lengths(straight)[-1]
+    detour = _DETOUR + _DETOUR_SPEED * request.waited
+    for room, longest in ((_AMPLE, length + _BEND), (_ROOM, length + detour)):
+        radii = people.radii[standing] + MARGIN + room + footprint.inscribed
+        try:
+            round_them = plan_path(
+                _with_people(request, people.places[standing], radii), request.start, request.goal, settings
+            )
+        except NoPathError:
+            continue
+        if arc_lengths(round_them)[-1] <= longest:
+            return round_them
+    return straight
 
 
-def _with_people(
-    request: PlanRequest, places: NDArray[np.float64], radii: NDArray[np.float64], inscribed: float
-) -> Costmap:
+def _with_people(request: PlanRequest, places: NDArray[np.float64], radii: NDArray[np.float64]) -> Costmap:
     """Return costs with discs around people for the robot's centre; its position and the goal are left out."""
     costmap = request.costmap
     costs = costmap.costs.copy()
-    for place, radius in zip(places, radii.tolist(), strict=True):
-        room = radius + MARGIN + _ROOM + inscribed
+    for place, room in zip(places, radii.tolist(), strict=True):
         for end in (request.start, request.goal):
             room = min(room, math.dist(place, end) - costmap.resolution)
         row, column = costmap.cells_of_points(place).tolist()
