@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.navigation.leg_follower import Driving, LegFollower, legs_back
+from ur_nodes.navigation.leg_follower import Driving, LegFollower
 from ur_nodes.navigation.navigator_step import (
     Ending,
     NavigatorInputs,
@@ -16,13 +16,13 @@ from ur_nodes.navigation.navigator_step import (
     NavigatorSettings,
     PlanAnswer,
 )
-from ur_nodes.navigation.people.tracked_people import NO_PEOPLE
+from ur_nodes.navigation.people.tracked_people import NO_PEOPLE, room_to_people
 from ur_nodes.navigation.planning.legs import Leg
 from ur_nodes.navigation.planning.outline_plan import is_long
 from ur_nodes.navigation.planning.path_geometry import Points
-from ur_nodes.navigation.pursuit import DrivenTrack, GoalPursuit
+from ur_nodes.navigation.pursuit import DrivenTrack, GoalPursuit, blocked_at
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
-from ur_nodes.navigation.steering.local_plan import LocalCommand, sweep_is_free
+from ur_nodes.navigation.steering.local_plan import sweep_is_free
 from ur_nodes.navigation.steering.recovery import Behaviour, Recovery, begin_recovery, move_to_recover
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
 from ur_nodes.navigation.steering.speed_profile import (
@@ -38,6 +38,7 @@ _ASTRAY, _ASTRAY_TIGHT = 0.4, 0.15  # m beside a path, and beside one that was m
 _SHUNTED, _MOST_SHUNTS = 0.12, 5  # rad off a heading, and manoeuvres for it, without turns on the spot
 _WAIT_PAUSE = 1.0  # s between two plans while people are in the way
 _TIGHT_PAUSE = 2.0  # s between plans of such a path, which take longer
+_ROOMY, _STAY = 1.3, 6.0  # m to people who have left, and s to make room for them at most
 
 
 class Navigator:
@@ -100,6 +101,7 @@ class Navigator:
             NavigatorPhase.DRIVING: self._drive,
             NavigatorPhase.TURNING: self._turn,
             NavigatorPhase.RECOVERING: self._recover,
+            NavigatorPhase.MAKING_ROOM: self._make_room,
         }[run.phase]
         out = step(run, inputs.motion, inputs.local, inputs)
         if out.command is not None and self._limits.radius:
@@ -129,7 +131,7 @@ class Navigator:
             run.path, run.last_turn, run.reason = answer.path, answer.last_turn, ""
             run.legs = LegFollower(answer.legs or (Leg(answer.path),))
             if run.phase in (NavigatorPhase.PLANNING, NavigatorPhase.TURNING):
-                self._enter(run, NavigatorPhase.DRIVING, inputs.now)
+                run.enter(NavigatorPhase.DRIVING, inputs.now)
             return None
         run.reason = answer.reason
         if answer.hopeless:
@@ -150,42 +152,55 @@ class Navigator:
         pose = motion.pose
         held = RolloutState(pose, *run.sent)
         driven = run.legs.step(held, local, inputs.odom, inputs.speed_mask, self._driving)
-        if driven.ended:
-            if driven.away <= self._settings.xy_tolerance:
-                self._enter(run, NavigatorPhase.TURNING, inputs.now)
+        if driven.ended or (driven.command.waits and run.is_at_end(pose, inputs.odom, self._settings.xy_tolerance)):
+            if not driven.ended or driven.away <= self._settings.xy_tolerance:
+                run.enter(NavigatorPhase.TURNING, inputs.now)
                 return self._turn(run, motion, local, inputs)
             return NavigatorOutputs(command=self._braked(run), plan=run.may_ask(inputs.now, 0.5))
         step = driven.command
         if step.waits:
-            return self._wait(run, step, inputs)
+            return self._wait(run, step.velocity, inputs, step.ahead)
         run.waited_since = None
         if run.is_stuck(step.blocked, inputs.now, pose, self._settings):
-            return self._get_stuck(run, inputs, run.reason or _blocked_at(pose, inputs.odom))
+            return self._get_stuck(run, inputs, run.reason or blocked_at(pose, inputs.odom))
         astray = driven.away > (_ASTRAY_TIGHT if run.legs.is_tight else _ASTRAY)
         tight = run.legs.is_tight  # of such a path another variant is no reason for another path
         wanted = ((step.hindered and not tight) or step.blocked or astray or inputs.path_blocked) and run.may_ask(
             inputs.now, _TIGHT_PAUSE if tight else 0.5 if step.blocked else 1.0
         )
         periodic = self._settings.planner_period > 0.0 and run.may_ask(inputs.now, self._settings.planner_period)
-        plan = wanted or periodic
-        return NavigatorOutputs(command=step.velocity, plan=plan, careful=step.blocked, ahead=step.ahead)
+        return NavigatorOutputs(command=step.velocity, plan=wanted or periodic, careful=step.blocked, ahead=step.ahead)
 
-    def _wait(self, run: GoalPursuit, step: LocalCommand, inputs: NavigatorInputs) -> NavigatorOutputs:
-        """Stop for people, who will move on, and search for a path around them."""
-        first = run.waited_since is None
-        run.waited_since = inputs.now if run.waited_since is None else run.waited_since
-        if inputs.now - run.waited_since > self._settings.people_patience:
-            run.waited_since = None
+    def _wait(
+        self, run: GoalPursuit, command: DriveVelocity, inputs: NavigatorInputs, ahead: Points | None = None
+    ) -> NavigatorOutputs:
+        """Stop for people, who will move on; search for a path around them, and make room for those who cannot."""
+        waited = run.wait(inputs.now)
+        if waited > self._settings.people_patience:
             return self._get_stuck(run, inputs, "people are in the way")
-        run.moved_at, run.stuck_since = inputs.now, None
-        plan = run.may_ask(inputs.now, _WAIT_PAUSE)
+        if run.begin_to_make_room(inputs, waited, self._driving, self._track):
+            run.enter(NavigatorPhase.MAKING_ROOM, inputs.now)
+            return NavigatorOutputs(command=self._braked(run), log="making room for people")
         return NavigatorOutputs(
-            command=step.velocity,
-            plan=plan,
-            waited=inputs.now - run.waited_since,
-            ahead=step.ahead,
-            log="waiting for people" if first else "",
+            command=command,
+            plan=run.phase is NavigatorPhase.DRIVING and run.may_ask(inputs.now, _WAIT_PAUSE),
+            waited=waited,
+            ahead=ahead,
+            log="" if waited else "waiting for people",
         )
+
+    def _make_room(
+        self, run: GoalPursuit, motion: RolloutState, local: LocalObstacles, inputs: NavigatorInputs
+    ) -> NavigatorOutputs:
+        """Drive the own track back, and stay there until people have left, or for a while."""
+        assert run.retreat is not None
+        held = RolloutState(motion.pose, *run.sent)
+        back = run.retreat.step(held, local, Pose2(0.0, 0.0, 0.0), None, self._driving)
+        room = room_to_people(motion.pose, local.people, self._footprint)
+        if back.command.blocked or room > _ROOMY or inputs.now - run.phase_since > _STAY:
+            run.enter(NavigatorPhase.PLANNING, inputs.now)
+            return NavigatorOutputs(command=self._braked(run), plan=run.may_ask(inputs.now, 0.5))
+        return NavigatorOutputs(command=back.command.velocity)
 
     def _turn(
         self, run: GoalPursuit, motion: RolloutState, local: LocalObstacles, inputs: NavigatorInputs
@@ -205,16 +220,20 @@ class Navigator:
         braked = self._braked(run)
         resting = math.hypot(braked.speed, braked.left) < 0.02
         if resting and away > self._settings.xy_tolerance:
-            self._enter(run, NavigatorPhase.PLANNING, inputs.now)
+            run.enter(NavigatorPhase.PLANNING, inputs.now)
             return NavigatorOutputs(command=self._braked(run), plan=run.may_ask(inputs.now, 0.5))
         if abs(error) < 0.3 * self._settings.yaw_tolerance and resting and abs(run.sent.turn) < 0.15:
             return self._end(Ending.REACHED, "goal reached")
         turn = turn_towards(error, run.sent.turn, self._limits, self._settings.period)
         trial = RolloutState(motion.pose, 0.0, turn)
         free = abs(turn) < 0.02 or sweep_is_free(trial, 0.3, local, self._footprint)
+        if free and run.waited_since is not None:  # the rest of it, too: else it turns a little and waits again
+            rest = RolloutState(motion.pose, 0.0, math.copysign(self._limits.turn, error))
+            free = sweep_is_free(rest, abs(error) / self._limits.turn, local, self._footprint)
         if not free and sweep_is_free(trial, 0.3, replace(local, people=NO_PEOPLE), self._footprint):
-            run.moved_at, run.stuck_since = inputs.now, None
-        elif run.is_stuck(not free, inputs.now, motion.pose, self._settings):
+            return self._wait(run, braked, inputs)
+        run.waited_since = None
+        if run.is_stuck(not free, inputs.now, motion.pose, self._settings):
             return self._get_stuck(run, inputs, "no room to turn at the goal")
         return NavigatorOutputs(command=braked._replace(turn=turn) if free else braked)
 
@@ -227,7 +246,7 @@ class Navigator:
         run.shunts += 1
         if run.shunts > _MOST_SHUNTS:
             return self._get_stuck(run, inputs, f"{math.degrees(abs(error)):.0f} degrees off the heading of the goal")
-        self._enter(run, NavigatorPhase.PLANNING, inputs.now)
+        run.enter(NavigatorPhase.PLANNING, inputs.now)
         return NavigatorOutputs(command=AT_REST, plan=run.may_ask(inputs.now, 0.5))
 
     def _recover(
@@ -236,7 +255,7 @@ class Navigator:
         behaviour = run.recovery.behaviour
         assert behaviour is not None
         if behaviour in (Behaviour.CLEAR_FAR, Behaviour.CLEAR_ALL):
-            self._after_recovery(run, motion.pose, inputs.now)
+            run.end_recovery(motion.pose, inputs.now)
             return NavigatorOutputs(command=AT_REST, clear=behaviour, plan=True)
         held = RolloutState(motion.pose, *run.sent)
         if behaviour is Behaviour.BACK_OFF and run.retreat is not None:
@@ -245,18 +264,14 @@ class Navigator:
                 return NavigatorOutputs(command=back.command.velocity)
             run.retreat = None
             if back.ended:
-                self._after_recovery(run, motion.pose, inputs.now)
+                run.end_recovery(motion.pose, inputs.now)
                 return NavigatorOutputs(command=AT_REST, plan=True, careful=True)
         move = move_to_recover(run.recovery, held, local, self._footprint, self._limits, self._settings.period)
         run.recovery = move.recovery
         if move.finished or inputs.now - run.phase_since > 20.0:
-            self._after_recovery(run, motion.pose, inputs.now)
+            run.end_recovery(motion.pose, inputs.now)
             return NavigatorOutputs(command=AT_REST, plan=True)
         return NavigatorOutputs(command=move.command)
-
-    def _after_recovery(self, run: GoalPursuit, pose: Pose2, now: float) -> None:
-        run.recovery = Recovery(run.recovery.tried + 1, began=pose)
-        self._enter(run, NavigatorPhase.PLANNING, now)
 
     def _get_stuck(self, run: GoalPursuit, inputs: NavigatorInputs, reason: str) -> NavigatorOutputs:
         if inputs.motion and inputs.local and not run.reason:  # there is a path, and it cannot be followed
@@ -269,10 +284,8 @@ class Navigator:
         run.recovery = Recovery(run.recovery.tried)
         run.retreat = None
         if behaviour is Behaviour.BACK_OFF and (self._limits.radius or is_long(self._footprint)):
-            far, sideways = 2.0 * self._footprint.circumscribed, self._limits.lateral > 0.0
-            legs = legs_back(self._track.poses, far, sideways=sideways)
-            run.retreat = LegFollower(legs) if legs else None
-        self._enter(run, NavigatorPhase.RECOVERING, inputs.now)
+            run.retreat = self._track.way_back(2.0 * self._footprint.circumscribed, self._limits)
+        run.enter(NavigatorPhase.RECOVERING, inputs.now)
         return NavigatorOutputs(command=AT_REST, log=f"{reason}; recovering: {behaviour.value}")
 
     @property
@@ -282,15 +295,6 @@ class Navigator:
     def _braked(self, run: GoalPursuit) -> DriveVelocity:
         return brake(run.sent, self._limits, self._settings.period)
 
-    def _enter(self, run: GoalPursuit, phase: NavigatorPhase, now: float) -> None:
-        run.phase, run.phase_since, run.stuck_since = phase, now, None
-        run.moved_from, run.moved_at = None, now
-
     def _end(self, ending: Ending, text: str) -> NavigatorOutputs:
         self._run = None
         return NavigatorOutputs(command=AT_REST, ending=ending, text=text)
-
-
-def _blocked_at(pose: Pose2, odom: Pose2) -> str:
-    place = odom.inverse().compose(pose)
-    return f"an obstacle blocks the way near ({place.x:.2f}, {place.y:.2f})"

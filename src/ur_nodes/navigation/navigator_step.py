@@ -23,6 +23,7 @@ class NavigatorPhase(Enum):
     DRIVING = "driving"
     TURNING = "turning"
     RECOVERING = "recovering"
+    MAKING_ROOM = "making room"
 
 
 class Ending(Enum):

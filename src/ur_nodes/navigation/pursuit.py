@@ -7,14 +7,17 @@ from collections import deque
 from dataclasses import dataclass, field
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.navigation.leg_follower import LegFollower
-from ur_nodes.navigation.navigator_step import NavigatorPhase, NavigatorSettings
+from ur_nodes.navigation.leg_follower import Driving, LegFollower, legs_back
+from ur_nodes.navigation.navigator_step import NavigatorInputs, NavigatorPhase, NavigatorSettings
+from ur_nodes.navigation.people.tracked_people import room_to_people
 from ur_nodes.navigation.planning.path_geometry import Points
 from ur_nodes.navigation.steering.recovery import Recovery
-from ur_nodes.navigation.steering.speed_profile import AT_REST, DriveVelocity
+from ur_nodes.navigation.steering.speed_profile import AT_REST, DriveVelocity, SpeedLimits
 
 _TRACK_STEP, _TRACK_TURN = 0.05, 0.1  # m, rad between poses of the track that is kept
 _TRACK = 120  # such poses
+_CORNERED, _PATIENCE = 0.7, 6.0  # m to people, and s of waiting for them, after which they seem unable to leave
+_RETREAT = 0.6  # m back to make room for them, and between two places where the robot does
 
 
 @dataclass(slots=True)
@@ -34,6 +37,7 @@ class GoalPursuit:
     last_asked: float = -math.inf
     stuck_since: float | None = None
     waited_since: float | None = None
+    made_room_at: Pose2 | None = None
     trouble_since: float | None = None
     moved_at: float = 0.0
     moved_from: Pose2 | None = None
@@ -63,6 +67,40 @@ class GoalPursuit:
         waiting = self.asked is not None and now - self.asked < 10.0
         return not waiting and now - self.last_asked >= least
 
+    def is_at_end(self, pose: Pose2, odom: Pose2, tolerance: float) -> bool:
+        """Return whether a pose in the odometry frame is well within a distance (m) of the end of the path."""
+        if self.path is None:
+            return False
+        return math.dist(odom.transform_points(self.path[-1]), pose[:2]) < 0.9 * tolerance
+
+    def enter(self, phase: NavigatorPhase, now: float) -> None:
+        """Begin a phase."""
+        self.phase, self.phase_since, self.stuck_since = phase, now, None
+        self.moved_from, self.moved_at = None, now
+
+    def end_recovery(self, pose: Pose2, now: float) -> None:
+        """Plan anew after a recovery behaviour."""
+        self.recovery = Recovery(self.recovery.tried + 1, began=pose)
+        self.waited_since = None
+        self.enter(NavigatorPhase.PLANNING, now)
+
+    def wait(self, now: float) -> float:
+        """Wait for people, which is no lack of progress. Return how long so far, s."""
+        self.waited_since = now if self.waited_since is None else self.waited_since
+        self.moved_at, self.stuck_since = now, None
+        return now - self.waited_since
+
+    def begin_to_make_room(self, inputs: NavigatorInputs, waited: float, driving: Driving, track: DrivenTrack) -> bool:
+        """Choose a way back, once in a place, where people near the robot have not left while it `waited` (s)."""
+        assert inputs.motion is not None
+        assert inputs.local is not None
+        pose, before = inputs.motion.pose, self.made_room_at
+        made = before is not None and math.dist(before[:2], pose[:2]) < _RETREAT
+        if made or waited < _PATIENCE or room_to_people(pose, inputs.local.people, driving.footprint) > _CORNERED:
+            return False
+        self.made_room_at, self.retreat = pose, track.way_back(_RETREAT, driving.limits)
+        return self.retreat is not None
+
 
 class DrivenTrack:
     """The `poses` that the robot has passed, in the odometry frame, oldest first."""
@@ -79,3 +117,14 @@ class DrivenTrack:
             or abs(wrap_angle(pose.yaw - last.yaw)) > _TRACK_TURN
         ):
             self.poses.append(pose)
+
+    def way_back(self, distance: float, limits: SpeedLimits) -> LegFollower | None:
+        """Return the way back along the track for at most `distance` m, None without a track."""
+        legs = legs_back(self.poses, distance, sideways=limits.lateral > 0.0)
+        return LegFollower(legs) if legs else None
+
+
+def blocked_at(pose: Pose2, odom: Pose2) -> str:
+    """Return the reason of a robot that an obstacle blocks at a pose in the odometry frame."""
+    place = odom.inverse().compose(pose)
+    return f"an obstacle blocks the way near ({place.x:.2f}, {place.y:.2f})"
