@@ -22,7 +22,7 @@ _SEARCHED = 3.0  # standard deviations of the guess that a search covers,
 _LEAST_WINDOW = Window(0.2, 0.1)  # and at least this
 _POINTS = 150  # of a scan, in a search
 _LEAST_POINTS = 20  # of a scan that is searched for
-_LEAD = 0.05  # agreement by which the pose of a search must be better
+_LEAD = 0.05  # agreement by which a pose away from the guess must be better than one near it that agrees
 _PRIOR_OF_SEARCH = 4.0  # times the covariance of the guess, which has failed
 
 
@@ -38,7 +38,8 @@ def locate_surface(
     match = match_surface(local, surface, guess, prior)
     if _deviations(guess, match.pose, prior) > _SLIPPED or match.agreement < POOR:
         other = match_surface(local, surface, before, spread)
-        if _is_believed(other, guess, prior) and other.agreement > match.agreement:
+        lead = _LEAD if match.agreement >= POOR else 0.0  # along a corridor many places agree alike
+        if _is_believed(other, guess, prior) and other.agreement > match.agreement + lead:
             match = other
     if match.agreement >= POOR or len(surface) < _LEAST_POINTS:
         return match

@@ -12,6 +12,7 @@ from ur_nodes.slam.matching.locate import locate_surface
 from ur_nodes.slam.matching.match import match_surface
 from ur_nodes.slam.matching.scan import make_scan
 from ur_nodes.slam.matching.surface import Surface
+from ur_nodes.slam.prediction import UNKNOWN_MOTION
 
 HERE = Pose2(0.0, 0.0, 0.0)
 
@@ -103,3 +104,15 @@ def test_search_that_ends_far_from_odometry_with_little_agreement_is_not_believe
     prior = np.diag(np.square((0.01, 0.01, 0.01)))
     found = locate_surface(local_map(ROOM), crowd, HERE, prior, HERE, prior)
     assert math.hypot(found.pose.x, found.pose.y) < 0.1
+
+
+def test_person_who_walks_beside_the_robot_along_a_corridor_does_not_stop_it() -> None:
+    true, guess = Pose2(0.8, 0.0, 0.0), Pose2(0.8, 0.06, 0.0)
+    person = walls_of(box(4.0, 0.6, 4.1, 0.7))
+    seen = [(HERE, scan_at(np.vstack((CORRIDOR, person)), HERE)), (true, scan_at(CORRIDOR, true))]
+    local = LocalMap([(pose, scan.surface) for pose, scan in seen])
+    scan = scan_at(np.vstack((CORRIDOR, person + np.array((true.x, 0.0)))), true, 0.01, seed=1, reach=10.0)
+    prior = np.diag(np.square((0.02, 0.02, 0.02)))
+    assert match_surface(local, scan.surface, guess, prior).agreement < 1.0
+    found = locate_surface(local, scan.surface, guess, prior, HERE, UNKNOWN_MOTION)
+    assert found.pose.x == pytest.approx(true.x, abs=0.1)
