@@ -49,7 +49,7 @@ def locate_surface(
     if found is None:
         return match
     other = match_surface(local, surface, found.pose, _PRIOR_OF_SEARCH * prior)
-    return other if _is_believed(other, guess, prior) and other.agreement > match.agreement + _LEAD else match
+    return other if _is_believed(other, guess, prior) and other.agreement > match.agreement else match
 
 
 def _is_believed(match: ScanMatch, guess: Pose2, prior: Floats) -> bool:
