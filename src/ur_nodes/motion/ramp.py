@@ -38,7 +38,7 @@ def axes_of(limits: MotionLimits) -> tuple[Axis, Axis]:
 
 def lateral_axis(limits: MotionLimits) -> Axis:
     """Limits to the left of a base."""
-    if not limits.lateral_velocity:
+    if not limits.sideways:
         return NO_AXIS
     return Axis(limits.lateral_velocity, limits.acceleration, limits.deceleration)
 

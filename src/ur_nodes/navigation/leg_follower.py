@@ -12,13 +12,12 @@ from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.planning.legs import Leg, bearing_of, legs_of_motions
-from ur_nodes.navigation.planning.outline_motions import LEFT, RIGHT, MotionPose, course_of
+from ur_nodes.navigation.planning.outline_motions import LEFT, RIGHT, MotionPose, course_of, direction_of
 from ur_nodes.navigation.planning.path_geometry import Points, nearest_index
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.local_plan import LocalCommand, follow_reference, sweep_is_free
 from ur_nodes.navigation.steering.rollout import FollowSettings, ReferencePath, RolloutState, make_reference
 from ur_nodes.navigation.steering.speed_profile import (
-    DriveVelocity,
     SpeedLimits,
     approach,
     brake,
@@ -34,7 +33,6 @@ _STILL = 0.02  # m/s
 _SLOW_TURN = 0.15  # rad/s
 _LONG_TURN = 2.0  # rad: a planned turn by more is made in its direction, as the other may be blocked
 _NEAR, _NEAREST = 0.4, 0.12  # s, m: preview on a path that was made for the outline, whose bends are short
-_COURSES = {1: (1.0, 0.0), -1: (-1.0, 0.0), LEFT: (0.0, 1.0), RIGHT: (0.0, -1.0)}  # cosine and sine of a gear
 _MOST_POINTS = 40  # of the path that the robot may pass in a period
 
 
@@ -130,7 +128,7 @@ class LegFollower:
             self._aligned = True
             return None
         limits, period = driving.limits, driving.period
-        braked = brake(DriveVelocity(motion.speed, motion.turn, motion.left), limits, period)
+        braked = brake(motion.velocity, limits, period)
         turn = turn_towards(error, motion.turn, limits, period)
         here = np.array(motion.pose)[None]
         trial = RolloutState(motion.pose, 0.0, turn)
@@ -179,20 +177,20 @@ def legs_back(track: Sequence[Pose2], distance: float, *, sideways: bool = False
 
 
 def _brake(motion: RolloutState, driving: Driving) -> LocalCommand:
-    speed, turn, left = brake(DriveVelocity(motion.speed, motion.turn, motion.left), driving.limits, driving.period)
+    speed, turn, left = brake(motion.velocity, driving.limits, driving.period)
     return LocalCommand(speed, turn, np.array(motion.pose)[None], left=left)
 
 
 def _along_gear(motion: RolloutState, gear: int) -> RolloutState:
     """Return the motion of a robot whose front is where a gear drives to."""
-    c, s = _COURSES[gear]
+    c, s = direction_of(gear)
     ahead, left = c * motion.speed + s * motion.left, c * motion.left - s * motion.speed
     return RolloutState(motion.pose.compose(Pose2(0.0, 0.0, course_of(gear))), ahead, motion.turn, left)
 
 
 def _driving_in(driving: Driving, gear: int) -> Driving:
     """Return the settings of such a robot."""
-    (c, s), limits, footprint = _COURSES[gear], driving.limits, driving.footprint
+    (c, s), limits, footprint = direction_of(gear), driving.limits, driving.footprint
     rotation = np.array(((c, -s), (s, c)))  # of row vectors, by the course backwards
     turned = Footprint(
         footprint.outline @ rotation, footprint.inscribed, footprint.circumscribed, footprint.samples @ rotation
@@ -206,5 +204,5 @@ def _in_base(found: LocalCommand, across: float, gear: int, driving: Driving) ->
     across = approach(across, 0.0, driving.limits.acceleration * driving.period)
     if gear == 1 and not across:
         return found
-    c, s = _COURSES[gear]
+    c, s = direction_of(gear)
     return replace(found, speed=c * found.speed - s * across, left=s * found.speed + c * across)

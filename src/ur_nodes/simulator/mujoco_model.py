@@ -180,7 +180,7 @@ def _sideways(base: Base, number: int) -> str:
     Its other wheels carry it without friction, and turn as its motion ahead and its turns have it; what their rollers
     do is not modelled. The one that counts has no shape and no weight.
     """
-    if not base.limits.lateral_velocity:
+    if not base.limits.sideways:
         return ""
     return (
         f'<site name="drive_{number}"/><body><joint name="aside_{number}" axis="0 0 1" armature="1"/>'
@@ -199,7 +199,7 @@ def _caster(caster: Caster) -> str:
 def _wheel(base: Base, name: str, y: float) -> str:
     """Return a wheel that touches the floor at one point: an ellipsoid as wide as the wheel."""
     wheels = base.wheels
-    smooth = ' condim="1" priority="2"' if base.limits.lateral_velocity else ""
+    smooth = ' condim="1" priority="2"' if base.limits.sideways else ""
     axial = wheels.mass * wheels.radius**2 / 2.0
     radial = wheels.mass * (3.0 * wheels.radius**2 + wheels.width**2) / 12.0
     return (
@@ -223,7 +223,7 @@ def _motors(base: Base, robots: int, friction: float) -> Iterable[str]:
         for side in ("left", "right"):
             name = f"{side}_{number}"
             yield f'<velocity name="{name}" joint="{name}" kv="{gain!r}" forcerange="{-torque!r} {torque!r}"/>'
-        if base.limits.lateral_velocity:
+        if base.limits.sideways:
             yield from _velocity_motors(base, number, friction)
 
 

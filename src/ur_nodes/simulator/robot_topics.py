@@ -37,7 +37,7 @@ class RobotTopics:
         self._robot = robot
         self._map, self._odom_frame, self._base = frames.map, prefix + frames.odom, prefix + frames.base
         self._wheels = (f"{prefix}left_wheel_joint", f"{prefix}right_wheel_joint")
-        sideways = simulation.base.limits.lateral_velocity > 0.0
+        sideways = simulation.base.limits.sideways
         self._speed_covariance = SIDEWAYS_SPEED_COVARIANCE if sideways else SPEED_COVARIANCE
         lidar = simulation.base.lidar
         self._odom = None if real else node.publish(f"{prefix}odom", Odometry, quality)

@@ -49,7 +49,7 @@ class Simulation:
         self._starts = [start_pose(base, number, start or world.start) for number in range(robots)]
         self._hull = hull_of_outline(base.footprint)
         self._physics = Physics(
-            build_model(world, base, robots, start or world.start), robots, sideways=base.limits.lateral_velocity > 0.0
+            build_model(world, base, robots, start or world.start), robots, sideways=base.limits.sideways
         )
         self._lidars = make_lidars(self._physics.model, base.lidar, robots) if base.lidar else []
         self._steps_before = 0
@@ -245,7 +245,7 @@ class Simulation:
 
     def _turn_wheels(self, robot: int, left: float, right: float) -> None:
         self._physics.set_wheel_speeds(robot, left, right)
-        if self.base.limits.lateral_velocity:
+        if self.base.limits.sideways:
             drive = self._drives[robot]
             self._physics.set_velocity(robot, drive.velocity[0], drive.aside, drive.velocity[1])
 
@@ -253,7 +253,7 @@ class Simulation:
         if self._crowd is None:
             return
         if self._crowd.is_due(self._step * TIME_STEP):
-            sideways = self.base.limits.lateral_velocity > 0.0
+            sideways = self.base.limits.sideways
             velocities = [self._physics.velocity(robot) for robot in range(self.robots)]
             robots = [
                 NearbyRobot(self._hull, self._physics.pose(robot), forward, turn, left if sideways else 0.0)

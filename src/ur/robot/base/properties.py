@@ -47,6 +47,11 @@ class MotionLimits:
     lag: float
     lateral_velocity: float = 0.0
 
+    @property
+    def sideways(self) -> bool:
+        """True if the wheels roll sideways, too."""
+        return self.lateral_velocity > 0.0
+
 
 @dataclass(frozen=True, slots=True)
 class OdometryErrors:

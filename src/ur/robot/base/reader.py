@@ -39,7 +39,7 @@ def read_whole(top: Section, name: str, variant: str) -> Base:
         drivers=tuple(_drivers(part, sensors)) if (part := top.optional_section("drivers")) else (),
         body=_body(top, footprint) if top.has("body") else (),
     )
-    if base.limits.lateral_velocity and base.driver and base.driver.protocol:
+    if base.limits.sideways and base.driver and base.driver.protocol:
         top.fail(
             "driver",
             f"driver: {base.driver.protocol} in {top.name} drives two wheels, expected none of this project's with "

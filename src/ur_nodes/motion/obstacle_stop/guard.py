@@ -38,8 +38,6 @@ _PERIOD = 0.02  # s from one output of the mux to the next
 _STILL = 0.01  # m/s of the fastest point: less is a stop
 _TURN_ONLY = 0.02  # m/s: with less left of the way forward the turn is tried alone
 
-_LENGTHWISE = ("ahead", "behind")
-
 Kind = Literal["obstacle", "bumper", "cliff", "unseen", "silent"]
 
 
@@ -81,11 +79,11 @@ class Guard:
         `left` is the speed to the left, m/s.
         """
         sight = self.sight
-        cause = None
+        slower, cause = 1.0, None
         for side, speed in _sides_of(forward, left):
-            if sight.sensors and speed > BLIND and (unseen := self._look_for(side, now)):
-                share, cause = min(1.0, BLIND / abs(forward if side in _LENGTHWISE else left)), unseen
-                forward, turn, left = share * forward, share * turn, share * left
+            if sight.sensors and speed * slower > BLIND and (unseen := self._look_for(side, now)):
+                slower, cause = BLIND / speed, unseen
+        forward, turn, left = slower * forward, slower * turn, slower * left
         points = sight.points_at(now)
         touched = list(sight.touched.values())
         everything = np.concatenate((points, *touched)) if touched else points

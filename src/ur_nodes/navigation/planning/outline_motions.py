@@ -35,11 +35,17 @@ SPINS = Steering()
 LEFT, RIGHT = 2, -2
 
 _COURSES = {1: 0.0, -1: math.pi, LEFT: 0.5 * math.pi, RIGHT: -0.5 * math.pi}
+_DIRECTIONS = {1: (1.0, 0.0), -1: (-1.0, 0.0), LEFT: (0.0, 1.0), RIGHT: (0.0, -1.0)}  # without rounding
 
 
 def course_of(gear: int) -> float:
     """The direction of motion of a gear, rad from the heading."""
     return _COURSES[gear]
+
+
+def direction_of(gear: int) -> tuple[float, float]:
+    """The same as a unit vector: ahead and to the left."""
+    return _DIRECTIONS[gear]
 
 
 def gears_by_turn(yaw: float, bearing: float) -> tuple[int, ...]:

@@ -16,7 +16,7 @@ from ur_nodes.navigation.people.tracked_people import hull_of_footprint, rooms_t
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.local_plan import sweep_is_free
 from ur_nodes.navigation.steering.rollout import RolloutState
-from ur_nodes.navigation.steering.speed_profile import AT_REST, DriveVelocity, SpeedLimits, approach
+from ur_nodes.navigation.steering.speed_profile import AT_REST, DriveVelocity, SpeedLimits, change_velocity
 
 _BACK_OFF, _FARTHEST = 0.3, 0.9  # m: to back off, and as long as there is no room to turn
 _LOOKS = (4.0, 1.0)  # s that are looked ahead for a way to back off, the shorter one where nothing else is free
@@ -111,13 +111,7 @@ def move_to_recover(
     trial = RolloutState(motion.pose, *wanted)
     if over or not sweep_is_free(trial, 0.5, around, footprint):
         return RecoveryMotion(state, AT_REST, finished=True)
-    shift, swing = limits.acceleration * period, limits.turn_acceleration * period
-    command = DriveVelocity(
-        approach(motion.speed, wanted.speed, shift),
-        approach(motion.turn, wanted.turn, swing),
-        approach(motion.left, wanted.left, shift),
-    )
-    return RecoveryMotion(state, command, finished=False)
+    return RecoveryMotion(state, change_velocity(motion.velocity, wanted, limits, period), finished=False)
 
 
 def find_escape(

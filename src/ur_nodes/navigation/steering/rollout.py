@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.planning.path_geometry import Points, headings
-from ur_nodes.navigation.steering.speed_profile import SpeedLimits, speed_profile
+from ur_nodes.navigation.steering.speed_profile import DriveVelocity, SpeedLimits, speed_profile
 
 Floats = NDArray[np.float64]
 
@@ -71,6 +71,11 @@ class RolloutState:
     speed: float
     turn: float
     left: float = 0.0
+
+    @property
+    def velocity(self) -> DriveVelocity:
+        """Its velocity."""
+        return DriveVelocity(self.speed, self.turn, self.left)
 
 
 def make_reference(

@@ -109,13 +109,21 @@ def turn_towards(error: float, turn: float, limits: SpeedLimits, period: float) 
     return approach(turn, rate, limits.turn_acceleration * period)
 
 
-def brake(velocity: DriveVelocity, limits: SpeedLimits, period: float) -> DriveVelocity:
-    """Return the velocity after a period (s) of braking with the accelerations of the limits."""
-    speed, turn, left = velocity
+def change_velocity(
+    velocity: DriveVelocity, target: DriveVelocity, limits: SpeedLimits, period: float
+) -> DriveVelocity:
+    """Return the velocity after a period (s) on the way to another, with the accelerations of the limits."""
     step = limits.acceleration * period
     return DriveVelocity(
-        approach(speed, 0.0, step), approach(turn, 0.0, limits.turn_acceleration * period), approach(left, 0.0, step)
+        approach(velocity.speed, target.speed, step),
+        approach(velocity.turn, target.turn, limits.turn_acceleration * period),
+        approach(velocity.left, target.left, step),
     )
+
+
+def brake(velocity: DriveVelocity, limits: SpeedLimits, period: float) -> DriveVelocity:
+    """Return the velocity after a period (s) of braking with the accelerations of the limits."""
+    return change_velocity(velocity, AT_REST, limits, period)
 
 
 def approach(value: float, target: float, step: float) -> float:

@@ -26,7 +26,7 @@ class EncoderOdometry:
         self._left_scale = self._tick * base.wheels.radius * (1.0 + float(radius_errors[0]))
         self._right_scale = self._tick * base.wheels.radius * (1.0 + float(radius_errors[1]))
         separation = base.wheels.separation * (1.0 + float(random.standard_normal()) * model.separation_error)
-        self._sideways = base.limits.lateral_velocity > 0.0  # others draw no random numbers for it
+        self._sideways = base.limits.sideways  # others draw no random numbers for it
         aside_error = float(random.standard_normal()) * model.radius_error if self._sideways else 0.0
         self._aside_tick = self._tick * base.wheels.radius  # m
         self._aside_scale = self._aside_tick * (1.0 + aside_error)
