@@ -16,7 +16,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # of each worker and what it
 settings.register_profile("project", deadline=None, derandomize=True, database=None)
 settings.load_profile("project")
 
-pytest_plugins = "tests.parallel"
+pytest_plugins = ["tests.parallel", "tests.times"]
 NODES = "tests/ur_nodes/"
 
 # A shell without job control starts background jobs with these ignored, and programs under test would inherit that.
