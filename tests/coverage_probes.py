@@ -14,7 +14,13 @@ from importlib.machinery import ModuleSpec
 from pathlib import Path
 from types import CodeType, ModuleType
 
-from slipcover import Slipcover, branch, importer
+try:
+    from slipcover import Slipcover, branch, importer
+except ModuleNotFoundError:
+    sys.exit(
+        "error: UR_COVERAGE is set and slipcover is not installed, so coverage cannot be measured\n"
+        "  help: unset UR_COVERAGE, or run: bash tools/set_up.bash test (on arm64 with Python 3.12 or later)"
+    )
 
 _STUBS = r"\.\.\.$"
 

@@ -16,9 +16,9 @@ import json
 import sys
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 
-import slipcover
 import yaml
 
 ROOT = Path(__file__).parents[1]
@@ -74,6 +74,8 @@ def raise_record(recorded: Mapping[str, float], measured: Mapping[str, float]) -
 
 def read_report(data: Path) -> Report:
     """Return the files of the coverage of all processes that wrote into a folder."""
+    import slipcover  # which Python 3.10 and 3.11 do not have on arm64: `main` says so
+
     first, *others = (json.loads(path.read_text(encoding="utf-8")) for path in sorted(data.glob("*.json")))
     for each in others:
         slipcover.merge_coverage(first, each)
@@ -86,6 +88,10 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--write", action="store_true", help="raise the record to the figures that are higher")
     parser.add_argument("--missing", metavar="PACKAGE", help="print the lines and branches that no test takes")
     options = parser.parse_args(arguments)
+    if find_spec("slipcover") is None:
+        sys.stderr.write("error: slipcover is not installed, so coverage cannot be compared\n")
+        sys.stderr.write("  help: bash tools/set_up.bash test (on arm64 with Python 3.12 or later)\n")
+        return 2
     if not any(DATA.glob("*.json")):
         sys.stderr.write("error: nothing was measured, expected data in .cache/coverage\n")
         sys.stderr.write("  help: UR_COVERAGE=.cache/coverage ./test\n")
