@@ -43,16 +43,16 @@ Kind = Literal["obstacle", "bumper", "cliff", "unseen", "silent"]
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """The reason for a reduced velocity: the side of the base, and the distance (m) from the outline if known.
+    """The reason for a reduced velocity: the side of the base, and the distance (m) from the outline; inf if unknown.
 
     `name` is that of a bumper, a cliff sensor or a silent sensor, whose last reading is `age` s old.
     """
 
     kind: Kind
     side: Side
-    distance: float = math.nan
+    distance: float = math.inf
     name: str = ""
-    age: float = math.nan
+    age: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
