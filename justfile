@@ -15,7 +15,7 @@ audit *ARGS:
 fuzz *ARGS:
     .venv/bin/python -m tests.fuzz {{ARGS}}
 
-# everything that a change is tested with; `just test --fast` leaves out what starts ROS
+# linters, types and the default suite; `just test --all` runs the slow tests, too
 test *ARGS:
     ./test {{ARGS}}
 

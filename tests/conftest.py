@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from tests.slow_list import LIST, PROMISES, is_listed, name_of, read_promises, read_rows
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # of each worker and what it starts, as nodes have it
 
@@ -54,8 +55,14 @@ def pytest_report_collectionfinish(items: list[pytest.Item]) -> str | None:
     return f"tests/ur_nodes: {alone} of {len(nodes)} ({alone / len(nodes):.1%}) need no master" if nodes else None
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """A long test has half an hour, unless it says otherwise."""
+    """Mark the tests of tests/slow.tsv as slow but for those of tests/promises.tsv, and give them half an hour."""
+    listed = read_rows(LIST.read_text(encoding="utf-8"))
+    promised = {test for _, test in read_promises(PROMISES.read_text(encoding="utf-8"))}
     for item in items:
-        if item.get_closest_marker("long") and not item.get_closest_marker("timeout"):
-            item.add_marker(pytest.mark.timeout(1800))
+        if is_listed(name := name_of(item.nodeid), listed):
+            if not is_listed(name, promised):
+                item.add_marker(pytest.mark.slow)
+            if not item.get_closest_marker("timeout"):
+                item.add_marker(pytest.mark.timeout(1800))

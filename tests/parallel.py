@@ -1,7 +1,7 @@
 """Tests in several processes that share one collection: pytest -n N.
 
 This process collects, and forks N workers, which run what it hands them: a file at a time, for the fixtures that its
-tests share, or one long test that shares none. pytest-xdist collects once in each worker, which took a tenth of the
+tests share, or one slow test that shares none. pytest-xdist collects once in each worker, which took a tenth of the
 time of all tests.
 """
 
@@ -51,7 +51,7 @@ def group_items(items: Sequence[pytest.Item]) -> list[list[int]]:
     """Return the indices of items that stay in one process, first those that wait for programs they start."""
     groups: dict[str, list[int]] = {}
     for index, item in enumerate(items):
-        alone = item.get_closest_marker("long") and not item.get_closest_marker("hosts") and not shares_fixtures(item)
+        alone = item.get_closest_marker("slow") and not item.get_closest_marker("hosts") and not shares_fixtures(item)
         groups.setdefault(item.nodeid if alone else item.nodeid.partition("::")[0], []).append(index)
 
     def waits(group: list[int]) -> bool:

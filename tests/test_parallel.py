@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[1]
 
 
 def write(folder: Path, **files: str) -> None:
-    (folder / "pytest.ini").write_text("[pytest]\naddopts = -q -p tests.parallel\nmarkers = ros\n  long\n")
+    (folder / "pytest.ini").write_text("[pytest]\naddopts = -q -p tests.parallel\nmarkers = ros\n  slow\n")
     for name, text in files.items():
         (folder / f"{name}.py").write_text(textwrap.dedent(text))
 
@@ -83,12 +83,12 @@ def test_modules_are_imported_once_and_a_file_stays_in_one_process(tmp_path: Pat
     assert len((tmp_path / "ended").read_text()) == 4
 
 
-def test_long_tests_of_a_file_run_beside_each_other(tmp_path: Path) -> None:
+def test_slow_tests_of_a_file_run_beside_each_other(tmp_path: Path) -> None:
     write(
         tmp_path,
         test_a="""
             import os, pathlib, pytest, time
-            @pytest.mark.long
+            @pytest.mark.slow
             @pytest.mark.parametrize("mine, other", ["ab", "ba"])
             def test_meets_the_other(mine, other):
                 pathlib.Path(mine).touch()
@@ -101,7 +101,7 @@ def test_long_tests_of_a_file_run_beside_each_other(tmp_path: Path) -> None:
     assert code == 0, output
 
 
-def test_long_tests_that_share_a_fixture_run_in_one_process(tmp_path: Path) -> None:
+def test_slow_tests_that_share_a_fixture_run_in_one_process(tmp_path: Path) -> None:
     write(
         tmp_path,
         test_a="""
@@ -112,7 +112,7 @@ def test_long_tests_that_share_a_fixture_run_in_one_process(tmp_path: Path) -> N
             @pytest.fixture
             def page(robot):
                 return robot
-            @pytest.mark.long
+            @pytest.mark.slow
             @pytest.mark.parametrize("number", range(8))
             def test_uses_the_robot(page, number):
                 open("pids", "a").write(f"{page}\\n")

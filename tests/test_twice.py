@@ -40,8 +40,8 @@ def tree(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def run_twice(tree: Path, lasting: str = "", failed: str = "") -> subprocess.CompletedProcess[str]:
-    words = [str(tree / "tests" / "twice"), "tests"]
+def run_twice(tree: Path, *arguments: str, lasting: str = "", failed: str = "") -> subprocess.CompletedProcess[str]:
+    words = [str(tree / "tests" / "twice"), *arguments]
     environment = {"PATH": "/usr/bin:/bin", "LASTING": lasting, "FAILED": failed}
     return subprocess.run(words, env=environment, capture_output=True, text=True)
 

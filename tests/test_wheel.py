@@ -232,7 +232,6 @@ def build_first_release(folder: Path) -> Path:
     return build(folder / "dist", clone)[1]
 
 
-@pytest.mark.long
 @pytest.mark.ros
 def test_upgrade_from_the_first_release_keeps_state_and_renews_environment_and_caches(tmp_path: Path) -> None:
     installed = Installed(build_first_release(tmp_path / "first"), tmp_path)
@@ -263,7 +262,6 @@ def test_upgrade_from_the_first_release_keeps_state_and_renews_environment_and_c
     assert left == []
 
 
-@pytest.mark.long
 @pytest.mark.ros
 def test_first_start_makes_an_environment_and_an_upgrade_renews_it(
     wheel: Path, tmp_path: Path, session: RosSession

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.slow_list import name_of
 
 TICK = os.sysconf("SC_CLK_TCK")
 _SHARED = ("class", "module", "package", "session")
@@ -20,14 +21,13 @@ _SHARED = ("class", "module", "package", "session")
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add `--times`."""
-    parser.addoption("--times", type=Path, metavar="FILE", help="write the processor time of each test into FILE")
+    parser.addoption("--times", type=Path, metavar="FILE", help="append the processor time of each test to FILE")
 
 
 def pytest_configure(config: pytest.Config) -> None:
     """Begin to measure where it is asked for."""
     if path := config.getoption("--times"):
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text("", encoding="utf-8")
         config.pluginmanager.register(_Times(path.absolute()))
 
 
@@ -84,7 +84,7 @@ class _Times:
             own = self._end - before - self._nested
             shared = sum(self._fixtures.get(each, 0.0) for each in _fixtures_of(item))
             with self._path.open("a", encoding="utf-8") as file:
-                file.write(f"{own + shared:.3f}\t{item.nodeid.encode('unicode_escape').decode('ascii')}\n")
+                file.write(f"{own + shared:.3f}\t{name_of(item.nodeid)}\n")
 
 
 def _fixtures_of(item: pytest.Item) -> set[object]:

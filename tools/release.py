@@ -214,7 +214,7 @@ def _release(root: Path, folder: Path, options: argparse.Namespace) -> None:
         print("tests left out, as asked")
     else:
         subprocess.run([root / "test"], cwd=root, check=True)
-        subprocess.run([root / "test", "tests/test_wheel.py", "-m", "long"], cwd=root, check=True)
+        subprocess.run([root / "test", "tests/test_wheel.py", "-m", "slow"], cwd=root, check=True)
     if options.dry_run:
         print("dry run: nothing was written, committed or tagged")
         return

@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[2]
 SECONDS, PRESSES = 8.0, 100
 MOST_MEMORY, MOST_LOG = 150_000, 100_000  # kB, bytes
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.timeout(300)]
 
 
 def memory_of(pid: int) -> int:

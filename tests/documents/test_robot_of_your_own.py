@@ -11,7 +11,7 @@ from tests.e2e.conftest import ROOT
 from tests.e2e.test_programs import run_command
 from tests.robot.description.urdfs import SMALL
 
-pytestmark = [pytest.mark.ros, pytest.mark.long, pytest.mark.timeout(400)]
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(400)]
 PAGE = (ROOT / "docs" / "how-to" / "robot-of-your-own.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^( *)```(\w+)\n(.*?)^ *```$", PAGE, re.DOTALL | re.MULTILINE)
 INSTALLS = "ur get "  # needs a network; tests/fresh/run tries it on an empty computer

@@ -91,7 +91,6 @@ def test_it_starts_on_ros_with_the_topics_that_it_names(package: Path, tmp_path:
 
 
 @pytest.mark.ros
-@pytest.mark.long
 @pytest.mark.timeout(400)
 def test_launch_file_of_the_page_is_made_and_checked(package: Path) -> None:
     run(package, TEST)

@@ -36,7 +36,7 @@ def make_environment(folder: Path) -> dict[str, str]:
     }
 
 
-@pytest.fixture(params=["1", pytest.param("2", marks=pytest.mark.long)])
+@pytest.fixture(params=["1", "2"])
 def either_ros(request: pytest.FixtureRequest, tmp_path: Path) -> dict[str, str]:
     """Select ROS 1 or ROS 2 for the environment that `make_environment` makes; what is to be set besides."""
     if request.param == "1":
@@ -77,7 +77,7 @@ def shell(tmp_path: Path) -> Iterator[UrShell]:
     assert made.ur("stop", "--all").returncode == 0
 
 
-@pytest.fixture(params=["1", pytest.param("2", marks=pytest.mark.long)])
+@pytest.fixture(params=["1", "2"])
 def shell_of_either(request: pytest.FixtureRequest, shell: UrShell) -> UrShell:
     if request.param == "2":
         if not ROS2_PYTHON.exists():

@@ -16,7 +16,7 @@ from tests.e2e.matrix_table import load_cells
 from ur.request.environment import PACKAGE
 from ur.request.programs import list_programs
 
-SAMPLE = "robot_base"  # the default suite's
+SAMPLE = ("robot_base", "keyboard_drive", "keyboard_navigate", "make_map")
 
 
 def test_only_files_named_after_the_base_are_added(tmp_path: Path) -> None:
@@ -33,7 +33,7 @@ def test_only_files_named_after_the_base_are_added(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "program",
     [
-        pytest.param(program.name, marks=[] if program.name == SAMPLE else [pytest.mark.long])
+        pytest.param(program.name, marks=[] if program.name in SAMPLE else [pytest.mark.nightly])
         for program in list_programs(PACKAGE / "bin")
     ],
 )

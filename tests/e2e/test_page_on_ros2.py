@@ -13,7 +13,6 @@ from tests.ros2_session import PYTHON, free_domain
 LAUNCH = str(Path(__file__).with_name("robot.launch"))
 
 pytestmark = [
-    pytest.mark.long,
     pytest.mark.timeout(300),
     pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
     pytest.mark.skipif(not PYTHON.exists(), reason="no wheels of ROS 2 for this processor"),

@@ -55,7 +55,6 @@ def test_piped_goals_are_driven_one_after_the_other_and_one_that_fails_makes_the
     assert done.returncode == 1
 
 
-@pytest.mark.long
 def test_shell_that_has_sourced_ros_2_drives_the_robot(tmp_path: Path) -> None:
     ros2 = tmp_path / "humble"
     packages = ros2 / "lib" / "python3.10" / "site-packages"
@@ -68,7 +67,6 @@ def test_shell_that_has_sourced_ros_2_drives_the_robot(tmp_path: Path) -> None:
     assert done.stdout.startswith("g 1 0.5: reached, "), done.stderr
 
 
-@pytest.mark.long
 def test_create_2_is_driven_through_its_drivers_and_stand_ins_on_either_ros(
     tmp_path: Path, either_ros: dict[str, str]
 ) -> None:
@@ -79,7 +77,6 @@ def test_create_2_is_driven_through_its_drivers_and_stand_ins_on_either_ros(
     assert done.returncode == 0
 
 
-@pytest.mark.long
 def test_magni_with_a_lidar_navigates_in_the_office(tmp_path: Path) -> None:
     arguments = ("robot_base:=magni", "robot_variant:=lidar", "world:=office")
     done = run_program(tmp_path, "keyboard_navigate", *arguments, keys="g 1 0 0\n")
@@ -87,7 +84,6 @@ def test_magni_with_a_lidar_navigates_in_the_office(tmp_path: Path) -> None:
     assert done.returncode == 0
 
 
-@pytest.mark.long
 def test_goals_are_driven_in_a_world_made_from_a_picture(tmp_path: Path) -> None:
     image = Image.new("L", (400, 300), 255)
     ImageDraw.Draw(image).line((250, 0, 250, 200), fill=0, width=2)  # a wall between the start and the goal
@@ -130,7 +126,6 @@ def test_magni_without_a_lidar_navigates_by_fiducials_that_were_mapped_before(tm
     assert done.returncode == 0
 
 
-@pytest.mark.long
 def test_same_launch_file_works_under_plain_roslaunch(tmp_path: Path) -> None:
     arguments = ("robot_base:=stage", "use_rviz:=false")
     done = run_command(
@@ -141,7 +136,6 @@ def test_same_launch_file_works_under_plain_roslaunch(tmp_path: Path) -> None:
     assert "g 1.5 0 90: reached, " in done.stdout
 
 
-@pytest.mark.long
 def test_program_is_found_by_rosrun(tmp_path: Path) -> None:
     done = run_command(tmp_path, "rosrun", "ubiquity_launches", "keyboard_navigate", keys="g 1 0 0\n")
     assert done.stdout.startswith("g 1 0 0: reached, "), done.stderr

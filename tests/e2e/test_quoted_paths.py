@@ -52,7 +52,6 @@ def read_rviz(env: dict[str, str]) -> list[str]:
     return Path(env["HOME"], "rviz.started").read_text(encoding="utf-8").splitlines()
 
 
-@pytest.mark.long
 def test_robot_navigates_in_a_world_whose_name_would_be_a_command(tmp_path: Path) -> None:
     lab, env = make_lab(tmp_path)
     run(lab, env, str(ROOT / "ur"), "run", "keyboard_navigate", "robot_base:=stage", f"world:=./{HOSTILE}")

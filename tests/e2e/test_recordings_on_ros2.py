@@ -14,7 +14,6 @@ from tests.e2e.matrix_table import Topic
 from tests.ros2_session import PYTHON, free_domain
 
 pytestmark = [
-    pytest.mark.long,
     pytest.mark.timeout(300),
     pytest.mark.skipif(not PYTHON.exists(), reason="no wheels of ROS 2 for this processor"),
 ]

@@ -18,7 +18,7 @@ from tests.e2e.terminal import ProgramTerminal
 from tests.e2e.test_first_drive import GOALS, find_node, put_at_start
 from tests.json_client import wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.long, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
 
 KEYBOARD = str(ROOT / "ubiquity_launches" / "n_teleop_twist_keyboard" / "bin" / "teleop_twist_keyboard.py")
 NAVIGATE = str(ROOT / "ubiquity_launches" / "n_keyboard_navigate" / "bin" / "keyboard_navigate_node")

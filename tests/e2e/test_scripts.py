@@ -18,7 +18,7 @@ from tests.e2e.web_page import start_server
 
 from ur.request.environment import current_selection
 
-pytestmark = [pytest.mark.ros, pytest.mark.long, pytest.mark.timeout(900)]
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(900)]
 
 Results = dict[str, tuple[bool, str]]
 """Whether a tool or a resource was done, and its text, by its name."""

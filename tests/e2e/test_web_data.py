@@ -17,7 +17,6 @@ __all__ = ["server"]  # a fixture
 
 pytestmark = [
     pytest.mark.ros,
-    pytest.mark.long,
     pytest.mark.timeout(300),
     pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
 ]

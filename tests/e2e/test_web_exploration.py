@@ -12,7 +12,6 @@ from tests.e2e.web_page import PROGRAM, BrowserPage, open_first, start_server
 
 pytestmark = [
     pytest.mark.ros,
-    pytest.mark.long,
     pytest.mark.timeout(300),
     pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
 ]

@@ -18,7 +18,6 @@ DESK = (1400, 900)
 
 pytestmark = [
     pytest.mark.ros,
-    pytest.mark.long,
     pytest.mark.timeout(300),
     pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
 ]

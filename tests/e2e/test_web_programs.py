@@ -22,7 +22,6 @@ SETTLED = "globalThis.page?.status"
 
 pytestmark = [
     pytest.mark.ros,
-    pytest.mark.long,
     pytest.mark.timeout(300),
     pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
 ]

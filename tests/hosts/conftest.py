@@ -10,7 +10,7 @@ from tests.hosts.bench import Bench, Machine, boot, find_obstacle
 SUDO = "pat ALL=(ALL) NOPASSWD: ALL\n"
 
 
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     here = [item for item in items if item.nodeid.startswith("tests/hosts/")]
     obstacle = find_obstacle()
     for item in here:
@@ -19,11 +19,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(pytest.mark.timeout(900))  # the first one may have to make the root file system
         if obstacle:
             item.add_marker(pytest.mark.skip(reason=f"no computers to test with: {obstacle}"))
-    if "hosts" not in (config.getoption("-m") or ""):  # the long ones run when they are asked for: tests/hosts/run
-        long = [item for item in here if item.get_closest_marker("long")]
-        if long:
-            config.hook.pytest_deselected(items=long)
-            items[:] = [item for item in items if item not in long]
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,6 @@ import pytest
 from tests.hosts.bench import UR, Bench, Done, Machine
 from tests.hosts.test_doctor import pair
 
-pytestmark = pytest.mark.long
 __all__ = ["pair"]
 TALK = 'rostopic pub -r 5 /words std_msgs/String "data: it\'s 100% \\$HOME"'
 LIBRARY = "/home/ros/ubiquity_launches"

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from tests.hosts.bench import REPOSITORY, UR, Bench, Done, Machine, boot
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(600)]
+pytestmark = [pytest.mark.timeout(600)]
 ROBOT = "ros@robot.local"
 PAGE = "http://robot.local:8090"
 LIBRARY = "/home/ros/ubiquity_launches"

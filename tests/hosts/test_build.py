@@ -8,7 +8,6 @@ import pytest
 from tests.hosts.bench import UR, Bench, Done, wait_until
 from tests.hosts.test_doctor import pair
 
-pytestmark = pytest.mark.long
 __all__ = ["pair"]
 PACKAGE = """\
 <package format="2">

@@ -16,7 +16,6 @@ import pytest
 from tests.hosts.bench import UR, Bench, Done, boot, wait_until
 from tests.hosts.test_robot_setup import PASSWORD, prepare, running, set_up
 
-pytestmark = pytest.mark.long
 ON = {"local": ("laptop", "pat"), "remote": ("robot", "ros")}
 SECONDS = 120.0
 BLOCK = (

@@ -11,7 +11,6 @@ from tests.hosts.bench import UR, Bench, Done, boot, wait_until
 from tests.hosts.test_build import CMAKE, PACKAGE, SLOW
 from tests.hosts.test_robot_setup import PASSWORD, prepare, set_up_two
 
-pytestmark = pytest.mark.long
 ROBOTS = {"bob": "robot", "eve": "robot2"}
 
 

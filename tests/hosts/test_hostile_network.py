@@ -15,7 +15,7 @@ from tests.hosts.bench import UR, Bench, Done, Machine, boot, wait_until
 from tests.hosts.test_robot_setup import PASSWORD, command, fingerprint, prepare, running
 from tests.hosts.test_robot_setup_secrets import MachineTerminal
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(1800)]
+pytestmark = [pytest.mark.timeout(1800)]
 SECONDS = 150  # more than any command may take; it is ended then, which is a failure
 OWN = "ros"  # the present password of a flashed robot
 # The attacker's ssh server writes down each password that it is told, whether it takes it or not.

@@ -12,7 +12,7 @@ from tests.hosts.bench import UR, Bench, Machine, boot
 from tests.hosts.test_robot_setup import SUDO
 from tests.robot.image.images import CLOUD_ROOT, make_cloud, needs_tools, read_ext
 
-pytestmark = [pytest.mark.long, needs_tools]
+pytestmark = [needs_tools]
 SEED = "var/lib/cloud/seed/nocloud"
 IMAGE = "home/pat/cloud.img"
 # The image brought its host key: there is no first contact.

@@ -12,7 +12,6 @@ from tests.hosts.bench import wait_until
 from tests.hosts.lease_model import Holder, LeaseHolder, Model
 from tests.hosts.lease_world import NAMES, LeaseWorld, check_screen, start_lease_world
 
-pytestmark = pytest.mark.long
 SEEDS = range(50)
 LENGTH = 9
 _ATTEMPTS = 3

@@ -14,7 +14,6 @@ from tests.hosts.bench import REPOSITORY, UR, Bench, Machine, boot, wait_until
 from tests.hosts.test_robot_setup import prepare, set_up
 from tests.hosts.test_run_on_robot import PACKAGE
 
-pytestmark = pytest.mark.long
 LAUNCH = """\
 <launch>
   <arg name="robot_machine" default="localhost"/>

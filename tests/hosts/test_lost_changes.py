@@ -25,7 +25,7 @@ from tests.hosts.managed import (
     wait_up,
 )
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(1800)]
+pytestmark = [pytest.mark.timeout(1800)]
 SEED = 20
 WAIT = 6
 RENAME = f"{UR} robot rename bob eve --password-from 0 --wait {WAIT}"

@@ -10,7 +10,6 @@ from collections.abc import Iterator
 import pytest
 from tests.hosts.bench import UR, Bench, Machine, boot, wait_until
 
-pytestmark = pytest.mark.long
 ROBOT = "ros@10.77.0.11"
 MAPS = ".local/share/ubiquity_launches/maps"
 # Random cells, so that the map stays large when it is packed.

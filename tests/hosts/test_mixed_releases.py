@@ -21,7 +21,6 @@ from ur.robot.setup.robot_states import PROGRAM_PACKAGES
 
 PYTHONS = {"bookworm": (3, 11), "trixie": (3, 13)}
 pytestmark = [
-    pytest.mark.long,
     pytest.mark.timeout(2400),
     pytest.mark.skipif(codename() not in PYTHONS, reason="expected Debian 12 or 13 to test Debian 12 with 13"),
 ]

@@ -10,7 +10,6 @@ from tests.hosts.bench import UR, Bench
 from tests.hosts.test_doctor import pair
 from tests.hosts.test_robot_setup import PASSWORD
 
-pytestmark = pytest.mark.long
 __all__ = ["pair"]
 CUT_SECONDS = 30.0
 FROZEN = 60.0  # nothing came back while the network was cut, which lasts until something does

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator
 import pytest
 from bench.stop_network_parts.network import Network, start_network
 
-pytestmark = pytest.mark.long  # alone: other tests beside it make the computer too busy to measure
 LIGHT = ("keyboard", "joystick", "plain", "rostopic")
 _ATTEMPTS = 3  # where this computer is too busy to measure
 

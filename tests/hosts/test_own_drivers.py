@@ -20,7 +20,6 @@ from tests.hosts.test_robot_setup import PASSWORD, SUDO
 from ur.robot.setup.robot_states import PROGRAM_PACKAGES
 
 pytestmark = [
-    pytest.mark.long,
     pytest.mark.timeout(2400),
     pytest.mark.skipif(codename() not in PYTHONS, reason="expected Debian 12 or 13, for a robot with Debian 13"),
 ]

@@ -15,7 +15,7 @@ from tests.hosts.test_robot_setup_interrupted import run_until
 
 from ur.robot.setup.robot_states import PROGRAM_PACKAGES
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(1800)]
+pytestmark = [pytest.mark.timeout(1800)]
 SET_UP = f"{UR} robot setup robot.local --name bob --base magni --variant lidar --passwords-from 0 --yes"
 AGAIN = SET_UP.replace("robot.local", "bob.local")
 PASSWORDS = f"ros\n{PASSWORD}\n"

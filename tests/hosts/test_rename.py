@@ -12,7 +12,6 @@ from tests.hosts.managed import PENDING, SNAPSHOT, find_command, wait_reached, w
 from tests.hosts.test_doctor import pair
 from tests.hosts.test_robot_setup import PASSWORD
 
-pytestmark = pytest.mark.long
 __all__ = ["pair"]
 
 

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 import pytest
 from tests.hosts.bench import UR, Bench, Done, Machine, boot, wait_until
 
-pytestmark = pytest.mark.long
 PASSWORD = "new-secret-2718"
 SUDO = "pat ALL=(ALL) NOPASSWD: ALL\n"
 

@@ -12,7 +12,6 @@ import pytest
 from tests.hosts.bench import Bench, Machine, boot, wait_until
 from tests.hosts.test_robot_setup import PASSWORD, command, prepare, set_up
 
-pytestmark = pytest.mark.long
 # All that a set-up of a freshly flashed robot says before it does it.
 POINTS = (
     *("ssh folder", "login from the viewer", "robot file", "packages", "announcement", "X11 over ssh"),

@@ -7,13 +7,11 @@ import pty
 import subprocess
 import threading
 
-import pytest
 from tests.hosts.bench import UR, Machine, boot, wait_until
 from tests.hosts.test_robot_setup import PASSWORD, command, prepare, set_up
 from tests.hosts.test_robot_setup_interrupted import run_until
 from tests.hosts.watch import Watcher, find_written
 
-pytestmark = pytest.mark.long
 FLASHED = "flashed-secret-31415"
 MISTAKEN = "mistaken-secret-16180"
 SECRETS = (FLASHED, PASSWORD, MISTAKEN)

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from concurrent.futures import Future, ThreadPoolExecutor
 
-import pytest
 from tests.hosts.bench import Bench, Machine
 from tests.hosts.test_robot_setup import PASSWORD, command, pair, running, set_up
 from tests.hosts.test_robot_setup_interrupted import run_until
 
 OTHER = "other-secret-1414"
-pytestmark = pytest.mark.long
 __all__ = ["pair"]
 FULL = (
     "mkdir -p /etc/ubiquity && mount -t tmpfs -o size=4k tmpfs /etc/ubiquity && "

@@ -14,7 +14,6 @@ from tests.hosts.test_doctor import pair
 from tests.hosts.test_robot_setup import PASSWORD
 from tests.terminal import TmuxTerminal
 
-pytestmark = pytest.mark.long
 __all__ = ["pair"]
 SECONDS = 120.0
 

@@ -13,7 +13,7 @@ from tests.hosts.managed import wait_reached
 from tests.hosts.test_ros2_driving import commands, key_held, last_motion, program
 from tests.hosts.test_ros2_robot import SNAPSHOT, SUDO, set_up
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(900)]
+pytestmark = [pytest.mark.timeout(900)]
 MUX = "ubiquity-cmd_vel_mux.service"
 FILES = f"{SNAPSHOT} | grep -v ' /home/'"
 LIMIT = 2.0  # m/s: more than the base is allowed, and less than the program asks for

@@ -14,7 +14,6 @@ from tests.hosts.bench.ros2_robot import install_ros2, remove_ros1
 from tests.hosts.test_ros2_robot import SUDO, set_up
 from tests.terminal import TmuxTerminal
 
-pytestmark = pytest.mark.long
 AT_REST = 0.3  # s
 KEY_PAUSE = 0.03  # s, as a keyboard repeats
 

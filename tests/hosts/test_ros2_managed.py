@@ -15,7 +15,7 @@ from tests.hosts.test_ros2_robot import SUDO, set_up
 from tests.hosts.test_wifi_change import PRETENDER, WIFI_PASSWORD
 from tests.hosts.test_x import SCREEN, XVFB, started
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(900)]
+pytestmark = [pytest.mark.timeout(900)]
 NAMESPACE = "/robot1"
 MEMORY = "ls /dev/shm | grep fastrtps_"
 

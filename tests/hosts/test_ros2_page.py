@@ -15,7 +15,7 @@ from tests.e2e.web_page import PHONE, PROGRAM, BrowserPage
 from tests.hosts.bench import REPOSITORY, Bench, Machine
 from tests.hosts.test_ros2_driving import AT_REST, key_held, last_motion, program, set_up_pair
 
-pytestmark = [pytest.mark.long, pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed")]
+pytestmark = [pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed")]
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,6 @@ import pytest
 from tests.hosts.bench import UR, Bench, Done, Machine, boot
 from tests.hosts.bench.ros2_robot import DOMAIN, PREFIX, UNIT, install_jazzy, remove_ros1
 
-pytestmark = pytest.mark.long
 # What the set-up must leave as it was; packages that it installs change what is left out, and add files elsewhere.
 OURS = ("/home", "/opt", "/etc/ubiquity", "/etc/systemd", "/etc/udev", "/etc/sudoers", "/etc/ssh")
 LEFT_OUT = r"/X11/app-defaults/|/(passwd|group|shadow|gshadow)|machine-id|/alternatives/|chrony|sudo_as_admin|\.cache/"

@@ -12,7 +12,6 @@ import pytest
 from tests.hosts.bench import REPOSITORY, UR, Bench, Machine, boot, wait_until
 from tests.hosts.test_robot_setup import prepare, set_up
 
-pytestmark = pytest.mark.long
 PACKAGE = """\
 <package format="2">
   <name>chat</name><version>1.0.0</version><description>For a test.</description>

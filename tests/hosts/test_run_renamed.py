@@ -12,7 +12,6 @@ from tests.hosts.managed import wait_settled
 from tests.hosts.test_robot_setup import PASSWORD
 from tests.hosts.test_run_on_robot import nodes_of, pair, started
 
-pytestmark = pytest.mark.long
 __all__ = ["pair"]
 NETWORK = "/etc/systemd/network/10-host0.network"
 

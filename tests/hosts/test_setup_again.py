@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import pytest
 from tests.hosts.bench import UR, Machine
 from tests.hosts.test_robot_setup_interrupted import run_until
 from tests.hosts.test_setup import snapshot
-
-pytestmark = pytest.mark.long
 
 # A home folder as people have it, made by pat.
 MINE = """\

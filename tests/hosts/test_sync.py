@@ -9,7 +9,6 @@ from tests.hosts.bench import UR, Bench, Done, wait_until
 from tests.hosts.test_doctor import pair
 from tests.hosts.test_robot_setup import PASSWORD
 
-pytestmark = pytest.mark.long
 __all__ = ["pair"]
 TREE = "cd catkin_ws/src && find . -type f -exec md5sum {} + | sort -k 2; find . -type l -printf '%p %l\\n'"
 # Slow enough to strike while it is under way.

@@ -16,7 +16,6 @@ from tests.hosts.bench import UR, Bench, Machine, boot, wait_until
 from tests.hosts.test_robot_setup import PASSWORD, prepare, set_up
 from tests.hosts.test_run_on_robot import Started, bring_package, link_project, nodes_of, runs_there, started
 
-pytestmark = pytest.mark.long
 MORE = """\
 <launch>
   <arg name="robot_machine" default="localhost"/>

@@ -17,7 +17,6 @@ from tests.hosts.managed import (
 )
 from tests.hosts.watch import Watcher, find_written
 
-pytestmark = pytest.mark.long
 WIFI_PASSWORD = "wifi-secret-8128"
 # No kernel of a bench has a wireless device: this stands before nmcli, adds one, and lets it join unless /root/refuse
 # is there. Profiles go to the real NetworkManager.

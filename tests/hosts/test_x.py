@@ -11,7 +11,6 @@ import pytest
 from tests.hosts.bench import UR, Bench, Machine, wait_until
 from tests.hosts.test_doctor import pair
 
-pytestmark = pytest.mark.long
 __all__ = ["pair"]
 SCREEN = {"DISPLAY": ":7"}
 # Without -noreset the server forgets its screen when the last window closes.

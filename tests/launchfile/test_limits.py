@@ -223,8 +223,8 @@ FRAGMENTS = st.lists(
     "examples",
     [
         300,
-        pytest.param(5_000, marks=pytest.mark.long),
-        pytest.param(20_000, marks=[pytest.mark.long, pytest.mark.thorough]),
+        5_000,
+        pytest.param(20_000, marks=pytest.mark.nightly),
     ],
 )
 def test_any_text_gives_a_plan(examples: int) -> None:

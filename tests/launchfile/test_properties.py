@@ -205,8 +205,8 @@ ARGUMENTS = st.lists(st.tuples(NAMES, st.sampled_from(["1", "x", "true", "$(find
     "examples",
     [
         200,
-        pytest.param(2000, marks=pytest.mark.long),
-        pytest.param(5000, marks=[pytest.mark.long, pytest.mark.thorough]),
+        2000,
+        pytest.param(5000, marks=pytest.mark.nightly),
     ],
 )
 def test_generated_files_mean_what_roslaunch_says(

@@ -33,7 +33,7 @@ NODES = f"""
 <include file="{launch_library()}/n_black_box/launch/n_black_box.launch.xml"/>
 """
 BEFORE = 0.1  # s
-SECONDS = pytest.mark.parametrize("seconds", [3.0, pytest.param(63.0, marks=pytest.mark.long)])
+SECONDS = pytest.mark.parametrize("seconds", [3.0, 63.0])
 
 
 class KilledRun:

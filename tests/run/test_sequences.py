@@ -124,7 +124,6 @@ def test_random_life_leaves_nothing(world: Any, seed: int) -> None:
     live(world, random.Random(seed))
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("block", range(8))  # which processes share
 def test_25_random_lives_leave_nothing(world: Any, block: int) -> None:
     first = int(os.environ.get("UR_FIRST_SEED", "1000")) + 25 * block

@@ -37,7 +37,6 @@ def test_unknown_picture_gets_one_line() -> None:
     assert done.stderr == "error: 'grows' is not known, expected one of map_grows, map_spoiled, map_explored\n"
 
 
-@pytest.mark.long
 def test_spoiled_map_is_as_it_is_pictured(tool: dict[str, Any]) -> None:
     made = np.asarray(tool["make_map_spoiled"]().convert("L")).astype(int)
     committed = np.asarray(Image.open(IMAGES / "map_spoiled.png").convert("L")).astype(int)
@@ -46,7 +45,6 @@ def test_spoiled_map_is_as_it_is_pictured(tool: dict[str, Any]) -> None:
     assert (abs(made - committed) > 40).mean() < 0.02, "run tools/make_map_pictures.py"
 
 
-@pytest.mark.long
 def test_end_of_an_exploration_is_as_it_is_pictured(tool: dict[str, Any]) -> None:
     made, committed = tool["make_map_explored"](), (IMAGES / "map_explored.svg").read_text(encoding="utf-8")
     assert made == committed, "run tools/make_map_pictures.py"

@@ -106,7 +106,6 @@ def test_release_with_locks_that_are_vulnerable_or_not_audited_is_refused(
     assert why in capsys.readouterr().err
 
 
-@pytest.mark.long
 def test_release_is_built_tried_and_tagged_and_a_dry_run_changes_nothing(
     clone: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -13,7 +13,7 @@ import pytest
 from tests.e2e.conftest import ROOT, make_environment
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
-pytestmark = [pytest.mark.ros, pytest.mark.long, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
 
 UR = str(ROOT / "ur")
 

@@ -78,7 +78,6 @@ def test_doctor_names_what_real_nodes_have_wrong(session: Ros2Session) -> None:
     assert "/laptop never receives from /base" in found["ros2-qos"].message
 
 
-@pytest.mark.long
 @pytest.mark.timeout(90)
 def test_survey_waits_for_a_node_that_answers_late(session: Ros2Session, halves: list[subprocess.Popen[bytes]]) -> None:
     late = halves[0]

@@ -25,7 +25,7 @@ CLIENT = str(ROOT / "tests" / "ur_nodes" / "vision" / "client_node.py")
 SEEN = "rendered"  # the namespace of the simulated camera
 WIDTH, HEIGHT = 640, 480
 
-pytestmark = [pytest.mark.ros, pytest.mark.long, pytest.mark.timeout(600)]
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(600)]
 
 
 def write_camera_info(path: Path) -> None:

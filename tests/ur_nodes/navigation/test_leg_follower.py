@@ -125,7 +125,6 @@ def test_track_of_a_robot_that_drove_sideways_is_driven_sideways_back() -> None:
     assert [leg.gear for leg in legs_back(track, 0.5, sideways=True)] == [RIGHT]
 
 
-@pytest.mark.long
 def test_long_robot_drives_through_a_door_beside_it() -> None:
     goal = Pose2(2.6, -0.9, 0.0)
     loop = ClosedLoop(two_rooms(), pose=Pose2(0.4, -1.0, 1.57), outline=LONG)

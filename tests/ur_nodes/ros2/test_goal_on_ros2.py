@@ -69,7 +69,6 @@ def test_robot_drives_to_a_goal_of_rviz(session: Ros2Session, tmp_path: Path) ->
         assert "Traceback" not in log.read_text(), log.name
 
 
-@pytest.mark.long
 @pytest.mark.timeout(400)
 def test_robot_drives_to_a_goal_of_a_client_of_nav2(session: Ros2Session, tmp_path: Path) -> None:
     add_messages(session.environment)

@@ -7,7 +7,6 @@ from tests.ros2_session import PYTHON
 from tests.ur_nodes.ros2.lives import FAULTS, live_all
 
 
-@pytest.mark.long
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize("fault", ["stop", "kill move_base", "second client"])
 def test_robot_comes_to_rest_and_nothing_is_left(fault: str) -> None:

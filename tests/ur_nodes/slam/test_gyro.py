@@ -140,7 +140,6 @@ def test_robot_without_a_gyroscope_has_no_heading() -> None:
     assert not headings.contradicted
 
 
-@pytest.mark.long
 def test_gyroscope_keeps_a_robot_on_the_map_whose_wheels_slip() -> None:
     headings, _, worst = map_rooms(0.0, 1.0, 0.3)
     assert headings.trusted
@@ -148,7 +147,6 @@ def test_gyroscope_keeps_a_robot_on_the_map_whose_wheels_slip() -> None:
     assert map_rooms(0.0, None, 0.3)[2] > 2.0 * worst
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("error", "sign"), [(6.0, -1.0), (0.5, 1.0)])
 def test_gyroscope_that_is_wrong_or_not_needed_changes_nothing(error: float, sign: float) -> None:
     assert map_rooms(math.radians(error), sign)[2] == map_rooms(math.radians(error), None)[2]

@@ -49,8 +49,8 @@ def draw(tracker: MapTracker, first: Pose2) -> Floats:
     ("degrees", "reach", "most"),
     [
         (180, RANGE, 0.05),
-        pytest.param(270, RANGE, 0.03, marks=pytest.mark.long),
-        pytest.param(360, 4.0, 0.05, marks=pytest.mark.long),
+        (270, RANGE, 0.03),
+        (360, 4.0, 0.05),
     ],
 )
 def test_rooms_are_mapped_with_little_sight(degrees: float, reach: float, most: float) -> None:

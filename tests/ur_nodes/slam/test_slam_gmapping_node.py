@@ -188,7 +188,6 @@ def test_lidar_that_sends_nothing_is_left_out_with_a_reason() -> None:
     assert "no scan on rear_scan at the time of that on scan; it is left out" in stage.log()
 
 
-@pytest.mark.long
 def test_robot_that_is_carried_elsewhere_while_it_maps_is_found_and_nothing_is_mapped_double() -> None:
     stage = SlamStage(map_update_interval=1.0)
     stage.drive(0.0, 0.8, 3.0)

@@ -53,7 +53,6 @@ def count_poses(store: MapStore) -> int:
 
 
 @pytest.mark.ros
-@pytest.mark.long
 def test_map_of_a_node_that_is_killed_is_whole_and_continued(ros: RosSession, tmp_path: Path) -> None:
     ros.env["XDG_DATA_HOME"] = str(tmp_path / "data")
     store = own_store(ros.env)

@@ -7,7 +7,6 @@ from tests.docs.chromium import find_chromium
 
 PROGRAM = find_chromium()
 MARKS = [
-    pytest.mark.long,
     pytest.mark.timeout(240),
     pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
 ]

@@ -34,7 +34,7 @@ OPTIONS = {
 RULES = ("--deny", "correctness", "--deny", "eqeqeq", "--deny", "no-var", "--deny", "no-eval", "--deny", "prefer-const")
 LIVE = ("--allow", "no-useless-spread")  # a copy of a live collection of elements is taken for useless
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.timeout(300)]
 
 
 @pytest.fixture(scope="module")

@@ -28,8 +28,8 @@ def _slow(text: str) -> Any:
     "examples",
     [
         500,
-        pytest.param(20_000, marks=pytest.mark.long),
-        pytest.param(50_000, marks=[pytest.mark.long, pytest.mark.thorough]),
+        20_000,
+        pytest.param(50_000, marks=pytest.mark.nightly),
     ],
 )
 def test_fast_parser_reads_what_the_slow_one_reads(examples: int) -> None:

@@ -30,7 +30,6 @@ def test_calibration_is_found_within_one_percent() -> None:
     assert_good(solve(VIEWS, BOARD))
 
 
-@pytest.mark.long
 @pytest.mark.timeout(400)
 def test_calibration_of_rendered_pictures_is_found_within_one_percent() -> None:
     studio, session = Studio(BOARD), CalibrationSession(BOARD)

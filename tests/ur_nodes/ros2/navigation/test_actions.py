@@ -13,7 +13,7 @@ import pytest
 from tests.ros2_messages import add_messages
 from tests.ros2_session import PYTHON, Ros2Session
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.timeout(300)]
 HERE = Path(__file__).parent
 SUCCEEDED, CANCELLED, ABORTED = 4, 5, 6
 

@@ -15,7 +15,7 @@ from tests.ros2_session import PYTHON, Ros2Session
 from ur.maps.picture_file import write_picture
 from ur_nodes.geometry.grid import load_map
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.timeout(300)]
 HERE = Path(__file__).parent
 MISSING, FAILED = 1, 255
 

@@ -122,7 +122,6 @@ def map_until_killed(folder: Path, turns: Connection) -> None:
         turns.recv()
 
 
-@pytest.mark.long
 def test_program_that_is_killed_at_twenty_points_loses_at_most_five_seconds_each_time(tmp_path: Path) -> None:
     random = np.random.default_rng(0)
     context = multiprocessing.get_context("fork")
