@@ -78,9 +78,7 @@ def test_name_of_a_test_is_on_one_line() -> None:
     assert name_of("a.py::f[ä\t\n]") == "a.py::f[\\xe4\\t\\n]"
 
 
-def test_unlisted_test_that_takes_seconds_fails_by_name(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_unlisted_test_that_takes_seconds_fails_by_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     times = tmp_path / "times.tsv"
     times.write_text("9.5\ttests/test_new.py::test_that_is_slow\n0.1\ttests/test_new.py::test_other\n")
     assert main([str(times)]) == 1

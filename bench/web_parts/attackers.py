@@ -85,6 +85,25 @@ class Attack:
         many = self._head("GET /login") * 2000
         self._repeat(lambda _: self._ask(many), THREADS)
 
+    def heads(self) -> None:
+        """Send heads of 31 kB with cookies that almost are those of a session."""
+        large = self._head_of_cookies()
+        self._repeat(lambda _: self._ask(large), THREADS)
+
+    def addresses(self) -> None:
+        """Connect from 200 addresses: large heads, idle connections, logins and sockets without a session."""
+        wrong = json.dumps({"token": "x" * 24}).encode()
+        upgrade = "Connection: Upgrade\r\nUpgrade: websocket\r\n"
+        kinds = [
+            self._head_of_cookies(), self._head("POST /login", len(wrong)) + wrong, b"GET /login HTTP/1.1\r\nHost: loc",
+            self._head("GET /ws/drive", more=upgrade), self._head("POST /mcp"),
+        ]  # fmt: skip
+        self._repeat(lambda number: self._ask(kinds[number % len(kinds)], f"127.0.1.{1 + number % 200}"), THREADS)
+
+    def _head_of_cookies(self) -> bytes:
+        near = "; ".join([f"ur_web_{self._port}={129 * 'a'}"] * 220)
+        return self._head("GET /login", more=f"Cookie: {near}\r\n")
+
     def logins(self) -> None:
         """Log in with tokens that are wrong."""
         wrong = json.dumps({"token": "x" * 24}).encode()
@@ -122,8 +141,8 @@ class Attack:
         host = host or f"localhost:{self._port}"
         return HEAD.format(line=line, host=host, port=self._port, more=more, size=size).encode()
 
-    def _ask(self, data: bytes) -> None:
-        with suppress(OSError), socket.create_connection(("127.0.0.1", self._port), 5.0) as sock:
+    def _ask(self, data: bytes, source: str = "127.0.0.1") -> None:
+        with suppress(OSError), socket.create_connection(("127.0.0.1", self._port), 5.0, (source, 0)) as sock:
             with suppress(OSError):
                 sock.sendall(data)
             while sock.recv(1 << 16):
@@ -171,7 +190,20 @@ def _is_open(sock: socket.socket, drip: bytes) -> bool:
     return False
 
 
-KINDS = ("none", "packed", "idle", "half", "slow", "body", "requests", "pipeline", "logins", "site")
+KINDS = (
+    "none",
+    "packed",
+    "idle",
+    "half",
+    "slow",
+    "body",
+    "requests",
+    "pipeline",
+    "heads",
+    "addresses",
+    "logins",
+    "site",
+)
 
 
 def main() -> None:

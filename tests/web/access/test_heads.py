@@ -51,3 +51,13 @@ def test_malformed_request_lines_have_no_target() -> None:
     found = find_head(b"\r\n\r\n")
     assert found is not None
     assert found.target == b""
+
+
+def test_cookies_that_almost_match_are_looked_at_a_few_times_only() -> None:
+    near = b"; ".join([b"ur_web_8090=" + 129 * b"a"] * 220)
+    found = find_head(HEAD % near)
+    assert found is not None
+    assert find_cookies(found, "ur_web_8090") == []
+    found = find_head(HEAD % (b"ur_web_8090=abc; " + near))
+    assert found is not None
+    assert find_cookies(found, "ur_web_8090") == ["abc"]

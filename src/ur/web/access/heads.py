@@ -16,7 +16,9 @@ _LENGTH = re.compile(rb"\r\ncontent-length:[ \t]*(\d{1,9})[ \t]*(?=\r\n)", re.IG
 _ENCODING = re.compile(rb"\r\ntransfer-encoding:", re.IGNORECASE)
 _COOKIES = re.compile(rb"\r\ncookie:([^\r\n]*)", re.IGNORECASE)
 _BEARER = re.compile(rb"\r\nauthorization:[ \t]*bearer[ \t]+([\w-]{1,128})[ \t]*(?=\r\n)", re.IGNORECASE | re.ASCII)
-_MOST_SECRETS = 4
+_SECRET = re.compile(rb'"?([\w-]{1,128})"?(?=[ \t]*(?:;|$))', re.ASCII)
+_MOST_COOKIES = 8
+"""Cookies with the name of a session that are looked at in a head."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,12 +48,17 @@ def find_head(buffer: bytes | bytearray, before: int = 0) -> Head | None:
 
 
 def find_cookies(head: Head, name: str) -> list[str]:
-    """Return the values of the first few cookies with this name."""
-    pattern = re.compile(
-        rb"(?:^|;)[ \t]*" + re.escape(name.encode()) + rb'="?([\w-]{1,128})"?(?=[ \t]*(?:;|$))', re.ASCII
-    )
-    found = [value for line in _COOKIES.findall(head.data)[:_MOST_SECRETS] for value in pattern.findall(line)]
-    return [value.decode() for value in found[:_MOST_SECRETS]]
+    """Return the values of the first few cookies with this name, in a time that grows with the head's length only."""
+    wanted, found, looked_at = name.encode() + b"=", [], 0
+    for line in _COOKIES.findall(head.data)[:_MOST_COOKIES]:
+        at = line.find(wanted)
+        while at >= 0 and looked_at < _MOST_COOKIES:
+            looked_at += 1
+            value = _SECRET.match(line, at + len(wanted))
+            if value is not None and line[:at].rstrip(b" \t")[-1:] in (b"", b";"):
+                found.append(value[1].decode())
+            at = line.find(wanted, at + len(wanted))
+    return found
 
 
 def find_bearer(head: Head) -> str | None:

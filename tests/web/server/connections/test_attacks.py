@@ -23,6 +23,7 @@ aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requi
 from tests.fakes.page_server import PageServer  # noqa: E402
 from tests.web.server.robot_ends import IdleRobotEnd, keep  # noqa: E402
 
+from ur.web.access.heads import Head  # noqa: E402
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.rate import Buckets  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
@@ -145,6 +146,25 @@ async def test_requests_without_a_login_are_limited_and_never_those_of_a_session
             assert (await again.receive_json(timeout=30))["t"] == "hello"
         assert not drive.closed
     assert len(server.log) < 50
+
+
+async def test_large_heads_without_a_login_are_few_and_a_session_is_served(server: AttackedServer) -> None:
+    recognised = list[Head]()
+    recognise = server.listener._recognise
+
+    def note(head: Head) -> bool:
+        recognised.append(head)
+        return recognise(head)
+
+    server.listener._recognise = note
+    server.listener._large = Buckets(0.0, 10.0)
+    near = "; ".join([f"ur_web_{server.port}={129 * 'a'}"] * 220)
+    answers = [await server.answer(server.request("GET /login", b"", f"Cookie: {near}")) for _ in range(30)]
+    assert [bool(each) for each in answers] == [True] * 10 + [False] * 20
+    assert len(recognised) == 10
+    async with await server.open_client() as client:
+        server.stopped.clear()
+        await server.stop(client)
 
 
 async def test_session_that_asks_too_much_limits_itself_only_and_can_stop(server: AttackedServer) -> None:

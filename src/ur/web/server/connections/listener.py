@@ -2,9 +2,9 @@
 
 A connection waits here until the head of its first request is complete. One whose head contains the secret of a session
 is handed over at once and without limits. All others are limited in number, rate, size of head and body, and time; and
-each of them serves one request. If there are too many, the oldest ones of the address with the most connections are
-dropped: so a new connection of a session is always accepted, and has time until hundreds of others have arrived from
-its address.
+each of them serves one request. Large heads have lower rates, which are drawn from before a secret is looked for. If
+there are too many connections, the oldest ones of the address with the most are dropped: so a new connection of a
+session is always accepted, and has time until hundreds of others have arrived from its address.
 """
 
 from __future__ import annotations
@@ -31,10 +31,13 @@ MOST_WAITING = 512  # connections whose first head is not complete
 _MOST_SERVED = 32  # connections without a session whose request the HTTP server is processing
 _MOST_CLOSING, _CLOSE_LIMIT = 64, 1.0  # s for which a refused connection may still send
 _MOST_READS = 64  # pieces of a head
-_AT_ONCE = 64  # connections accepted in one go before others are served
+_AT_ONCE = 8  # connections accepted in one go before others are served
 _BACKLOG = 1024
 _RATE, _BURST = 50.0, 200.0  # requests of an address without a session, a second
 _RATE_OF_ALL, _BURST_OF_ALL = 100.0, 400.0
+_LARGE = 8192  # bytes of a head that is read only at these rates
+_LARGE_RATE, _LARGE_BURST = 5.0, 10.0
+_LARGE_RATE_OF_ALL, _LARGE_BURST_OF_ALL = 20.0, 40.0
 _SWEEP_EVERY = 1.0  # s
 _RETRY = 0.2  # s after an accept has failed
 _NO_ROOM = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
@@ -85,6 +88,8 @@ class ConnectionListener:
         self._tasks: set[asyncio.Task[None]] = set()
         self._rates = Buckets(_RATE, _BURST)
         self._rate_of_all = make_bucket(_RATE_OF_ALL, _BURST_OF_ALL, self._loop.time())
+        self._large = Buckets(_LARGE_RATE, _LARGE_BURST)
+        self._large_of_all = make_bucket(_LARGE_RATE_OF_ALL, _LARGE_BURST_OF_ALL, self._loop.time())
         self._sweeping: asyncio.TimerHandle | None = None
 
     def open(self, host: str, port: int) -> None:
@@ -164,13 +169,25 @@ class ConnectionListener:
         waiting.buffer += data
         if not data or waiting.reads > _MOST_READS:
             self._drop(waiting)
-        elif waiting.head is not None:
+            return
+        if waiting.head is not None:
             self._complete(waiting, waiting.head)
-        elif (head := find_head(waiting.buffer, before)) is not None:
+            return
+        head = find_head(waiting.buffer, before)
+        size = len(waiting.buffer) if head is None else len(head.data)
+        if size > LONGEST or (before <= _LARGE < size and not self._may_be_large(waiting)):
+            self._drop(waiting)
+        elif head is not None:
             waiting.head = head
             self._judge(waiting, head)
-        elif len(waiting.buffer) > LONGEST:
-            self._drop(waiting)
+
+    def _may_be_large(self, waiting: _Waiting) -> bool:
+        """Draw for a large head, from those of its address and from those of all."""
+        now = self._loop.time()
+        if not self._large.allows(waiting.address, now):
+            return False
+        self._large_of_all, allowed = draw(self._large_of_all, now)
+        return allowed
 
     def _judge(self, waiting: _Waiting, head: Head) -> None:
         """Decide on a connection by the head of its first request."""
