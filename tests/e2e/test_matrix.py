@@ -1,11 +1,11 @@
-"""Every program on every base and variant on ROS 1, on the simplest base on ROS 2: topics, rates, frames, a clean end.
+"""Every program on every base and variant, on ROS 1 and on ROS 2: topics, rates, frames, a clean end.
 
-`bench/matrix` runs the same cells and prints them, `bench/matrix --ros 2` those of every base on ROS 2, which take as
-long again; `docs/reference/programs.md` shows what is expected.
+`bench/matrix [--ros 2]` runs the same cells and prints them; `docs/reference/programs.md` shows what is expected.
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from pathlib import Path
 
 import pytest
@@ -13,25 +13,42 @@ from tests.e2e.matrix_cell import try_cell
 from tests.e2e.matrix_table import Cell, list_all_bases, load_cells
 from tests.ros2_session import PYTHON, free_domain
 
-SAMPLE = {  # the default suite's: one that runs and one that is refused; on ROS 2 one that runs
-    "1": ("robot_base-stage", "rviz_sonar-stage"),
-    "2": ("robot_base-stage",),
-}
+from ur.request.bases.needs import describe_base
+
 CELLS = load_cells(list_all_bases())
-CELLS_OF = {"1": CELLS, "2": [cell for cell in CELLS if cell.name.endswith("-stage")]}
+DEFAULT = ("robot_base-stage", "rviz_sonar-stage")
+"""Cells of the default suite: one that runs and one that is refused; on ROS 2 the first one."""
+ROS_1 = {
+    cell.name
+    for cell in CELLS
+    if cell.base.name == "stage"
+    or cell.program.name == "robot_base"
+    or (
+        cell.program.name in ("keyboard_drive", "keyboard_navigate", "make_map")
+        and describe_base(cell.base) in ("botvac", "magni", "magni:lidar")
+    )
+}
+"""Cells of .ci/run: every program, every base, and programs that depend on the sensors with and without a lidar."""
+ROS_2 = {
+    f"{program}-stage"
+    for program in ("keyboard_drive", "keyboard_navigate", "local_costmap", "make_map", "raspicam", "robot_base")
+}
 
 
-def _parameters(ros: str) -> list[object]:
-    sample = SAMPLE[ros]
+def _parameters(default: Collection[str], sample: Collection[str]) -> list[object]:
+    """All cells; those outside of the sample are for tests/nightly."""
+    long, nightly = pytest.mark.long, pytest.mark.nightly
     return [
-        pytest.param(cell, id=cell.name, marks=[] if cell.name in sample else [pytest.mark.long])
-        for cell in CELLS_OF[ros]
+        pytest.param(
+            cell, id=cell.name, marks=[] if cell.name in default else [long] if cell.name in sample else [long, nightly]
+        )
+        for cell in CELLS
     ]
 
 
 @pytest.mark.ros
 @pytest.mark.timeout(400)
-@pytest.mark.parametrize("cell", _parameters("1"))
+@pytest.mark.parametrize("cell", _parameters(DEFAULT, ROS_1))
 def test_program_runs_on_base_or_says_what_it_lacks(cell: Cell, tmp_path: Path) -> None:
     result = try_cell(cell, tmp_path)
     assert not result.faults, "\n".join(result.faults)
@@ -39,7 +56,7 @@ def test_program_runs_on_base_or_says_what_it_lacks(cell: Cell, tmp_path: Path) 
 
 @pytest.mark.timeout(400)
 @pytest.mark.skipif(not PYTHON.exists(), reason="no wheels of ROS 2 for this processor")
-@pytest.mark.parametrize("cell", _parameters("2"))
+@pytest.mark.parametrize("cell", _parameters(DEFAULT[:1], ROS_2))
 def test_program_runs_on_base_or_says_what_it_lacks_on_ros_2(cell: Cell, tmp_path: Path) -> None:
     result = try_cell(cell, tmp_path, domain=free_domain())
     assert not result.faults, "\n".join(result.faults)
