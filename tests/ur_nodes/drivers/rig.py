@@ -6,11 +6,12 @@ The line has the faults of real ones: unplugged, noise, lost halves of frames, a
 from __future__ import annotations
 
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import pytest
 from tests.ur_nodes.first_drive.stage import DrivenStage
 
 from ur.robot.base import Base
@@ -29,6 +30,12 @@ from ur_nodes.simulator.operation import Operation
 from ur_nodes.simulator.settings import read_settings
 
 GUARD = 0.15  # s, as the guard process
+
+
+def one_of(names: Iterable[str], name: str) -> list[object]:
+    """Parameters for devices of one kind: the other names are for tests/nightly."""
+    others = [pytest.mark.long, pytest.mark.nightly]
+    return [pytest.param(each, marks=[] if each == name else others) for each in sorted(names)]
 
 
 @dataclass

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from tests.ur_nodes.drivers.guarded import GuardedBoard
+from tests.ur_nodes.drivers.rig import one_of
 from tests.ur_nodes.drivers.threads import ThreadedNode
 
 from ur_nodes.drivers.boards import BOARDS
@@ -18,7 +19,7 @@ from ur_nodes.drivers.lines.serial_line import SerialLine
 from ur_nodes.simulator.devices.terminal import DeviceTerminal
 
 
-@pytest.mark.parametrize("name", sorted(BOARDS))
+@pytest.mark.parametrize("name", one_of(BOARDS, "magni"))
 def test_motors_stop_when_the_driver_stalls_or_is_killed_and_not_before(name: str, tmp_path: Path) -> None:
     with GuardedBoard(name, tmp_path / "device") as board:
         board.run_until(lambda: len(board.turned) > 10)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from tests.robot.doctor.pairs import ROBOT
+from tests.ur_nodes.drivers.rig import one_of
 from tests.ur_nodes.drivers.test_base_driver import make_rig
 
 from ur.devices.driver_health import OBSERVE_DRIVERS, DriverHealth, health_file, parse_drivers, write_health
@@ -26,7 +27,7 @@ def last(reports: list[DriverHealth]) -> DriverHealth:
     return reports[-1]
 
 
-@pytest.mark.parametrize("name", sorted(BOARDS))
+@pytest.mark.parametrize("name", one_of(BOARDS, "magni"))
 def test_board_is_reported_with_firmware_frames_and_battery(name: str) -> None:
     reports: list[DriverHealth] = []
     rig = make_rig(name, reports.append)
@@ -41,7 +42,7 @@ def test_board_is_reported_with_firmware_frames_and_battery(name: str) -> None:
     assert (health.problem, health.held, health.empty) == ("", "", False)
 
 
-@pytest.mark.parametrize("name", sorted(BOARDS))
+@pytest.mark.parametrize("name", one_of(BOARDS, "magni"))
 def test_noise_is_counted_and_an_unplugged_board_is_reported_with_the_reason(name: str) -> None:
     reports: list[DriverHealth] = []
     rig = make_rig(name, reports.append)
