@@ -29,22 +29,27 @@ def _without_ros(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("failure", MARKED, ids=lambda each: each.__name__)
 def test_failure_is_replayed_as_it_was_recorded(failure: Failure, tmp_path: Path) -> None:
     drive, path = record(failure, tmp_path)
-    plan = plan_replay(path, "/move_base")
-    first = replay(plan, find_reader)
-    assert first.differences == []
-    assert first.recorded.endings == first.replayed.endings
     sent = [(time, topic, value) for sender, time, topic, value in drive.wire.sent if sender == "/move_base"]
-    assert len(sent) == pytest.approx(first.sent, abs=5)  # the recording ends DELAY later
-    assert replay(plan, find_reader, sent=len(sent)).digest == fingerprint(sent)
+    report = replay(plan_replay(path, "/move_base"), find_reader, sent=len(sent))
+    assert report.differences == []
+    assert report.recorded.endings == report.replayed.endings
+    assert len(sent) == pytest.approx(report.sent, abs=5)  # the recording ends DELAY later
+    assert report.digest == fingerprint(sent)
     assert shown_in_a_viewer(path) == drive.viewer.shown
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A recording of a goal that was refused."""
+    (failure,) = (each for each in FAILURES if each.__name__ == "goal_in_a_wall")
+    return record(failure, tmp_path_factory.mktemp("failure"))[1]
 
 
 @pytest.mark.parametrize(
     ("module", "reason"), [("ur_nodes.no_such_node", "No module named ur_nodes.no_such_node"), ("this", "it has ended")]
 )
-def test_node_that_does_not_start_is_named_with_the_reason(module: str, reason: str, tmp_path: Path) -> None:
-    (failure,) = (each for each in FAILURES if each.__name__ == "emergency_stop")
-    plan = plan_replay(record(failure, tmp_path)[1], "/move_base")
+def test_node_that_does_not_start_is_named_with_the_reason(module: str, reason: str, recording: Path) -> None:
+    plan = plan_replay(recording, "/move_base")
     nodes = (dataclasses.replace(plan.nodes[0], words=(module,)),)
     with pytest.raises(UserError, match=f"/move_base does not start: .*{reason}"):
         replay(dataclasses.replace(plan, nodes=nodes), find_reader)

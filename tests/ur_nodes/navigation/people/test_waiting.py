@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from copy import deepcopy
 from dataclasses import dataclass, field
 
 import numpy as np
+import pytest
 from tests.ur_nodes.navigation.closed_loop import LIMITS, STAGE
 from tests.ur_nodes.navigation.people.test_tracked_people import FRONT, person
 from tests.ur_nodes.navigation.steering.test_local_plan import window
@@ -71,22 +73,27 @@ def test_the_robot_goes_on_when_they_have_left() -> None:
     assert corridor.speeds[-1] > 0.3
 
 
-def test_the_robot_makes_room_once_for_one_who_does_not_leave() -> None:
-    corridor = Corridor()
-    corridor.drive(4.0, person(2.0, 0.0))
-    stopped = corridor.motion.pose.x
-    corridor.drive(20.0, person(2.0, 0.0))
-    assert min(corridor.speeds) < -0.1
-    assert "making room for people" in corridor.logged
-    corridor.speeds.clear()
-    corridor.drive(10.0, person(2.0, 0.0))
-    assert min(corridor.speeds) >= 0.0
-    assert abs(corridor.motion.pose.x - stopped) < 0.1
+@pytest.fixture(scope="module")
+def blocked() -> list[Corridor]:
+    """A robot before one who does not leave, after 4 s, 24 s and 34 s."""
+    corridor, states = Corridor(), []
+    for seconds in (4.0, 20.0, 10.0):
+        corridor.drive(seconds, person(2.0, 0.0))
+        states.append(deepcopy(corridor))
+    return states
 
 
-def test_the_robot_gives_up_waiting_in_the_end() -> None:
-    corridor = Corridor()
-    corridor.drive(60.0, person(2.0, 0.0))
+def test_the_robot_makes_room_once_for_one_who_does_not_leave(blocked: list[Corridor]) -> None:
+    stopped, room_made, later = blocked
+    assert min(room_made.speeds) < -0.1
+    assert "making room for people" in room_made.logged
+    assert min(later.speeds[len(room_made.speeds) :]) >= 0.0
+    assert abs(later.motion.pose.x - stopped.motion.pose.x) < 0.1
+
+
+def test_the_robot_gives_up_waiting_in_the_end(blocked: list[Corridor]) -> None:
+    corridor = deepcopy(blocked[-1])
+    corridor.drive(26.0, person(2.0, 0.0))
     assert any("people are in the way" in line for line in corridor.logged)
 
 
