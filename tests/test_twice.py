@@ -14,6 +14,7 @@ from tools.second_tries import read_entries
 ROOT = Path(__file__).parents[1]
 _FAKE = """\
 #!/bin/bash
+printf '%s\\n' "$*" >>arguments
 mkdir -p .pytest_cache/v/cache
 if [[ -e mended ]]; then exit 0; fi
 {
@@ -41,7 +42,7 @@ def tree(tmp_path: Path) -> Path:
 
 
 def run_twice(tree: Path, *arguments: str, lasting: str = "", failed: str = "") -> subprocess.CompletedProcess[str]:
-    words = [str(tree / "tests" / "twice"), *arguments]
+    words = [str(tree / "tests" / "twice"), *(arguments or ["tests"])]
     environment = {"PATH": "/usr/bin:/bin", "LASTING": lasting, "FAILED": failed}
     return subprocess.run(words, env=environment, capture_output=True, text=True)
 
@@ -59,6 +60,19 @@ def test_test_that_passes_the_second_time_is_recorded_and_its_line_printed(tree:
     assert test == "tests/test_a.py::test_b"
     assert before <= day <= datetime.now(timezone.utc).date()
     assert f'"{test}": {day}' in done.stdout.splitlines()
+
+
+def test_second_try_selects_what_the_first_did_and_looks_at_types_where_that_did(tree: Path) -> None:
+    for name in ("ruff", "mypy"):
+        (tree / ".venv" / "bin" / name).symlink_to("/bin/true")
+    assert run_twice(tree, "--all", "--times", "t").returncode == 0
+    first, second = (tree / "arguments").read_text().splitlines()
+    assert first == "--all --times t"
+    assert second.startswith("-n 0 -m not hosts and not nightly --times t -n 0 --last-failed")
+    (tree / "mended").unlink()
+    (tree / ".venv" / "bin" / "mypy").unlink()
+    (tree / ".venv" / "bin" / "mypy").symlink_to("/bin/false")
+    assert run_twice(tree, "--all").returncode == 1
 
 
 def test_test_that_fails_twice_fails_and_is_not_recorded(tree: Path) -> None:

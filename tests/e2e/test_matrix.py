@@ -16,8 +16,6 @@ from tests.ros2_session import PYTHON, free_domain
 from ur.request.bases.needs import describe_base
 
 CELLS = load_cells(list_all_bases())
-DEFAULT = ("robot_base-stage", "rviz_sonar-stage")
-"""Cells of the default suite: one that runs and one that is refused; on ROS 2 the first one."""
 ROS_1 = {
     cell.name
     for cell in CELLS
@@ -35,20 +33,16 @@ ROS_2 = {
 }
 
 
-def _parameters(default: Collection[str], sample: Collection[str]) -> list[object]:
+def _parameters(sample: Collection[str]) -> list[object]:
     """All cells; those outside of the sample are for tests/nightly."""
-    long, nightly = pytest.mark.long, pytest.mark.nightly
     return [
-        pytest.param(
-            cell, id=cell.name, marks=[] if cell.name in default else [long] if cell.name in sample else [long, nightly]
-        )
-        for cell in CELLS
+        pytest.param(cell, id=cell.name, marks=[] if cell.name in sample else [pytest.mark.nightly]) for cell in CELLS
     ]
 
 
 @pytest.mark.ros
 @pytest.mark.timeout(400)
-@pytest.mark.parametrize("cell", _parameters(DEFAULT, ROS_1))
+@pytest.mark.parametrize("cell", _parameters(ROS_1))
 def test_program_runs_on_base_or_says_what_it_lacks(cell: Cell, tmp_path: Path) -> None:
     result = try_cell(cell, tmp_path)
     assert not result.faults, "\n".join(result.faults)
@@ -56,7 +50,7 @@ def test_program_runs_on_base_or_says_what_it_lacks(cell: Cell, tmp_path: Path) 
 
 @pytest.mark.timeout(400)
 @pytest.mark.skipif(not PYTHON.exists(), reason="no wheels of ROS 2 for this processor")
-@pytest.mark.parametrize("cell", _parameters(DEFAULT[:1], ROS_2))
+@pytest.mark.parametrize("cell", _parameters(ROS_2))
 def test_program_runs_on_base_or_says_what_it_lacks_on_ros_2(cell: Cell, tmp_path: Path) -> None:
     result = try_cell(cell, tmp_path, domain=free_domain())
     assert not result.faults, "\n".join(result.faults)

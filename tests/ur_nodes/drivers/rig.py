@@ -34,8 +34,7 @@ GUARD = 0.15  # s, as the guard process
 
 def one_of(names: Iterable[str], name: str) -> list[object]:
     """Parameters for devices of one kind: the other names are for tests/nightly."""
-    others = [pytest.mark.long, pytest.mark.nightly]
-    return [pytest.param(each, marks=[] if each == name else others) for each in sorted(names)]
+    return [pytest.param(each, marks=[] if each == name else [pytest.mark.nightly]) for each in sorted(names)]
 
 
 @dataclass

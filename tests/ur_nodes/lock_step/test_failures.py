@@ -16,9 +16,7 @@ from ur_nodes.lock_step.digest import fingerprint
 from ur_nodes.lock_step.run import replay
 from ur_nodes.ros1.stored import find_reader
 
-DEFAULT = ("goal_in_a_wall", "blocked_way", "emergency_stop", "kidnapped", "dead_mux")
 Failure = Callable[[FailingDrive], None]
-MARKED = [each if each.__name__ in DEFAULT else pytest.param(each, marks=pytest.mark.long) for each in FAILURES]
 
 
 @pytest.fixture(autouse=True)
@@ -26,7 +24,7 @@ def _without_ros(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_VERSION", "0")
 
 
-@pytest.mark.parametrize("failure", MARKED, ids=lambda each: each.__name__)
+@pytest.mark.parametrize("failure", FAILURES, ids=lambda each: each.__name__)
 def test_failure_is_replayed_as_it_was_recorded(failure: Failure, tmp_path: Path) -> None:
     drive, path = record(failure, tmp_path)
     sent = [(time, topic, value) for sender, time, topic, value in drive.wire.sent if sender == "/move_base"]
