@@ -4,18 +4,29 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from ur.recordings.mcap_channels import Dialect
 from ur.recordings.mcap_file import RecordingFile, RecordingTopic, StoredMessage, open_recording
 from ur.recordings.message_types import MessageTypes
-from ur.recordings.replays import FASTEST, SLOWEST, ReplayCommand, ReplayState, describe_state
+from ur.recordings.replays import (
+    FASTEST,
+    MOST_BYTES,
+    SLOWEST,
+    ReplayCommand,
+    ReplayState,
+    describe_state,
+    read_command,
+    sockets_folder,
+    write_state,
+)
 from ur.source.diagnostic import UserError, error_about
+from ur_nodes.datagram_socket import DatagramSocket
 from ur_nodes.ports.node import Node, Publisher
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Fields
 from ur_nodes.ports.values import ClockTime
-from ur_nodes.replay.control_socket import open_control_socket
 from ur_nodes.replay.player import Player
 
 _STEP = 0.01  # s
@@ -24,6 +35,7 @@ _STATUS_TYPES = ("actionlib_msgs/GoalStatusArray", "std_msgs/msg/String")  # of 
 _NOT_PLAYED = frozenset({"/rosout", "/rosout_agg", "/clock"})
 _PRINT_EVERY = 10.0  # s
 _WARN_EVERY = 60.0  # s
+_CONTROL_EVERY = 0.05  # s
 
 
 class ReplayNode:
@@ -143,3 +155,16 @@ class ReplayNode:
 
 def _can_be_sent(topic: RecordingTopic) -> bool:
     return bool(topic.type_name) and topic.encoding in ("ros1", "cdr")
+
+
+def open_control_socket(
+    node: Node, environment: Mapping[str, str], take: Callable[[ReplayCommand], ReplayState]
+) -> DatagramSocket:
+    """Open the socket for commands of `ur replay`; each is passed to `take`, and answered with the state after it."""
+
+    def take_datagram(data: bytes) -> bytes:
+        command = read_command(data)
+        return b"" if command is None else write_state(take(command))
+
+    without = "'ur replay --pause' and others have no effect"
+    return DatagramSocket(node, sockets_folder(environment), _CONTROL_EVERY, MOST_BYTES, take_datagram, without)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass
 
-from ur.check.findings.comments import check_comments
 from ur.check.findings.merge import Hit, merge_hits
 from ur.check.findings.suppress import Suppression, Suppressions
 from ur.check.rule import Rule
 from ur.check.worlds import Question
 from ur.source.diagnostic import Diagnostic
+from ur.source.suggest import did_you_mean
 
 Unit = tuple[int, str]
 """A kind and a path: a file or package that is checked at once."""
@@ -81,3 +81,27 @@ class FindingIndex:
 
 def _path_of(hit: Hit) -> str:
     return hit.found.span.file.path if hit.found.span is not None else ""
+
+
+def check_comments(
+    comments: Iterable[Suppression], used: Suppressions | None, rules: Mapping[str, Rule]
+) -> Iterator[Diagnostic]:
+    """Check comments; with `used`, after all rules have run, also report unused ones."""
+    for each in comments:
+        if each.problem:
+            message = f"this comment hides nothing: {each.problem}"
+            yield _finding(rules["bad-suppression"], message, each, "write ur: ignore RULE: REASON", "")
+        for rule in each.rules:
+            if rule not in rules:
+                near = did_you_mean(rule, rules)
+                help_ = f"did you mean {near}?" if near else "docs/reference/rules/index.md lists the rules"
+                yield _finding(rules["bad-suppression"], f"there is no rule '{rule}'", each, help_, rule)
+    for each, rule in used.unused() if used is not None else ():
+        if rule in rules:
+            message = f"nothing is found that this comment could hide for '{rule}'"
+            help_ = "remove it, or `ur check --fix` does"
+            yield _finding(rules["unused-suppression"], message, each, help_, rule)
+
+
+def _finding(rule: Rule, message: str, each: Suppression, help_: str, subject: str) -> Diagnostic:
+    return Diagnostic(rule.severity, message, rule.id, each.span, (), help_, subject)

@@ -15,7 +15,6 @@ from ur_nodes.motion.admission.admission import (
     admit_stamped,
     challenge,
 )
-from ur_nodes.motion.admission.foreign import ForeignCommands
 from ur_nodes.motion.admission.probation import LockRelease, rate_needed, step_lock_release
 from ur_nodes.motion.admission.reports import DropReports
 from ur_nodes.motion.challenge.freshness import IssuedChallenges
@@ -23,8 +22,9 @@ from ur_nodes.motion.lease.record import LeaseRecord, start_lease
 from ur_nodes.motion.lease.store import make_store
 from ur_nodes.motion.lease.text import FREE, Lease, read_lease, read_request, write_lease
 from ur_nodes.motion.mux_events import Event, LockMessage, MuxSettings, Velocity, VelocityCommand, slow_to
+from ur_nodes.motion.velocity_kind import KindWatch
 from ur_nodes.motion.writes import AsideLog, Writes, attempt
-from ur_nodes.ports.node import SECOND, Node, Sender
+from ur_nodes.ports.node import SECOND, Node, Sender, Subscription
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import StampedTwist, Time, Twist
 
@@ -210,3 +210,26 @@ def _name(sender: Sender | None) -> str:
 def _publisher(sender: Sender | None) -> str:
     """The name of a publisher and its id, which distinguishes it from another of that name."""
     return f"{sender.name}{_ID}{sender.id}" if sender else ""
+
+
+class ForeignCommands:
+    """Commands that third-party programs send to the base itself, on a topic that the mux has taken over.
+
+    Subscribes to Twist or TwistStamped, depending on the publishers; the stamp in a header is not trusted.
+    """
+
+    def __init__(self, node: Node, topic: str, take: Callable[[Twist, Sender | None], None]) -> None:
+        self._node, self._topic, self._take = node, topic, take
+        self._subscription: Subscription | None = None
+        KindWatch(node, topic, node.kinds_sent, self._use, "commands are read as NAME, which programs send")
+
+    def _use(self, kind: type) -> None:
+        if self._subscription is not None:
+            self._subscription.close()
+        # Every command counts: a cluster has to be seen as one.
+        if kind is Twist:
+            self._subscription = self._node.subscribe_from(self._topic, Twist, self._take, Quality.EVERY)
+        else:
+            self._subscription = self._node.subscribe_from(
+                self._topic, StampedTwist, lambda value, sender: self._take(value.twist, sender), Quality.EVERY
+            )

@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 from ur_nodes.geometry.difference import describe_places
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.mapping.save_requests import SaveRequests
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.services import AskMap
+from ur_nodes.ports.services import AskMap, Pause
 from ur_nodes.ports.values import Map, MapInfo, Result
-from ur_nodes.slam.gmapping.requests import SlamRequests
 from ur_nodes.slam.gmapping.settings import GmappingSettings
 from ur_nodes.slam.gmapping.slam import Slam
 from ur_nodes.slam.map_state import MapState
@@ -82,3 +82,18 @@ class GridMapOutput:
         missing = Result(False, "there is no map yet; is the lidar driver running?")
         frame = self._settings.map_frame
         self._picture(lambda grid: give(Result(True, value=Map(self._node.now(), frame, grid)) if grid else missing))
+
+
+class SlamRequests:
+    """Serves clients of slam_toolbox that pause the mapping and save its map; `paused` while scans are ignored."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self.paused = False
+        self._saves = SaveRequests(node, own="slam_toolbox/save_map")
+        node.serve("slam_toolbox/pause_new_measurements", Pause, self._pause)
+
+    def _pause(self, _request: Pause) -> Result:
+        self.paused = not self.paused
+        self._node.log.info("scans are not used any more" if self.paused else "scans are used again")
+        return Result(success=True)
