@@ -1,8 +1,8 @@
 """Tests in several processes that share one collection: pytest -n N.
 
 This process collects, and forks N workers, which run what it hands them: a file at a time, for the fixtures that its
-tests share, or one slow test that shares none. pytest-xdist collects once in each worker, which took a tenth of the
-time of all tests.
+tests share, a folder where these have the scope of a package, or one slow test that shares none. pytest-xdist collects
+once in each worker, which took a tenth of the time of all tests.
 """
 
 from __future__ import annotations
@@ -50,9 +50,11 @@ def pytest_runtestloop(session: pytest.Session) -> bool | None:
 def group_items(items: Sequence[pytest.Item]) -> list[list[int]]:
     """Return the indices of items that stay in one process, first those that wait for programs they start."""
     groups: dict[str, list[int]] = {}
+    folders = {file_of(item): folder for item in items if (folder := folder_of_fixtures(item))}
     for index, item in enumerate(items):
         alone = item.get_closest_marker("slow") and not item.get_closest_marker("hosts") and not shares_fixtures(item)
-        groups.setdefault(item.nodeid if alone else item.nodeid.partition("::")[0], []).append(index)
+        name = item.nodeid if alone else folders.get(file_of(item), file_of(item))
+        groups.setdefault(name, []).append(index)
 
     def waits(group: list[int]) -> bool:
         return any(items[index].get_closest_marker("ros") is not None for index in group)
@@ -60,11 +62,25 @@ def group_items(items: Sequence[pytest.Item]) -> list[list[int]]:
     return sorted(groups.values(), key=lambda each: not waits(each))
 
 
+def file_of(item: pytest.Item) -> str:
+    """Return the file of a test, as it is in its id."""
+    return item.nodeid.partition("::")[0]
+
+
 def shares_fixtures(item: pytest.Item) -> bool:
-    """Return whether a test uses what is set up once for its file."""
+    """Return whether a test uses what is set up once for its file or folder."""
+    return any(each.scope in ("module", "class", "package") for each in _fixtures_of(item))
+
+
+def folder_of_fixtures(item: pytest.Item) -> str:
+    """Return the folder that sets up what a test uses once for all its files; '' without that."""
+    folders = (each.baseid for each in _fixtures_of(item) if each.scope == "package" and each.baseid)
+    return min(folders, key=len, default="")
+
+
+def _fixtures_of(item: pytest.Item) -> list[Any]:
     found: Any = getattr(item, "_fixtureinfo", None)
-    used = found.name2fixturedefs.values() if found else ()
-    return any(each[-1].scope in ("module", "class") for each in used if each)
+    return [each[-1] for each in found.name2fixturedefs.values() if each] if found else []
 
 
 @dataclass(eq=False)

@@ -125,6 +125,25 @@ def test_slow_tests_that_share_a_fixture_run_in_one_process(tmp_path: Path) -> N
     assert len(set(pids)) == 1
 
 
+def test_files_of_a_folder_that_share_a_fixture_run_in_one_process(tmp_path: Path) -> None:
+    rules = tmp_path / "rules"
+    rules.mkdir()
+    fixture = """
+        import pytest
+        @pytest.fixture(scope="package")
+        def facts():
+            open("made", "a").write("x")
+        """
+    use = "def test_one(facts): pass\ndef test_other(): pass\n"
+    write(tmp_path, test_x="def test_x(): pass\n", test_y="def test_y(): pass\n")
+    write(rules, conftest=fixture, **{f"test_{name}": use for name in "abcd"})
+    (rules / "pytest.ini").unlink()
+    code, output = run(tmp_path, "-n", "3")
+    assert code == 0, output
+    assert "10 passed" in output
+    assert (tmp_path / "made").read_text() == "x"
+
+
 def test_test_that_ends_its_process_has_failed_and_the_others_run(tmp_path: Path) -> None:
     write(
         tmp_path,

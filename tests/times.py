@@ -1,7 +1,8 @@
 """Processor time of each test: pytest --times FILE.
 
 A line a test, `SECONDS<tab>ID`: user and system time of the process and of the processes that it has started, as if the
-test ran alone. What fixtures of a module, a class or the session take is added to each test that uses them.
+test ran alone. What fixtures of a module, a class or the session take is added to each test that uses them; that of a
+package is divided among its tests, which always run together.
 """
 
 from __future__ import annotations
@@ -57,6 +58,8 @@ class _Times:
         self._path = path
         self._fixtures: dict[object, float] = {}
         """Seconds of each shared fixture, what it uses itself left out."""
+        self._users: dict[object, int] = {}
+        """Tests of this run that use a fixture of a package."""
         self._nested = 0.0
         """Seconds of shared fixtures in the test that runs."""
         self._end = -1.0
@@ -82,11 +85,18 @@ class _Times:
         finally:
             self._end = read_processor_time()
             own = self._end - before - self._nested
-            shared = sum(self._fixtures.get(each, 0.0) for each in _fixtures_of(item))
+            shared = sum(self._fixtures.get(each, 0.0) / self._count_users(each, item) for each in _fixtures_of(item))
             with self._path.open("a", encoding="utf-8") as file:
                 file.write(f"{own + shared:.3f}\t{name_of(item.nodeid)}\n")
 
+    def _count_users(self, fixture: pytest.FixtureDef[Any], item: pytest.Item) -> int:
+        if fixture.scope != "package":
+            return 1
+        if fixture not in self._users:
+            self._users[fixture] = sum(fixture in _fixtures_of(each) for each in item.session.items)
+        return self._users[fixture]
 
-def _fixtures_of(item: pytest.Item) -> set[object]:
+
+def _fixtures_of(item: pytest.Item) -> set[pytest.FixtureDef[Any]]:
     found: Any = getattr(item, "_fixtureinfo", None)
     return {each[-1] for each in found.name2fixturedefs.values() if each} if found else set()
