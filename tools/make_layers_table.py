@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write the column "may import" of docs/reference/layers.md from the table that tests/test_layers.py enforces."""
+"""Write the column "may import" of docs/reference/layers.md from the table that tests/form/test_layers.py enforces."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ PAGE = ROOT / "docs" / "reference" / "layers.md"
 def main() -> None:
     """Rewrite the page. A package without a row is named on standard error."""
     sys.path.insert(0, str(ROOT))
-    from tests.test_layers import MAY_IMPORT
+    from tests.form.test_layers import MAY_IMPORT
 
     missing = set(MAY_IMPORT)
 

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from tests.test_layers import MAY_IMPORT
+from tests.form.test_layers import MAY_IMPORT
 
 ROOT = Path(__file__).parents[2]
 SRC = ROOT / "src"

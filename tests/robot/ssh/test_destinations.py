@@ -2,39 +2,16 @@
 
 from __future__ import annotations
 
-import ast
 import re
 from pathlib import Path
 
 import pytest
 
-from ur.robot.doctor.observe import STRICT as DOCTOR
-from ur.robot.setup.verify import STRICT as VERIFY
 from ur.robot.ssh.address import Address, parse_address
 from ur.robot.ssh.openssh import SshShell
 from ur.source import UserError
 
 SOURCE = Path(__file__).parents[3] / "src"
-# The words before the address, and the master of a shared connection, which get theirs later.
-PARTS = {"openssh.py"}
-
-
-def ssh_commands() -> list[tuple[str, str]]:
-    return [
-        (path.name, ast.unparse(node))
-        for path in SOURCE.rglob("*.py")
-        if "ssh" in (text := path.read_text())
-        for node in ast.walk(ast.parse(text))
-        if isinstance(node, ast.List) and any(isinstance(e, ast.Constant) and e.value == "ssh" for e in node.elts)
-    ]
-
-
-def test_every_ssh_command_ends_its_options() -> None:
-    commands = ssh_commands()
-    assert len(commands) > 5
-    assert [text for name, text in commands if name not in PARTS and "'--'" not in text] == []
-    assert DOCTOR.endswith(" --")
-    assert VERIFY.endswith(" --")
 
 
 def test_shared_connection_ends_its_options() -> None:

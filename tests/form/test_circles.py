@@ -2,44 +2,26 @@
 
 from __future__ import annotations
 
-import ast
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Set
 from graphlib import CycleError, TopologicalSorter
 from itertools import pairwise
-from pathlib import Path
 
 import pytest
-from tests.test_layers import MODULES
+from tests.form.facts import Facts, find_facts
+from tests.form.test_layers import module_of
 
 Imports = Mapping[str, str]
 """Imported modules with the kind of the import: `at the top`, `in a function`, `for types`."""
 
 
-def find_imports(text: str) -> Imports:
+def find_imports(facts: Facts, known: Set[str]) -> Imports:
     found: dict[str, str] = {}
-    for node, kind in walk(ast.parse(text), "at the top"):
-        if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
-        else:
-            names = [
-                name if (name := f"{node.module}.{alias.name}") in MODULES else str(node.module) for alias in node.names
-            ]
-        for name in names:
-            found[name] = min(found.get(name, kind), kind)  # alphabetical: the top comes first
+    for each in facts.imports:
+        names = [name if (name := f"{each.module}.{inner}") in known else each.module for inner in each.names]
+        for name in names or [each.module]:
+            found[name] = min(found.get(name, each.kind), each.kind)  # alphabetical: the top comes first
     return found
-
-
-def walk(node: ast.AST, kind: str) -> Iterator[tuple[ast.Import | ast.ImportFrom, str]]:
-    for each in ast.iter_child_nodes(node):
-        if isinstance(each, ast.Import | ast.ImportFrom):
-            yield each, kind
-        elif isinstance(each, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
-            yield from walk(each, "in a function")
-        elif isinstance(each, ast.If) and "TYPE_CHECKING" in ast.unparse(each.test):
-            yield from walk(each, "for types")
-        else:
-            yield from walk(each, kind)
 
 
 def find_circle(imports: Mapping[str, Imports]) -> str:
@@ -92,8 +74,9 @@ def reach(graph: Mapping[str, set[str]], start: str) -> set[str]:
 
 
 @pytest.fixture(scope="module")
-def imports() -> dict[str, Imports]:
-    return {module: find_imports(Path(path).read_text(encoding="utf-8")) for module, path in MODULES.items()}
+def imports(modules: Mapping[str, Facts]) -> dict[str, Imports]:
+    known = {*map(module_of, modules)}
+    return {module_of(path): find_imports(each, known) for path, each in modules.items()}
 
 
 def test_no_modules_import_one_another(imports: dict[str, Imports]) -> None:
@@ -106,8 +89,8 @@ def test_no_packages_import_one_another(imports: dict[str, Imports]) -> None:
 
 
 def test_imports_in_functions_and_for_types_make_circles_too() -> None:
-    deferred = find_imports("def f():\n    import b\n")
-    typed = find_imports("if TYPE_CHECKING:\n    from c import C\n")
+    deferred = find_imports(find_facts("def f():\n    import b\n"), {"b"})
+    typed = find_imports(find_facts("if TYPE_CHECKING:\n    from c import C\n"), {"c"})
     assert find_circle({"a": deferred, "b": typed, "c": {"a": "at the top"}}).splitlines() == [
         "a imports b in a function",
         "b imports c for types",

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import ast
-from functools import cache
-from pathlib import Path
+from collections.abc import Iterator, Mapping, Set
 
-SRC = Path(__file__).parents[1] / "src"
+import pytest
+from tests.form.facts import Facts
 
 # A module may import from the layers named here and from its own.
 MAY_IMPORT: dict[str, tuple[str, ...]] = {
@@ -327,35 +326,35 @@ ROS = {
 }  # fmt: skip
 BACKENDS = ("ur_nodes.ros1", "ur_nodes.ros2", "ur_nodes.codecs")
 
-MODULES = {
-    ".".join(path.relative_to(SRC).with_suffix("").parts).removesuffix(".__init__"): path
-    for path in sorted(SRC.rglob("*.py"))
-}
+
+def module_of(path: str) -> str:
+    return path.removesuffix(".py").replace("/", ".").removesuffix(".__init__")
 
 
 def layer_of(module: str) -> str:
     return max((name for name in MAY_IMPORT if module == name or module.startswith(name + ".")), key=len)
 
 
-@cache
-def imports_of(path: Path) -> set[str]:
-    found: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{path}: a relative import, expected an absolute one"
-            found.add(node.module or "")
-            found |= {f"{node.module}.{alias.name}" for alias in node.names if f"{node.module}.{alias.name}" in MODULES}
-    return found
+def imports_of(facts: Facts, known: Set[str]) -> Iterator[str]:
+    """Return the modules that a file imports; `known` tells modules from other names in packages."""
+    for each in facts.imports:
+        yield each.module
+        yield from {f"{each.module}.{name}" for name in each.names} & known
 
 
-def test_modules_import_only_from_layers_below() -> None:
+@pytest.fixture(scope="package")
+def imports(modules: Mapping[str, Facts]) -> dict[str, set[str]]:
+    """The imports of each module of src."""
+    known = {*map(module_of, modules)}
+    return {module_of(path): {*imports_of(each, known)} for path, each in modules.items()}
+
+
+def test_modules_import_only_from_layers_below(imports: dict[str, set[str]]) -> None:
     wrong = []
-    for module, path in MODULES.items():
+    for module, names in imports.items():
         own = layer_of(module)
         allowed = (own, *MAY_IMPORT[own])
-        for name in imports_of(path):
+        for name in names:
             if name.split(".")[0] in ("ur", "ur_nodes") and name not in ("ur", "ur_nodes"):
                 below = any(name == layer or name.startswith(layer + ".") for layer in allowed)
                 parent = any(layer.startswith(name + ".") for layer in allowed)
@@ -364,26 +363,29 @@ def test_modules_import_only_from_layers_below() -> None:
     assert not wrong, "\n".join(wrong)
 
 
-def test_only_the_backends_import_ros() -> None:
+def test_imports_are_absolute(modules: Mapping[str, Facts]) -> None:
+    assert {path for path, each in modules.items() if any(i.module.startswith(".") for i in each.imports)} == set()
+
+
+def test_only_the_backends_import_ros(imports: dict[str, set[str]]) -> None:
     wrong = [
         f"{module} imports {', '.join(sorted(used))}, expected ROS only in {', '.join(BACKENDS)}"
-        for module, path in MODULES.items()
+        for module, names in imports.items()
         if not any(module == each or module.startswith(each + ".") for each in BACKENDS)
-        and (used := {name.split(".")[0] for name in imports_of(path)} & ROS)
+        and (used := {name.split(".")[0] for name in names} & ROS)
     ]
     assert not wrong, "\n".join(wrong)
 
 
-def test_every_module_that_is_imported_exists() -> None:
-    files = [path for folder in ("src", "tests", "bench", "tools") for path in (SRC.parent / folder).rglob("*.py")]
+def test_every_module_that_is_imported_exists(facts: Mapping[str, Facts], imports: dict[str, set[str]]) -> None:
     missing = {
-        (path.relative_to(SRC.parent).as_posix(), name)
-        for path in files
-        for name in imports_of(path)
-        if name.split(".")[0] in ("ur", "ur_nodes") and name not in MODULES
+        (path, name)
+        for path, each in facts.items()
+        for name in imports_of(each, imports.keys())
+        if name.split(".")[0] in ("ur", "ur_nodes") and name not in imports
     }
     assert not missing
 
 
-def test_every_module_belongs_to_a_named_layer() -> None:
-    assert {layer_of(module) for module in MODULES} <= set(MAY_IMPORT)
+def test_every_module_belongs_to_a_named_layer(imports: dict[str, set[str]]) -> None:
+    assert {layer_of(module) for module in imports} <= set(MAY_IMPORT)
