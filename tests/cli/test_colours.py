@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 import pty
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from tests.forking import python_of_ur
 
 COMMANDS = ["check bad.launch", "help ps", "graph bad.launch", "launch --nodes none.launch", "list", "lanch"]
 
@@ -18,22 +17,22 @@ def run_on_terminal(folder: Path, words: str, **environment: str) -> str:
     (folder / "bad.launch").write_text('<launch><node name="a" pkg="p" typ="t"/></launch>\n')
     ours, theirs = pty.openpty()
     own = {name: value for name, value in os.environ.items() if name not in ("NO_COLOR", "TERM", "FORCE_COLOR")}
-    with subprocess.Popen(
-        [sys.executable, "-I", "-m", "ur", *words.split()],
-        cwd=folder,
-        env={**own, "HOME": str(folder), "COLUMNS": "100", **environment},
-        stdin=theirs,
-        stdout=theirs,
-        stderr=theirs,
-    ):
-        os.close(theirs)
-        written = b""
-        while True:
-            try:
-                piece = os.read(ours, 65536)
-            except OSError:  # the end of a terminal
-                break
-            written += piece
+    process = python_of_ur().start(
+        "ur",
+        *words.split(),
+        folder=folder,
+        environment={**own, "HOME": str(folder), "COLUMNS": "100", **environment},
+        streams=(theirs, theirs, theirs),
+    )
+    os.close(theirs)
+    written = b""
+    while True:
+        try:
+            piece = os.read(ours, 65536)
+        except OSError:  # the end of a terminal
+            break
+        written += piece
+    process.wait(60)
     os.close(ours)
     return written.decode()
 

@@ -9,11 +9,11 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tests.forking import ForkingPython
+from tests.forking import add_rosversion, python_of_ros, run_ur
 from tests.run.conftest import RunWorld, master, world  # noqa: F401 - fixtures
 
 from ur.cli.launch.options import PARAMETERS
@@ -69,31 +69,28 @@ def words(text: str, folder: Path, port: int) -> list[str]:
     return [f"{folder}/{word}.launch" if word in FILES else word for word in found]
 
 
-@pytest.fixture(scope="module")
-def roslaunch(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Roslaunch]:
-    """The installed roslaunch, imported once: its exit code, output and errors for the same words."""
-    python = ForkingPython(tmp_path_factory.mktemp("roslaunch"), "/usr/bin/python3", modules=["roslaunch"])
+@pytest.fixture
+def roslaunch() -> Roslaunch:
+    """The installed roslaunch: its exit code, output and errors for the same words."""
 
     def answer(found: list[str], world: RunWorld, given: str = "") -> tuple[int, str, str]:  # noqa: F811 - likewise
-        done = python.run(ROSLAUNCH, *found, folder=world.folder, environment=world.environment, given=given.encode())
+        done = python_of_ros().run(
+            ROSLAUNCH, *found, folder=world.folder, environment=world.environment, given=given.encode()
+        )
         return done.returncode, done.stdout.decode(), done.stderr.decode()
 
-    yield answer
-    python.close()
+    return answer
 
 
-def run(command: list[str], world: RunWorld, given: str = "") -> tuple[int, str, str]:  # noqa: F811 - a fixture's value
-    done = subprocess.run(
-        command, env=world.environment, cwd=world.folder, input=given, capture_output=True, text=True, check=False,
-        timeout=60,
-    )  # fmt: skip
+def run(words: list[str], world: RunWorld, given: str = "") -> tuple[int, str, str]:  # noqa: F811 - a fixture's value
+    done = run_ur("launch", *words, folder=world.folder, environment=world.environment, given=given)
     return done.returncode, done.stdout, done.stderr
 
 
 def write_files(world: RunWorld) -> None:  # noqa: F811 - likewise
     for name, body in FILES.items():
         world.write(body, f"{name}.launch")
-    world.environment["PATH"] = f"/usr/bin:/bin:{os.environ['PATH']}"
+    world.environment["PATH"] = f"{add_rosversion(world.folder)}:{os.environ['PATH']}"
 
 
 def ur(*found: str) -> list[str]:
@@ -162,7 +159,7 @@ def test_run_ends_with_the_code_of_roslaunch(
     found = words(text, world.folder, master)
     given = f"<launch>{FILES['required_well']}</launch>"
     expected, _, said = roslaunch(found, world, given)
-    code, _, errors = run(ur(*found), world, given)
+    code, _, errors = run(found, world, given)
     assert code == expected, (errors, said)
     assert "Traceback" not in errors
     assert not (world.folder / "it.pid").exists()
@@ -232,7 +229,7 @@ def test_wait_goes_on_once_a_master_is_there(world: RunWorld, master: int) -> No
     # roslaunch 1.16 of Debian 12 does not come back from --wait, so that there is nothing to compare with.
     assert master
     write_files(world)
-    code, _, errors = run(ur("--wait", f"{world.folder}/good.launch"), world)
+    code, _, errors = run(["--wait", f"{world.folder}/good.launch"], world)
     assert code == 0, errors
 
 
@@ -243,7 +240,7 @@ def test_second_core_is_refused_as_by_roslaunch(
     roslaunch: Roslaunch,
 ) -> None:
     assert master
-    code, _, errors = run(ur("--core"), world)
+    code, _, errors = run(["--core"], world)
     assert code == roslaunch(["--core", "-p", str(master)], world)[0] == 1
     assert "a master runs already" in errors
 

@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from tests.forking import python_of_ur
 
 from ur.cli.changing import show_changes
 from ur.cli.computer.doctor_report import DoctorReport, print_report
@@ -89,9 +90,7 @@ def test_names_in_files_do_not_act(package: Path, call: str) -> None:
         re.sub("FILE|NASTY", lambda found: names[found.group()], word).replace("NODE", NODE) for word in call.split()
     ]
     environment = {"PATH": "/usr/bin:/bin", "HOME": str(package), "LC_ALL": "C.UTF-8", "ROS_PACKAGE_PATH": ""}
-    done = subprocess.run(
-        [ROOT / "ur", *words], cwd=package, env=environment, capture_output=True, timeout=60, check=False
-    )
+    done = python_of_ur().run("ur", *words, folder=package, environment=environment)
     for text in (done.stdout.decode("utf-8", "surrogateescape"), done.stderr.decode("utf-8", "surrogateescape")):
         assert not ACTING.search(text), ascii(text)
         assert "error: forged" not in [line[:13] for line in text.splitlines()]

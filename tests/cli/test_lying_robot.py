@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import os
 import re
-import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.forking import ForkingPython
+from tests.forking import python_of_ur
 
 # In place of ssh: logins succeed, and each command gets a lie of the kind that the file names.
 SSH = r"""#!/bin/bash
@@ -44,26 +42,6 @@ COMMANDS = (
     "robot rename eve ann --password-from 0",
     "robot setup eve.local --name eve --base magni --no-programs --robot-login --passwords-from 0",
 )
-MODULES = (
-    "ur.cli.main",
-    "ur.cli.computer.doctor",
-    "ur.cli.robot_setup.network",
-    "ur.cli.robot_setup.rename",
-    "ur.cli.robot_setup.robot",
-    "ur.cli.robots.boot",
-    "ur.cli.robots.devices",
-    "ur.cli.robots.wifi",
-    "ur.cli.workspace.build",
-    "ur.cli.workspace.sync",
-)
-"""Imported once for all commands."""
-
-
-@pytest.fixture(scope="module")
-def ur(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ForkingPython]:
-    python = ForkingPython(tmp_path_factory.mktemp("ur"), sys.executable, "-I", modules=MODULES)
-    yield python
-    python.close()
 
 
 @pytest.fixture
@@ -91,12 +69,14 @@ def snapshot(home: Path) -> dict[str, bytes]:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_lies_are_named_and_nothing_of_them_acts(home: Path, kind: str, ur: ForkingPython) -> None:
+def test_lies_are_named_and_nothing_of_them_acts(home: Path, kind: str) -> None:
     (home / "bin/kind").write_text(kind)
     environment = {**os.environ, "HOME": str(home), "PATH": f"{home}/bin:{os.environ['PATH']}", "LC_ALL": "C.UTF-8"}
     before: dict[str, bytes] = {}
     for words in COMMANDS:
-        done = ur.run("ur", *words.split(), folder=home, environment=environment, given=b"secret-1\nsecret-2\n")
+        done = python_of_ur().run(
+            "ur", *words.split(), folder=home, environment=environment, given=b"secret-1\nsecret-2\n"
+        )
         said = (done.stdout + done.stderr).decode(errors="replace")
         assert "Traceback" not in said, f"{words}: {said}"
         assert "internal error" not in said, f"{words}: {said}"

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 import pytest
+from tests.forking import run_ur
 
 from ur.cli.main import main
 from ur.cli.verbs import VERBS, load_verb
@@ -172,8 +173,8 @@ def test_defect_becomes_one_line_and_a_file(home: Path, capsys: pytest.CaptureFi
     ],
 )
 def test_name_that_the_file_system_refuses_is_no_internal_error(words: list[str], home: Path) -> None:
-    command = [sys.executable, "-m", "ur", *(word.format(long="x" * 300) for word in words)]
-    done = subprocess.run(command, cwd=home, env={**os.environ, "HOME": str(home)}, capture_output=True, text=True)
+    long = (word.format(long="x" * 300) for word in words)
+    done = run_ur(*long, folder=home, environment={**os.environ, "HOME": str(home)})
     assert done.returncode in (1, 2)
     assert done.stderr.startswith("error: ")
     assert "file name too long" in done.stderr or "is not known" in done.stderr

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
 import yaml
+from tests.forking import run_ur
 from tests.ros_session import ROOT, RosSession
 
 from ur.request.bases.robot_facts import read_facts
@@ -48,8 +48,8 @@ def ask_viewer(session: RosSession, folder: Path, *words: str) -> tuple[str, str
     """What a viewer's launch file is given, and what is said on standard error."""
     path = folder / "viewer.launch"
     path.write_text(VIEWER, encoding="utf-8")
-    command = [sys.executable, "-m", "ur", "launch", "--dump-params", str(path), *words]
-    done = subprocess.run(command, env=session.env, capture_output=True, text=True, check=True, cwd=ROOT, timeout=90)
+    done = run_ur("launch", "--dump-params", str(path), *words, folder=ROOT, environment=session.env)
+    assert done.returncode == 0, done.stderr
     values: Mapping[str, str] = yaml.safe_load(done.stdout)
     return values["/seen"], done.stderr
 

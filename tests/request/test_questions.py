@@ -6,12 +6,12 @@ import io
 import json
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.forking import ForkingPython
+from tests.forking import add_rosversion, python_of_ros, run_ur
 
 from ur.cli.main import main
 
@@ -40,20 +40,19 @@ FILE = """<launch>
 Roslaunch = Callable[..., str]
 
 
-@pytest.fixture(scope="module")
-def roslaunch(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Roslaunch]:
-    """The installed roslaunch, imported once: what it prints for arguments in a folder."""
+@pytest.fixture
+def roslaunch() -> Roslaunch:
+    """The installed roslaunch: what it prints for arguments in a folder."""
     if not ROSLAUNCH.exists():
         pytest.skip("python3-roslaunch is not installed")
-    python = ForkingPython(tmp_path_factory.mktemp("roslaunch"), "/usr/bin/python3", modules=["roslaunch"])
 
     def answer(words: list[str], folder: Path, **more: str) -> str:
-        done = python.run(str(ROSLAUNCH), *words, folder=folder, environment={**_environment(folder), **more})
+        environment = {**_environment(folder), **more}
+        done = python_of_ros().run(str(ROSLAUNCH), *words, folder=folder, environment=environment)
         assert done.returncode == 0, done.stderr
         return done.stdout.decode()
 
-    yield answer
-    python.close()
+    return answer
 
 
 @pytest.fixture
@@ -69,7 +68,7 @@ def folder(tmp_path: Path) -> Path:
 
 def _environment(folder: Path) -> dict[str, str]:
     own = dict.fromkeys(("HOME", "ROS_HOME", "ROS_LOG_DIR", "ROS_PACKAGE_PATH"), str(folder))
-    return {"PATH": "/usr/bin:/bin", "LC_ALL": "C.UTF-8", "PYTHONPATH": SOURCE, **own}
+    return {"PATH": add_rosversion(folder), "LC_ALL": "C.UTF-8", "PYTHONPATH": SOURCE, **own}
 
 
 def _run(words: list[str], folder: Path, stdin: str = "", **more: str) -> subprocess.CompletedProcess[str]:
@@ -78,7 +77,8 @@ def _run(words: list[str], folder: Path, stdin: str = "", **more: str) -> subpro
 
 
 def _ur(words: list[str], folder: Path, stdin: str = "", **more: str) -> subprocess.CompletedProcess[str]:
-    return _run([sys.executable, "-m", "ur", "launch", *words], folder, stdin, **more)
+    environment = {**_environment(folder), **more}
+    return run_ur("launch", *words, folder=Path.cwd(), environment=environment, given=stdin)
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import psutil
 import pytest
+from tests.forking import ForkedProcess, python_of_ros, python_of_ur
 from tests.ros_session import free_port
 
 NODES = {
@@ -64,7 +65,7 @@ def parent_of(pid: int) -> int:
 class Launched:
     """A running `ur`, its output so far, and every process that was ever seen below it."""
 
-    process: subprocess.Popen[bytes]
+    process: subprocess.Popen[bytes] | ForkedProcess
     output: int
     keeper: int = -1  # the other end of its terminal
     text: str = ""
@@ -112,6 +113,7 @@ class Launched:
             self.read()
         while self.read(0):
             pass
+        assert self.process.returncode is not None
         return self.process.returncode
 
     def survivors(self) -> list[str]:
@@ -154,10 +156,26 @@ class RunWorld:
         return str(path)
 
     def ur(self, *words: str, stdin: int = subprocess.DEVNULL, terminal: bool = False) -> Launched:
-        """Start `ur`; with `terminal` on a pseudo terminal of its own, as the leader of its session."""
-        return self.start([*BLOCKED, sys.executable, "-m", "ur", *words], stdin=stdin, terminal=terminal)
+        """Start `ur`; with `terminal` on a pseudo terminal of its own, as the leader of its session.
 
-    def start(self, command: list[str], *, stdin: int = subprocess.DEVNULL, terminal: bool = False) -> Launched:
+        Without, it is a fork of an interpreter, where signals during the start of Python cannot be seen: see `execute`.
+        """
+        if terminal:
+            return self.execute(*words, terminal=True)
+        reader, end = os.pipe()
+        streams = (stdin, end, end)
+        process = python_of_ur().start(
+            "ur", *words, folder=self.folder, environment=self.environment, streams=streams, blocked=True
+        )
+        os.close(end)
+        self.running.append(launched := Launched(process, reader))
+        return launched
+
+    def execute(self, *words: str, terminal: bool = False) -> Launched:
+        """Start `ur` likewise, by a start of Python."""
+        return self.start([*BLOCKED, sys.executable, "-m", "ur", *words], terminal=terminal)
+
+    def start(self, command: list[str], *, terminal: bool = False) -> Launched:
         """Start a command likewise."""
         if terminal:
             controller, end = pty.openpty()
@@ -175,7 +193,7 @@ class RunWorld:
             reader, end = os.pipe()
             process = subprocess.Popen(
                 command,
-                stdin=stdin,
+                stdin=subprocess.DEVNULL,
                 stdout=end,
                 stderr=end,
                 env=self.environment,
@@ -254,13 +272,12 @@ def world(tmp_path: Path) -> Iterator[RunWorld]:
                 os.close(descriptor)
 
 
-def start_master(world: RunWorld) -> subprocess.Popen[bytes]:
+def start_master(world: RunWorld) -> ForkedProcess:
     """Start a master at the world's address, and wait until it answers."""
-    process = subprocess.Popen(
-        ["/usr/bin/rosmaster", "--core", "-p", str(world.port)],
-        env=world.environment,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
+    words = ("--core", "-p", str(world.port))
+    silent = (subprocess.DEVNULL, subprocess.DEVNULL, subprocess.DEVNULL)
+    process = python_of_ros().start(
+        "/usr/bin/rosmaster", *words, folder=Path.cwd(), environment=world.environment, streams=silent
     )
     end = time.monotonic() + 60
     while True:

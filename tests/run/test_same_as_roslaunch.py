@@ -7,12 +7,12 @@ import os
 import re
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.forking import ForkingPython, python_of_ros, python_of_ur
 from tests.run.test_launch import ask_master
 
 from ur.request.environment import current_selection, environment_changes
@@ -59,7 +59,9 @@ _OWN_VARIABLES = ("_", "SHLVL", "OLDPWD", "ROS_LOG_FILENAME")  # the last one is
 pytestmark = [pytest.mark.ros, pytest.mark.skipif(not ROSLAUNCH.exists(), reason="roslaunch is not installed")]
 
 
-def observe(world: Any, command: list[str], count: int) -> tuple[dict[str, Any], dict[str, Any], set[str]]:
+def observe(
+    world: Any, python: ForkingPython, command: tuple[str, ...], count: int
+) -> tuple[dict[str, Any], dict[str, Any], set[str]]:
     """Start, and tell what so many nodes see, which parameters there are, and which log files nodes print to."""
     records = world.folder / "records"
     records.mkdir(exist_ok=True)
@@ -70,9 +72,8 @@ def observe(world: Any, command: list[str], count: int) -> tuple[dict[str, Any],
     if world.master_pid:
         ask_master(world.port, "deleteParam", "/")
     environment = {**world.environment, "RECORDS": str(records)}
-    process = subprocess.Popen(
-        command, env=environment, cwd=world.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
+    silent = (subprocess.DEVNULL, subprocess.DEVNULL, subprocess.DEVNULL)
+    process = python.start(*command, folder=world.folder, environment=environment, streams=silent)
     try:
         end = time.monotonic() + 60
         while len(found := [path for path in records.iterdir() if path.suffix != ".new"]) < count:
@@ -106,8 +107,8 @@ def test_nodes_and_parameters_are_those_of_roslaunch(world: Any, name: str) -> N
     file = world.write(FILES[name])
     count = FILES[name].count("<node ")
     world.environment |= environment_changes(current_selection(world.environment), world.environment)  # as in a shell
-    theirs = observe(world, [str(ROSLAUNCH), file], count)
-    ours = observe(world, [sys.executable, "-m", "ur", "launch", file], count)
+    theirs = observe(world, python_of_ros(), (str(ROSLAUNCH), file), count)
+    ours = observe(world, python_of_ur(), ("ur", "launch", file), count)
     for node_name, record in theirs[0].items():
         assert find_differences(ours[0][node_name], record) == {}
     assert ours[1] == theirs[1]
@@ -119,8 +120,8 @@ def test_master_of_its_own_holds_what_roscore_puts_there(world: Any) -> None:
     node.write_text(RECORD)
     node.chmod(0o755)
     file = world.write(FILES["plain"])
-    _, theirs, their_logs = observe(world, [str(ROSLAUNCH), file], 1)
-    _, ours, our_logs = observe(world, [sys.executable, "-m", "ur", "launch", file], 1)
+    _, theirs, their_logs = observe(world, python_of_ros(), (str(ROSLAUNCH), file), 1)
+    _, ours, our_logs = observe(world, python_of_ur(), ("ur", "launch", file), 1)
     assert ours.pop("ur")  # which base it is
     assert ours == theirs
     assert our_logs >= their_logs

@@ -6,14 +6,13 @@ import json
 import os
 import random
 import signal
-import subprocess
-import sys
 import time
 from contextlib import suppress
 from typing import Any
 
 import psutil
 import pytest
+from tests.forking import run_ur
 from tests.run.conftest import start_master
 from tests.run.leftovers import find_processes, wait_nothing_left
 from tests.run.test_launch import registered
@@ -80,7 +79,7 @@ def live(world: Any, dice: random.Random) -> None:
     world.master_pid = master.pid if master else 0
     try:
         body = write_nodes(dice)
-        run = world.launch(body)
+        run = world.execute("launch", world.write(body))
         how = dice.choice(ENDS)
         if dice.random() < 0.8 or how == "stop verb":  # which finds only what is registered already
             with suppress(AssertionError):  # it may end before: a required node did
@@ -101,14 +100,7 @@ def live(world: Any, dice: random.Random) -> None:
         wait_nothing_left(world.folder, without=frozenset({master.pid}) if master else frozenset())
         if master is not None and how not in ("kill supervisor", "kill host"):
             assert not {name for name in registered(world.port) if name.startswith(("/n", "/last"))}, (how, run.text)
-        listed = subprocess.run(
-            [sys.executable, "-m", "ur", "ps", "--json"],
-            env=world.environment,
-            capture_output=True,
-            check=True,
-            text=True,
-        )
-        assert json.loads(listed.stdout) == []
+        assert json.loads(run_ur("ps", "--json", environment=world.environment).stdout) == []
     finally:
         if master is not None:
             master.kill()

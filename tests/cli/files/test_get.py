@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from tests.forking import run_ur
 
 # Packages are words in the file `installed`. An installation unpacks the library first, then `fault` happens.
 PROGRAMS = {
@@ -48,8 +49,9 @@ class ComputerWithPackages:
 
     folder: Path
 
-    def start(self, *words: str) -> subprocess.Popen[str]:
-        env = {name: value for name, value in os.environ.items() if not name.startswith(("ROS", "XDG"))} | {
+    @property
+    def environment(self) -> dict[str, str]:
+        return {name: value for name, value in os.environ.items() if not name.startswith(("ROS", "XDG"))} | {
             "PATH": f"{self.folder}/bin:/usr/bin:/bin",
             "HOME": str(self.folder / "home"),
             "ROS_PACKAGE_PATH": str(self.folder / "home"),
@@ -57,17 +59,20 @@ class ComputerWithPackages:
             "PIP_NO_CACHE_DIR": "1",
             **dict.fromkeys(("http_proxy", "https_proxy"), "http://127.0.0.1:9"),  # nothing listens there
         }
+
+    def start(self, *words: str) -> subprocess.Popen[str]:
         pipe = subprocess.PIPE
         command = [sys.executable, "-I", "-m", "ur", "get", *words]
-        return subprocess.Popen(command, env=env, stdout=pipe, stderr=pipe, text=True, start_new_session=True)
+        return subprocess.Popen(
+            command, env=self.environment, stdout=pipe, stderr=pipe, text=True, start_new_session=True
+        )
 
     def run(self, *words: str) -> tuple[int, str]:
         """The exit code, and all that was printed."""
-        process = self.start(*words)
-        out, errors = process.communicate(timeout=100)
-        assert "Traceback" not in out + errors
-        assert "internal error" not in errors
-        return process.returncode, out + errors
+        done = run_ur("get", *words, environment=self.environment)
+        assert "Traceback" not in done.stdout + done.stderr
+        assert "internal error" not in done.stderr
+        return done.returncode, done.stdout + done.stderr
 
     def installed(self) -> list[str]:
         return (self.folder / "installed").read_text().split()

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from tests.forking import ForkingPython
+from tests.forking import python_of_ur
 from tests.robot.image.images import (
     CLOUD_ROOT,
     KEY,
@@ -36,8 +36,8 @@ UR = (sys.executable, "-m", "ur", "image", "prepare")
 class Place:
     """A folder with an image, a key, and a home folder for what `ur` remembers."""
 
-    def __init__(self, folder: Path, python: ForkingPython) -> None:
-        self.folder, self._python = folder, python
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
         self.image = make_ubuntu(folder / "ubuntu.img")
         (folder / "key.pub").write_text(f"{KEY}\n")
         (folder / "home").mkdir()
@@ -51,7 +51,7 @@ class Place:
                 command, cwd=self.folder, env=environment, input=given, capture_output=True, check=False, timeout=120
             )
         else:
-            done = self._python.run("ur", *arguments, folder=self.folder, environment=environment, given=given)
+            done = python_of_ur().run("ur", *arguments, folder=self.folder, environment=environment, given=given)
         out, errors = done.stdout.decode(), done.stderr.decode()
         assert done.returncode == code, (out, errors)
         assert "Traceback" not in errors
@@ -66,17 +66,9 @@ class Place:
         return {each.name for each in self.folder.iterdir()} - {"key.pub", "home"}
 
 
-@pytest.fixture(scope="module")
-def python(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ForkingPython]:
-    modules = ("ur.cli.main", "ur.cli.robot_setup.image")
-    python = ForkingPython(tmp_path_factory.mktemp("python"), sys.executable, "-I", modules=modules)
-    yield python
-    python.close()
-
-
 @pytest.fixture
-def place(tmp_path: Path, python: ForkingPython) -> Place:
-    return Place(tmp_path, python)
+def place(tmp_path: Path) -> Place:
+    return Place(tmp_path)
 
 
 def test_image_is_prepared_and_its_robot_is_remembered(place: Place) -> None:
@@ -207,8 +199,8 @@ def shared() -> Iterator[Path]:
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can become an ordinary user")
-def test_ordinary_user_prepares_images_of_both_kinds(shared: Path, python: ForkingPython) -> None:
-    place = Place(shared, python)
+def test_ordinary_user_prepares_images_of_both_kinds(shared: Path) -> None:
+    place = Place(shared)
     make_cloud(shared / "cloud.img")
     for path in (shared, *shared.rglob("*")):
         shutil.chown(path, "nobody")

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import click
 import pytest
+from tests.forking import run_ur
 from tests.terminal import TmuxTerminal
 
 from ur.cli.robots.fleet import choose_robots, read_names
@@ -25,11 +24,6 @@ def records(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (folder / f"{name}.yaml").write_text(f'name: "{name}"\nuser: "ros"\nbase: "magni"\n')
     for variable in ("CONFIG", "STATE"):
         monkeypatch.setenv(f"XDG_{variable}_HOME", str(tmp_path / variable.lower()))
-
-
-def run_ur(*words: str) -> subprocess.CompletedProcess[str]:
-    argv = [sys.executable, "-I", "-m", "ur", *words]
-    return subprocess.run(argv, capture_output=True, text=True, timeout=120, check=False, stdin=subprocess.DEVNULL)
 
 
 @pytest.mark.usefixtures("records")

@@ -1,9 +1,9 @@
 from __future__ import annotations
 
-import subprocess
 from pathlib import Path
 
 import pytest
+from tests.forking import add_rosversion, python_of_ros
 
 from ur.launchfile import MemoryWorld, SystemWorld, load_plan
 from ur.launchfile.query import dump_params, find_node_file, format_arguments, list_files, list_nodes, read_arguments
@@ -36,11 +36,17 @@ def path(tmp_path: Path) -> str:
 def _roslaunch(option: str, path: str) -> str:
     if not ROSLAUNCH.exists():
         pytest.skip("python3-roslaunch is not installed")
-    words = [str(ROSLAUNCH), *option.split(), path]
-    # Of our own only: a virtual environment on PATH has a `rosversion` that does not find Debian's packages.
     folder = str(Path(path).parent)
-    own = {"PATH": "/usr/bin:/bin", "HOME": folder, "ROS_HOME": folder, "ROS_LOG_DIR": folder, "LC_ALL": "C.UTF-8"}
-    return subprocess.run(words, capture_output=True, text=True, check=True, timeout=60, env=own).stdout
+    own = {
+        "PATH": add_rosversion(Path(folder)),
+        "HOME": folder,
+        "ROS_HOME": folder,
+        "ROS_LOG_DIR": folder,
+        "LC_ALL": "C.UTF-8",
+    }
+    done = python_of_ros().run(str(ROSLAUNCH), *option.split(), path, folder=Path.cwd(), environment=own)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.decode()
 
 
 def test_nodes_are_those_that_roslaunch_lists(path: str) -> None:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from tests.forking import run_ur
 
 from ur.launchfile.syntax import parse_launch_file
 
@@ -56,16 +55,8 @@ def test_verb_names_ros_2_and_gives_no_advice_for_ros_1(words: list[str], name: 
     text = f"<launch>{ROS2['let']}{ROS2['exec']}</launch>" if name == "a.launch" else "launch: []\n"
     (tmp_path / name).write_text(text, encoding="utf-8")
     more = ["talker"] if words == ["explain"] else []
-    done = subprocess.run(
-        [sys.executable, "-I", "-m", "ur", *words, name, *more],
-        cwd=tmp_path,
-        env={**os.environ, "HOME": str(tmp_path), "NO_COLOR": "1"},
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        timeout=100,
-        check=False,
-    )
+    environment = {**os.environ, "HOME": str(tmp_path), "NO_COLOR": "1"}
+    done = run_ur(*words, name, *more, folder=tmp_path, environment=environment)
     printed = done.stdout + done.stderr
     assert done.returncode != 0
     assert "this is a launch file for ROS 2" in printed

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import socket
-import subprocess
-import sys
 import threading
 import xmlrpc.client
 from collections.abc import Iterator
@@ -13,6 +11,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 import pytest
+from tests.forking import run_ur
 
 from ur.run.master.client import Master, format_master_uri
 from ur.run.master.search import Patience, find_listener, find_master, read_run_id
@@ -124,10 +123,7 @@ def test_launch_names_the_silent_server_and_starts_nothing(tmp_path: Path) -> No
     (tmp_path / "a.launch").write_text(LAUNCH)
     with server(None) as master:
         environment = {**os.environ, "ROS_MASTER_URI": master.uri, "HOME": str(tmp_path)}
-        command = [sys.executable, "-I", "-m", "ur", "launch", "--plain", "a.launch"]
-        done = subprocess.run(
-            command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=100, check=False
-        )
+        done = run_ur("launch", "--plain", "a.launch", folder=tmp_path, environment=environment)
     assert done.returncode in (1, 2)
     first, *others = done.stderr.splitlines()
     assert first.startswith("a server that does not answer as a ROS master listens on localhost:")
@@ -140,9 +136,6 @@ def test_launch_names_the_silent_server_and_starts_nothing(tmp_path: Path) -> No
 def test_master_that_cannot_listen_on_ipv6_is_not_started(tmp_path: Path) -> None:
     (tmp_path / "a.launch").write_text(LAUNCH)
     environment = {**os.environ, "ROS_MASTER_URI": "http://[::1]:11397", "HOME": str(tmp_path), "ROS_IPV6": ""}
-    command = [sys.executable, "-I", "-m", "ur", "launch", "--plain", "a.launch"]
-    done = subprocess.run(
-        command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=100, check=False
-    )
+    done = run_ur("launch", "--plain", "a.launch", folder=tmp_path, environment=environment)
     assert "does not listen on IPv6" in done.stderr
     assert "help: export ROS_IPV6=on" in done.stderr

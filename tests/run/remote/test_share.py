@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.forking import python_of_ur
 from tests.run.leftovers import wait_nothing_left
 
 from ur.run.remote.protocol import Client, ShareAnswer, ShareRequest, dump, parse_answer
@@ -34,17 +34,10 @@ def request_of(world: Any, client: Client, *nodes: str, file: str = "test.launch
 
 
 def ask(world: Any, request: ShareRequest | str) -> ShareAnswer:
-    done = subprocess.run(
-        [sys.executable, "-I", "-m", "ur.run.remote.share"],
-        input=request if isinstance(request, str) else dump(request),
-        env=world.environment,
-        capture_output=True,
-        text=True,
-        timeout=90,
-        check=False,
-    )
+    given = (request if isinstance(request, str) else dump(request)).encode()
+    done = python_of_ur().run("ur.run.remote.share", folder=Path.cwd(), environment=world.environment, given=given)
     assert done.returncode == 0, done.stderr
-    return parse_answer(done.stdout.splitlines()[-1])
+    return parse_answer(done.stdout.decode().splitlines()[-1])
 
 
 def leave(world: Any, request: ShareRequest) -> ShareAnswer:
