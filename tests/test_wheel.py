@@ -14,6 +14,7 @@ from email.parser import Parser
 from pathlib import Path
 
 import pytest
+from tests.forking import ForkingPython
 from tests.ros_session import RosSession
 from tools.build import build
 from tools.release import set_version
@@ -62,10 +63,14 @@ class Installed:
     def run(self, *command: str, **variables: str) -> subprocess.CompletedProcess[str]:
         """Run a command as a user without any setting; `ur` is the installed script."""
         words = [str(self.environment / "bin/ur") if command[0] == "ur" else command[0], *command[1:]]
-        environment = {"PATH": "/usr/bin:/bin", "HOME": str(self.home), "TERM": "dumb", **variables}
+        environment = {**self.variables, **variables}
         return subprocess.run(
             words, cwd=self.home, env=environment, capture_output=True, text=True, timeout=300, check=False
         )
+
+    @property
+    def variables(self) -> dict[str, str]:
+        return {"PATH": "/usr/bin:/bin", "HOME": str(self.home), "TERM": "dumb"}
 
     def ur(self, *arguments: str) -> str:
         """What a command prints that has to succeed."""
@@ -173,8 +178,12 @@ def test_robot_gets_the_same_copy_from_a_wheel_as_from_a_clone(installed: Instal
 
 def test_commands_that_start_nothing_need_no_set_up(installed: Installed) -> None:
     assert installed.ur("--version").endswith(f"(wheel in {installed.environment})\n")
+    assert "Usage: ur use" in installed.ur("use", "--help")
+    python = ForkingPython(str(installed.environment / "bin/python"), "-I", modules=("ur.cli.main", "ur.cli.help"))
     for verb in VERBS:
-        assert f"Usage: ur {verb}" in installed.ur(verb, "--help")
+        done = python.run("ur", verb, "--help", folder=installed.home, environment=installed.variables)
+        assert (done.returncode, f"Usage: ur {verb}" in done.stdout.decode()) == (0, True), done
+    python.close()
     assert "keyboard_navigate" in installed.ur("__complete", "bash", "ur run key")
     assert "keyboard_navigate" in installed.ur("list")
     assert "/move_base" in installed.ur("launch", "--nodes", "ubiquity_launches", "m_keyboard_navigate.launch.xml")
