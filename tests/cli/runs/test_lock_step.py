@@ -58,7 +58,8 @@ def test_recording_is_described_without_a_replay(recording: Path, capsys: pytest
     ],
 )
 def test_wrong_words_are_refused(
-    recording: Path, words: list[str], message: str, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, words: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["replay", *(str(recording) if word == "FILE" else word for word in words)]) == 2
+    (tmp_path / "recorded.mcap").touch()  # is not read
+    assert main(["replay", *(f"{tmp_path}/recorded.mcap" if word == "FILE" else word for word in words)]) == 2
     assert message in capsys.readouterr().err
