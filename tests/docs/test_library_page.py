@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import subprocess
 import sys
@@ -16,10 +17,12 @@ from ur.docs.markdown.page import render_markdown
 
 PAGE = LIBRARY / "launches.md"
 
+document = functools.cache(document_folder)
+
 
 def test_page_is_what_the_launch_files_say() -> None:
     difference = show_difference(
-        "ubiquity_launches/launches.md", PAGE.read_text("utf-8"), render_markdown(document_folder(LIBRARY))
+        "ubiquity_launches/launches.md", PAGE.read_text("utf-8"), render_markdown(document(LIBRARY))
     )
     assert not difference, f"out of date; make it again with\n\n    ./ur docs ubiquity_launches\n\n{difference}"
 
@@ -27,7 +30,7 @@ def test_page_is_what_the_launch_files_say() -> None:
 @pytest.mark.parametrize("folder", [LIBRARY, ROVER], ids=lambda path: path.name)
 def test_every_link_of_the_page_leads_somewhere(folder: Path) -> None:
     files = {str(path.relative_to(folder)) for path in folder.rglob("*")}
-    assert find_dead_markdown_links(render_markdown(document_folder(folder)), files) == []
+    assert find_dead_markdown_links(render_markdown(document(folder)), files) == []
 
 
 def test_page_is_the_same_whatever_the_computer(tmp_path: Path) -> None:
@@ -50,7 +53,7 @@ def test_page_is_the_same_whatever_the_computer(tmp_path: Path) -> None:
 
 
 def test_every_launch_file_and_program_is_in_it() -> None:
-    (package,) = document_folder(LIBRARY).packages
+    (package,) = document(LIBRARY).packages
     files = {str(path.relative_to(LIBRARY)) for path in LIBRARY.rglob("*.launch*")}
     assert {doc.path for doc in package.launch_files} == files
     programs = {path.name for path in (LIBRARY / "bin").glob("ur_*")}
@@ -64,7 +67,7 @@ def test_every_launch_file_and_program_is_in_it() -> None:
 
 def test_everything_in_the_library_can_be_turned_on_by_something() -> None:
     # What the documents call "off by default" in every file would be dead.
-    (package,) = document_folder(LIBRARY).packages
+    (package,) = document(LIBRARY).packages
     for doc in package.launch_files:
         for tree in doc.trees:
             hidden = [child.name for child in tree.root.children if child.kind == "off"]

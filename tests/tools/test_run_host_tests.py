@@ -52,7 +52,7 @@ def write(folder: Path, name: str, text: str) -> str:
 def start(folder: Path, *arguments: str) -> subprocess.Popen[str]:
     command: Sequence[str] = [sys.executable, str(ROOT / "tools" / "run_host_tests.py"), *arguments]
     kept = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST")}
-    environment = kept | {"XDG_CACHE_HOME": str(folder / "cache")}
+    environment = kept | {"XDG_CACHE_HOME": str(folder / "cache"), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
     return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 
 
