@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import socketserver
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.terminal import ROOT, TmuxTerminal
+from tests.forking import python_of_ur
+from tests.terminal import TmuxTerminal
 
 from ur.complete.shells import SCRIPTS
 
@@ -35,13 +39,38 @@ NAMES = [
     " b'c\"d$e`f;g|h&i<j>k(l)m{n,o}p[q]r*s?t!u~v#w\\x=y:z%^@+",
 ]
 UR = """#!/bin/bash
-[[ $1 == __complete ]] && exec "{python}" -I -m ur "$@"
+if [[ $1 == __complete ]]; then # in a fork of an interpreter
+  exec 3<>/dev/tcp/127.0.0.1/{port} && printf '%s\\0' $# "$PWD" "$@" >&3 && exec cat <&3
+fi
 printf '%s\\0' "$@" >"{told}.new" && mv "{told}.new" "{told}"
 """
 
 
+class Completion(socketserver.StreamRequestHandler):
+    """Answers the folder and the arguments of an `ur` with what it prints."""
+
+    def handle(self) -> None:
+        count = int(self.read_word())
+        folder, *words = (self.read_word() for _ in range(1 + count))
+        environment = {**os.environ, "HOME": folder, "ROS_PACKAGE_PATH": folder}
+        self.wfile.write(python_of_ur().run("ur", *words, folder=Path(folder), environment=environment).stdout)
+
+    def read_word(self) -> str:
+        return os.fsdecode(b"".join(iter(lambda: self.rfile.read(1), b"\0")))
+
+
+@pytest.fixture(scope="module")
+def port() -> Iterator[int]:
+    with socketserver.TCPServer(("127.0.0.1", 0), Completion) as server:
+        thread = threading.Thread(target=server.serve_forever, args=(0.05,))
+        thread.start()
+        yield server.server_address[1]
+        server.shutdown()
+        thread.join()
+
+
 @pytest.fixture(params=sorted(STARTS))
-def terminal(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[TmuxTerminal]:
+def terminal(request: pytest.FixtureRequest, tmp_path: Path, port: int) -> Iterator[TmuxTerminal]:
     for program in ("tmux", request.param):
         if not shutil.which(program):
             pytest.skip(f"{program} is not installed")
@@ -51,7 +80,7 @@ def terminal(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[TmuxTer
     script = tmp_path / f"complete.{request.param}"
     script.write_text(SCRIPTS[request.param])
     opened = TmuxTerminal(STARTS[request.param], tmp_path)
-    (tmp_path / "ur").write_text(UR.format(python=ROOT / ".venv/bin/python", told=tmp_path / "told"))
+    (tmp_path / "ur").write_text(UR.format(port=port, told=tmp_path / "told"))
     opened.type(f". ./{script.name}; echo rea''dy", "Enter")
     opened.until("ready")
     yield opened
