@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.forking import python_of_ur
 
 ROOT = Path(__file__).parents[2]
 UR = shlex.join([sys.executable, "-I", "-m", "ur"])
@@ -38,20 +39,28 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+def make_environment(folder: Path) -> dict[str, str]:
+    return {"PATH": os.environ["PATH"], "HOME": str(folder), "LC_ALL": "C.UTF-8"}
+
+
 def run(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    environment = {"PATH": os.environ["PATH"], "HOME": str(folder), "LC_ALL": "C.UTF-8"}
-    return subprocess.run(
-        ["bash", "-c", line], cwd=folder, env=environment, capture_output=True, text=True, timeout=60, check=False
-    )
+    environment, command = make_environment(folder), ["bash", "-c", line]
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=60, check=False)
 
 
 @pytest.mark.parametrize("call", CALLS)
 def test_full_disk_is_said_in_one_line(folder: Path, call: str) -> None:
-    done = run(f"{UR} {call} >/dev/full", folder)
-    assert done.returncode == 2
-    assert "error: standard output cannot be written: no space left on device" in done.stderr.splitlines()
-    assert "internal error" not in done.stderr
-    assert "Exception" not in done.stderr
+    errors = folder / "errors"
+    with open("/dev/full", "wb") as full, errors.open("wb") as file:  # noqa: PTH123
+        streams = (subprocess.DEVNULL, full.fileno(), file.fileno())
+        process = python_of_ur().start(
+            "ur", *call.split(), folder=folder, environment=make_environment(folder), streams=streams
+        )
+        assert process.wait(60) == 2
+    said = errors.read_text()
+    assert "error: standard output cannot be written: no space left on device" in said.splitlines()
+    assert "internal error" not in said
+    assert "Exception" not in said
 
 
 @pytest.mark.parametrize("call", CALLS)
