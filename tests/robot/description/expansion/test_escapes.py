@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -91,6 +92,13 @@ ESCAPES = {
     "eval": "<xacro:property name='q' value=\"exec(arg('code'), dict())\"/><link name='$(eval ${q})'/>",
 }
 # These read, and run nothing, with or without confinement.
+INLINED = {
+    "list comprehension",
+    "comprehension in a comprehension",
+    "condition of a comprehension",
+    "default of a macro",
+}
+"""Since Python 3.12 a list comprehension is compiled into its expression, whose names xacro's own filter refuses."""
 READERS = {
     "load_yaml": "<link name=\"${xacro.load_yaml(xacro.arg('secret'))}\"/>",
     "tags of Python in YAML": "<link name=\"${xacro.load_yaml('tags.yaml')}\"/>",
@@ -149,4 +157,4 @@ def test_these_escapes_run_where_nothing_confines_them(
         expand(folder, ESCAPES[name], listener.getsockname()[1], confined=False)
         if (folder / "mark").exists():
             ran.add(name)
-    assert ran == set(ESCAPES)
+    assert ran == set(ESCAPES) - (INLINED if sys.version_info >= (3, 12) else set())
