@@ -32,6 +32,8 @@ SILENCE = 1.0
 LATE = 1.0
 """Seconds after the end of a goal in which word of a goal to the same place is about that one."""
 
+_MOST_OVERDUE: Final = 7
+
 
 @dataclass(frozen=True, slots=True)
 class Hold:
@@ -46,7 +48,9 @@ class GoalTracker:
     """The tracked goal. `goal_id` is '' while it is another client's and its id is unknown.
 
     `known`: move_base has listed it as active, or sent its result. `received_at` is when it was sent or mentioned last,
-    `listed_at` when the last status list arrived, `absent_since` since when lists arrive without the goal.
+    `listed_at` when the last status list arrived, `absent_since` since when lists arrive without the goal. `replaced`
+    is the id of the goal before, and `overdue` are the places of goals of this client that were replaced before
+    move_base reported them: messages about both may arrive after this goal was sent or reported.
     """
 
     report: GoalReport = field(default_factory=GoalReport)
@@ -56,13 +60,17 @@ class GoalTracker:
     listed_at: float = 0.0
     absent_since: float | None = None
     hold: Hold = field(default_factory=Hold)
+    replaced: str = ""
+    overdue: tuple[Pose2, ...] = ()
 
 
 def track_sent(tracker: GoalTracker, goal_id: str, place: Pose2, now: float, number: int = 0) -> GoalTracker:
     """Start to track a goal of this client, with the sender's number or (0) the next one."""
     any_heading = has_any_heading(goal_id)
     report = GoalReport(number or tracker.report.number + 1, place, LastGoalState.WAITING, any_heading=any_heading)
-    return GoalTracker(report, goal_id, now, listed_at=now, hold=tracker.hold)
+    open_place = None if tracker.report.over or not tracker.goal_id else tracker.report.place
+    overdue = (*tracker.overdue[-_MOST_OVERDUE:], open_place) if open_place is not None else ()
+    return GoalTracker(report, goal_id, now, listed_at=now, hold=tracker.hold, overdue=overdue)
 
 
 def track_current(tracker: GoalTracker, place: Pose2, now: float) -> GoalTracker:
@@ -71,12 +79,15 @@ def track_current(tracker: GoalTracker, place: Pose2, now: float) -> GoalTracker
     move_base keeps its last goal on the topic, so that one is reported only once it is known to be active, or ends.
     """
     ours = tracker.report.place
-    same = ours is not None and abs(ours.x - place.x) + abs(ours.y - place.y) < 1e-3
+    same = ours is not None and _is_same(ours, place)
     # Results come by another connection and may overtake the message about the goal that they end.
     if same and (not tracker.report.over or now - tracker.received_at < LATE):
+        return replace(tracker, overdue=())
+    if not tracker.report.over and any(_is_same(place, each) for each in tracker.overdue):
         return tracker
     report = GoalReport(tracker.report.number + 1, place, LastGoalState.DRIVING)
-    return GoalTracker(report, "", now, listed_at=now, hold=tracker.hold)
+    replaced = tracker.goal_id or tracker.replaced
+    return GoalTracker(report, "", now, listed_at=now, hold=tracker.hold, replaced=replaced)
 
 
 def track_status(tracker: GoalTracker, statuses: tuple[actions.GoalState, ...], now: float) -> GoalTracker:
@@ -84,7 +95,7 @@ def track_status(tracker: GoalTracker, statuses: tuple[actions.GoalState, ...], 
     if tracker.report.over:
         return tracker
     for status in statuses:
-        if tracker.goal_id == status.id or (not tracker.goal_id and status.open):
+        if tracker.goal_id == status.id or (not tracker.goal_id and status.open and status.id != tracker.replaced):
             found = replace(tracker, goal_id=status.id, listed_at=now, absent_since=None)
             return _apply(found, status, now)
     if not tracker.goal_id and now - tracker.received_at > LATE:
@@ -105,7 +116,7 @@ def track_status(tracker: GoalTracker, statuses: tuple[actions.GoalState, ...], 
 
 def track_result(tracker: GoalTracker, status: actions.GoalState, now: float) -> GoalTracker:
     """Note the result of a goal."""
-    if tracker.report.over or (tracker.goal_id and tracker.goal_id != status.id):
+    if tracker.report.over or (tracker.goal_id and tracker.goal_id != status.id) or status.id == tracker.replaced:
         return tracker
     return _apply(tracker, status, now)
 
@@ -141,6 +152,10 @@ def read_hold(text: str) -> Hold | None:
     except BadJsonError:
         return None
     return Hold(found.goal if found.state else "", found.state == "asking")
+
+
+def _is_same(a: Pose2, b: Pose2) -> bool:
+    return abs(a.x - b.x) + abs(a.y - b.y) < 1e-3
 
 
 def _apply(tracker: GoalTracker, status: actions.GoalState, now: float) -> GoalTracker:

@@ -181,6 +181,25 @@ def test_own_goal_coming_back_as_current_goal_is_not_another() -> None:
     assert track_current(sent(), THERE, 0.1).report.number == 2
 
 
+def test_late_messages_about_a_replaced_goal_of_this_client_do_not_end_the_new_one() -> None:
+    tracker = track_sent(sent(), "b", THERE, 0.1)
+    for place in (HERE, THERE):  # move_base reports both, in this order, after the second was sent
+        tracker = track_current(tracker, place, 0.2)
+    tracker = track_status(tracker, (actions.GoalState("a", ACTIVE, ""),), 0.3)
+    tracker = track_result(tracker, actions.GoalState("a", CANCELLED, "a new goal has replaced this one"), 0.4)
+    assert (tracker.goal_id, tracker.report) == ("b", GoalReport(2, THERE, LastGoalState.WAITING))
+    assert track_current(tracker, HERE, 0.5).report.number == 3  # another client sends it there
+
+
+def test_late_messages_about_a_goal_that_another_client_replaced_do_not_end_the_new_one() -> None:
+    tracker = track_current(sent(), THERE, 0.1)
+    tracker = track_status(tracker, (actions.GoalState("a", ACTIVE, ""),), 0.2)
+    tracker = track_result(tracker, actions.GoalState("a", CANCELLED, "a new goal has replaced this one"), 0.3)
+    assert (tracker.goal_id, tracker.report) == ("", GoalReport(2, THERE, LastGoalState.DRIVING))
+    tracker = track_status(tracker, (actions.GoalState("a", CANCELLED, ""), actions.GoalState("rviz", ACTIVE, "")), 0.4)
+    assert tracker.goal_id == "rviz"
+
+
 @pytest.mark.parametrize("status", [ACTIVE, ABORTED])
 def test_goal_that_is_over_stays_over(status: Literal["active", "aborted"]) -> None:
     done = track_result(sent(), actions.GoalState("a", SUCCEEDED, ""), 1.0)
