@@ -31,6 +31,7 @@ from ur.web.server.application import Application
 from ur.web.server.assistants.assistant_pages import AssistantPages
 from ur.web.server.assistants.assistant_servers import AssistantServers
 from ur.web.server.connections.http_server import open_server
+from ur.web.server.connections.listener import listen
 from ur.web.server.logins.gate import LoginGate
 
 
@@ -98,7 +99,7 @@ async def assistant(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIte
 
     passing = asyncio.create_task(pass_time())
     async with (
-        open_server(application.build(), gate, "127.0.0.1", port, lambda _: None),
+        open_server(application.build(), gate, listen("127.0.0.1", port), lambda _: None),
         aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client,
     ):
         found = ConnectedAssistant(gate, f"http://127.0.0.1:{port}", client)

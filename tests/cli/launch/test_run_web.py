@@ -18,11 +18,6 @@ pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
 UR = str(ROOT / "ur")
 
 
-@pytest.fixture(scope="module", autouse=True)
-def one_after_the_other() -> None:
-    """Both take the first free port, so they stay in one worker."""
-
-
 @pytest.mark.parametrize(("option", "number"), [("--foxglove", signal.SIGINT), ("--web", signal.SIGKILL)])
 def test_page_and_program_end_together(tmp_path: Path, option: str, number: signal.Signals) -> None:
     environment = make_environment(tmp_path) | {"XDG_STATE_HOME": str(tmp_path / "state")}

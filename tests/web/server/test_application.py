@@ -21,6 +21,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
+from ur.web.server.connections.listener import listen  # noqa: E402
 from ur.web.server.logins.gate import LoginGate  # noqa: E402
 from ur.web.server.static_files import load_files  # noqa: E402
 from ur.web.wire.frames import Kind, Layer, camera_frame, json_frame, key_of, points_frame  # noqa: E402
@@ -56,7 +57,7 @@ async def server(tmp_path: Path) -> AsyncIterator[ApplicationServer]:
     application = Application(gate, load_files(), environment, "bob", log.append, make_robot_end=keep(ends))
     jar = aiohttp.CookieJar(unsafe=True)
     async with (
-        open_server(application.build(), gate, "127.0.0.1", port, log.append),
+        open_server(application.build(), gate, listen("127.0.0.1", port), log.append),
         aiohttp.ClientSession(cookie_jar=jar) as client,
     ):
         yield ApplicationServer(gate, f"http://127.0.0.1:{port}", client, application, log, ends[0])

@@ -20,6 +20,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import SESSION_LIFE, TOKEN_LIFE, Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
+from ur.web.server.connections.listener import listen  # noqa: E402
 from ur.web.server.logins.gate import ASSISTANT_PATH, VIEWER_PATH, LoginGate  # noqa: E402
 from ur.web.server.static_files import load_files  # noqa: E402
 
@@ -107,7 +108,7 @@ async def server(tmp_path: Path) -> AsyncIterator[RouteServer]:
         if each.method != "HEAD" and each.resource is not None
     }
     async with (
-        open_server(built, gate, "127.0.0.1", port, lambda _: None),
+        open_server(built, gate, listen("127.0.0.1", port), lambda _: None),
         aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client,
     ):
         yield RouteServer(gate, f"http://127.0.0.1:{port}", client, routes, ends[0].passed, ahead)

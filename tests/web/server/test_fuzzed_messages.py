@@ -23,6 +23,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
+from ur.web.server.connections.listener import listen  # noqa: E402
 from ur.web.server.logins.gate import LoginGate  # noqa: E402
 from ur.web.server.run_pages import RunPages  # noqa: E402
 from ur.web.wire import run_requests  # noqa: E402
@@ -50,7 +51,7 @@ async def test_only_requests_that_are_well_formed_reach_the_robot(tmp_path: Path
     application = Application(gate, {}, environment, "bob", log.append, make_robot_end=keep(ends))
     url, seeds = f"http://127.0.0.1:{port}", [json.dumps(each).encode() for each in VALID]
     async with (
-        open_server(application.build(), gate, "127.0.0.1", port, log.append),
+        open_server(application.build(), gate, listen("127.0.0.1", port), log.append),
         aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True), headers={"Origin": url}) as client,
     ):
         await (await client.post(f"{url}/login", json={"token": gate.invite(Role.DRIVE)})).release()
@@ -104,7 +105,7 @@ async def test_only_run_requests_that_are_well_formed_are_carried_out(tmp_path: 
     built = Application(gate, {}, environment, "bob", log.append, runs=runs).build()
     url, seeds = f"http://127.0.0.1:{port}", [json.dumps(each).encode() for each in VALID_RUNS]
     async with (
-        open_server(built, gate, "127.0.0.1", port, log.append),
+        open_server(built, gate, listen("127.0.0.1", port), log.append),
         aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True), headers={"Origin": url}) as client,
     ):
         await (await client.post(f"{url}/login", json={"token": gate.invite(Role.DRIVE)})).release()

@@ -24,6 +24,7 @@ from ur.web.access.roles import Role  # noqa: E402
 from ur.web.runs.commands import CommandQueue, EndedCommand  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
+from ur.web.server.connections.listener import listen  # noqa: E402
 from ur.web.server.logins.gate import LoginGate  # noqa: E402
 
 BAD_NAMES = (
@@ -83,7 +84,7 @@ async def server(tmp_path: Path) -> AsyncIterator[MapPagesServer]:
     commands = NotedCommands(environment)
     application = Application(gate, {}, environment, "bob", lambda _: None, commands=commands)
     async with (
-        open_server(application.build(), gate, "127.0.0.1", port, lambda _: None),
+        open_server(application.build(), gate, listen("127.0.0.1", port), lambda _: None),
         aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client,
     ):
         yield MapPagesServer(gate, f"http://127.0.0.1:{port}", client, store, waypoints.parent, commands)

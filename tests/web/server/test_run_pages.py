@@ -19,6 +19,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
+from ur.web.server.connections.listener import listen  # noqa: E402
 from ur.web.server.logins.gate import LoginGate  # noqa: E402
 from ur.web.server.run_pages import RunPages  # noqa: E402
 
@@ -43,7 +44,7 @@ async def serve(tmp_path: Path, **bounds: float) -> AsyncIterator[RunPagesServer
     runs = RunPages(environment, lambda _: None, **bounds)  # type: ignore[arg-type]  # of numbers
     application = Application(gate, {}, environment, "bob", lambda _: None, runs=runs).build()
     async with (
-        open_server(application, gate, "127.0.0.1", port, lambda _: None),
+        open_server(application, gate, listen("127.0.0.1", port), lambda _: None),
         aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client,
     ):
         yield RunPagesServer(gate, f"http://127.0.0.1:{port}", client)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import http.client
 import json
 import os
@@ -20,8 +21,10 @@ from tests.ros_session import free_port
 
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
+from ur.source.diagnostic import UserError
 from ur.web.access.roles import Role
 from ur.web.server.link_files import admit_script, make_token
+from ur.web.server.serve import open_port
 
 
 class Service:
@@ -112,6 +115,26 @@ def test_enter_in_the_terminal_prints_another_link_and_logins_are_told_there(tmp
             process.kill()
             process.wait()
         os.close(ours)
+
+
+def test_servers_that_start_in_one_moment_get_different_ports() -> None:
+    ports = range(first := free_port(), first + 3)
+    with contextlib.ExitStack() as stack:
+        # In use on one of the addresses of localhost only, as while another server opens them one by one.
+        family, *_, address = socket.getaddrinfo("localhost", ports[0], type=socket.SOCK_STREAM)[-1]
+        other = stack.enter_context(socket.socket(family))
+        other.bind(address)
+        other.listen()
+        for port in ports[1:]:
+            found, listening = open_port("localhost", ports)
+            for each in listening:
+                stack.enter_context(each)
+            assert found == port
+            assert {each.getsockname()[1] for each in listening} == {port}
+        with pytest.raises(UserError, match=f"ports {ports[0]} to {ports[-1]} are in use"):
+            open_port("localhost", ports)
+        with pytest.raises(UserError, match=f"port {ports[0]}: address already in use"):
+            open_port("localhost", ports[:1])
 
 
 @pytest.mark.skipif(shutil.which("prlimit") is None, reason="prlimit is not installed")

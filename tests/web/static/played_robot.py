@@ -17,6 +17,7 @@ from ur.web.access.origin import make_origins
 from ur.web.access.roles import Role
 from ur.web.server.application import Application
 from ur.web.server.connections.http_server import open_server
+from ur.web.server.connections.listener import listen
 from ur.web.server.logins.gate import LoginGate
 from ur.web.server.static_files import load_files
 from ur.web.wire.frames import Kind, Layer, PoseSample, json_frame, pose_frame
@@ -85,7 +86,7 @@ class PlayedRobot:
 
     async def _serve(self) -> None:
         self._over = asyncio.Event()
-        async with open_server(self._application.build(), self._gate, "127.0.0.1", self.port, lambda _: None):
+        async with open_server(self._application.build(), self._gate, listen("127.0.0.1", self.port), lambda _: None):
             self._ready.set()
             await self._over.wait()
 

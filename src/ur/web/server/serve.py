@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import html
 import os
 import queue
@@ -27,6 +28,7 @@ from ur.web.access.origin import make_origins
 from ur.web.access.roles import DAY, SESSION_LIFE, Role
 from ur.web.server.application import Application
 from ur.web.server.connections.http_server import open_server
+from ur.web.server.connections.listener import listen
 from ur.web.server.enter_key import call_on_enter
 from ur.web.server.link_files import LinkFiles
 from ur.web.server.links import FIRST_PORT, LISTENERS, draw_code, find_address, make_link
@@ -89,7 +91,8 @@ async def serve(
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         loop.add_signal_handler(number, ended.set)
-    port = options.port or (FIRST_PORT if options.service else _free_port(_PORTS if parent is None else _CHILD_PORTS))
+    host = "0.0.0.0" if network else "localhost"  # noqa: S104 - asked for
+    port, listening = open_port(host, _choose_ports(options))
     origins = make_origins(_own_names() if network else (), port)
     links = LinkFiles(folder) if options.service else None
     path, life = folder / f"sessions-{port}.json", options.days * DAY
@@ -100,15 +103,11 @@ async def serve(
     above = ParentServer(options.own, parent, gate.invite) if parent is not None else None
     robots = above or _make_robots(options, gate, log)
     application = Application(gate, load_files(), robot_environment(), options.robot, log, robots)
-    host = "0.0.0.0" if network else "localhost"  # noqa: S104 - asked for
     async with AsyncExitStack() as stack:
         stack.callback(log.close)
         if above is not None:
             stack.callback(path.unlink, missing_ok=True)
-        try:
-            await stack.enter_async_context(open_server(application.build(), gate, host, port, log))
-        except OSError as problem:
-            raise _taken(port, problem) from None
+        await stack.enter_async_context(open_server(application.build(), gate, listening, log))
         if above is not None:
             until = partial(above.run, port, lambda: gate.sessions.any_open)
         elif options.service:
@@ -198,22 +197,35 @@ def _own_names() -> tuple[str, ...]:
     return name, f"{name}.local"
 
 
-def _free_port(ports: range) -> int:
+def _choose_ports(options: ServerOptions) -> range:
+    """Return the ports to try, in this order."""
+    if options.port or options.service:
+        port = options.port or FIRST_PORT
+        return range(port, port + 1)
+    return _PORTS if options.child is None else _CHILD_PORTS
+
+
+def open_port(host: str, ports: range) -> tuple[int, list[socket.socket]]:
+    """Listen on the first free port, and return it with its sockets. Raises UserError if there is none.
+
+    It stays open: servers that start in the same moment get different ports.
+    """
     for port in ports:
-        with socket.socket() as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            with suppress(OSError):
-                probe.bind(("127.0.0.1", port))
-                return port
+        found = _listen(host, port)
+        if not isinstance(found, OSError):
+            return port, found
+        if found.errno != errno.EADDRINUSE or len(ports) == 1:
+            message, subject = f"port {port}: {(found.strerror or str(found)).lower()}", f"port {port}"
+            raise UserError(error(message, rule="no-port", help="choose another one with --port", subject=subject))
     message = f"ports {ports[0]} to {ports[-1]} are in use, expected a free one"
     raise UserError(error(message, rule="no-port", help="choose one with --port"))
 
 
-def _taken(port: int, problem: OSError) -> UserError:
-    reason = (problem.strerror or str(problem)).lower()
-    return UserError(
-        error(f"port {port}: {reason}", rule="no-port", help="choose another one with --port", subject=f"port {port}")
-    )
+def _listen(host: str, port: int) -> list[socket.socket] | OSError:
+    try:
+        return listen(host, port)
+    except OSError as problem:
+        return problem
 
 
 def _has_browser() -> bool:

@@ -29,7 +29,7 @@ from ur.web.access.rate import Buckets  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import Rarely, open_server  # noqa: E402
-from ur.web.server.connections.listener import ConnectionListener  # noqa: E402
+from ur.web.server.connections.listener import ConnectionListener, listen  # noqa: E402
 from ur.web.server.logins.gate import LoginGate  # noqa: E402
 from ur.web.server.static_files import load_files  # noqa: E402
 
@@ -81,7 +81,7 @@ async def serve(folder: Path, **bounds: float) -> AsyncIterator[AttackedServer]:
     port, log, ends = free_port(), list[str](), list[IdleRobotEnd]()
     gate = LoginGate(make_origins((), port), folder / "sessions.json", log.append)
     application = Application(gate, load_files(), {}, "bob", log.append, make_robot_end=keep(ends, IdleRobotEnd))
-    async with open_server(application.build(), gate, "127.0.0.1", port, log.append, **bounds) as listener:
+    async with open_server(application.build(), gate, listen("127.0.0.1", port), log.append, **bounds) as listener:
         yield AttackedServer(gate, f"http://127.0.0.1:{port}", listener, port, log, ends[0].passed)
 
 

@@ -19,6 +19,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import DAY, Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
+from ur.web.server.connections.listener import listen  # noqa: E402
 from ur.web.server.logins.gate import LoginGate  # noqa: E402
 from ur.web.server.logins.session_file import SessionFile  # noqa: E402
 
@@ -48,7 +49,7 @@ async def server(tmp_path: Path) -> AsyncIterator[SessionServer]:
     gate = LoginGate(origins, path, lambda _: None, report=said.append, life=7 * DAY)
     environment, ends = {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}, list[KeptRobotEnd]()
     application = Application(gate, {}, environment, "bob", lambda _: None, make_robot_end=keep(ends))
-    async with open_server(application.build(), gate, "127.0.0.1", port, lambda _: None):
+    async with open_server(application.build(), gate, listen("127.0.0.1", port), lambda _: None):
         yield SessionServer(gate, f"http://127.0.0.1:{port}", path, said, ends[0].passed)
 
 

@@ -20,6 +20,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
+from ur.web.server.connections.listener import listen  # noqa: E402
 from ur.web.server.logins.gate import LoginGate  # noqa: E402
 from ur.web.server.recordings.recorder import RecordingLimits  # noqa: E402
 from ur.web.server.recordings.recording_pages import RecordingPages  # noqa: E402
@@ -68,7 +69,7 @@ async def server(tmp_path: Path) -> AsyncIterator[RecordingServer]:
     )
     application = Application(gate, {}, environment, "bob", lambda _: None, recordings=recordings)
     async with (
-        open_server(application.build(), gate, "127.0.0.1", port, lambda _: None),
+        open_server(application.build(), gate, listen("127.0.0.1", port), lambda _: None),
         aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client,
     ):
         yield RecordingServer(gate, f"http://127.0.0.1:{port}", client, folder, topics)

@@ -16,6 +16,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
+from ur.web.server.connections.listener import listen  # noqa: E402
 from ur.web.server.logins.gate import LoginGate  # noqa: E402
 from ur.web.server.robots.peer import PeerError  # noqa: E402
 from ur.web.server.robots.robots import RobotEntry, ServerLogin  # noqa: E402
@@ -60,7 +61,7 @@ async def server(tmp_path: Path) -> AsyncIterator[RobotPagesServer]:
     gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", log.append)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path)}
     application = Application(gate, {}, environment, "sim", log.append, robots)
-    async with open_server(application.build(), gate, "127.0.0.1", port, log.append):
+    async with open_server(application.build(), gate, listen("127.0.0.1", port), log.append):
         yield RobotPagesServer(gate, f"http://127.0.0.1:{port}", robots, log)
 
 

@@ -27,6 +27,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
+from ur.web.server.connections.listener import listen  # noqa: E402
 from ur.web.server.logins.gate import LoginGate  # noqa: E402
 from ur.web.server.robots import robot_servers  # noqa: E402
 from ur.web.server.robots.peer import PeerError  # noqa: E402
@@ -92,7 +93,7 @@ async def test_page_changes_to_another_robot_with_its_role_and_back(client: Any,
             "sim", lambda: known, lambda role: ServerLogin(port, gate.invite(role)), (), environment, log.append
         )
         application = Application(gate, {}, environment, "simulated robot", log.append, robots)
-        async with open_server(application.build(), gate, "127.0.0.1", port, log.append):
+        async with open_server(application.build(), gate, listen("127.0.0.1", port), log.append):
             for role in (Role.LOOK, Role.DRIVE):
                 sim = VisitedPage(client, f"http://127.0.0.1:{port}/login#{gate.invite(role)}")
                 assert (await sim.log_in())["role"] == role.value

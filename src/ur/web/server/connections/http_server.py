@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import socket
 import time
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from functools import cache
 from http import HTTPStatus
@@ -23,9 +24,13 @@ _LOGGED_EVERY = 60.0  # s
 
 @asynccontextmanager
 async def open_server(
-    application: web.Application, gate: LoginGate, host: str, port: int, log: Callable[[str], None], **bounds: Any
+    application: web.Application,
+    gate: LoginGate,
+    listening: Sequence[socket.socket],
+    log: Callable[[str], None],
+    **bounds: Any,
 ) -> AsyncIterator[ConnectionListener]:
-    """Serve an application on a port while the context lasts. Raises OSError if the port cannot be opened.
+    """Serve an application on sockets, see `listen`, while the context lasts; they are closed at its end.
 
     `log` is called at most once a minute about failed connections. `bounds` are those of ConnectionListener.
     """
@@ -49,7 +54,7 @@ async def open_server(
     assert runner.server is not None, "set up"
     listener = ConnectionListener(runner.server, gate.recognise, _answer, rarely, **bounds)
     try:
-        listener.open(host, port)
+        listener.open(listening)
         yield listener
     finally:
         listener.close()

@@ -13,7 +13,7 @@ import asyncio
 import errno
 import os
 import socket
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Sequence
 from contextlib import suppress
 from itertools import takewhile
 
@@ -92,15 +92,9 @@ class ConnectionListener:
         self._large_of_all = make_bucket(_LARGE_RATE_OF_ALL, _LARGE_BURST_OF_ALL, self._loop.time())
         self._sweeping: asyncio.TimerHandle | None = None
 
-    def open(self, host: str, port: int) -> None:
-        """Listen on all addresses of a host name that this computer has. Raises OSError."""
-        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-        opened = [
-            _listen(family, kind, protocol, address) for family, kind, protocol, _, address in dict.fromkeys(found)
-        ]
-        self._listening = [sock for sock in opened if sock is not None]
-        if not self._listening:
-            raise OSError(errno.EADDRNOTAVAIL, os.strerror(errno.EADDRNOTAVAIL))
+    def open(self, listening: Sequence[socket.socket]) -> None:
+        """Accept connections of these sockets, see `listen`, and close them at the end."""
+        self._listening = list(listening)
         for sock in self._listening:
             self._loop.add_reader(sock, self._accept, sock)
         self._sweep()
@@ -287,6 +281,24 @@ class ConnectionListener:
         for sock in [sock for sock, until in self._closing.items() if until < now]:
             self._end(sock)
         self._sweeping = self._loop.call_later(_SWEEP_EVERY, self._sweep)
+
+
+def listen(host: str, port: int) -> list[socket.socket]:
+    """Listen on all addresses of a host name that this computer has. Raises OSError."""
+    found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+    opened: list[socket.socket] = []
+    try:
+        for family, kind, protocol, _, address in dict.fromkeys(found):
+            sock = _listen(family, kind, protocol, address)
+            if sock is not None:
+                opened.append(sock)
+        if not opened:
+            raise OSError(errno.EADDRNOTAVAIL, os.strerror(errno.EADDRNOTAVAIL))
+    except OSError:
+        for sock in opened:
+            sock.close()
+        raise
+    return opened
 
 
 def _listen(family: int, kind: int, protocol: int, address: tuple[str | int | bytes, ...]) -> socket.socket | None:
