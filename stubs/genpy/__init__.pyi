@@ -4,7 +4,7 @@ from typing import Any, BinaryIO, ClassVar
 
 from typing_extensions import Self
 
-from genpy import dynamic as dynamic
+from genpy import generator as generator
 from genpy import message as message
 
 class TVal:

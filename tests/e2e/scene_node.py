@@ -3,37 +3,22 @@
 from __future__ import annotations
 
 import struct
+from typing import Any
 
-import genpy.dynamic
 import rospy
 from geometry_msgs.msg import Point
 from sensor_msgs.msg import PointCloud2, PointField
 from visualization_msgs.msg import Marker, MarkerArray
 
-LINE = "=" * 80
-DIAGNOSTICS = f"""Header header
-diagnostic_msgs/DiagnosticStatus[] status
-{LINE}
-MSG: std_msgs/Header
-uint32 seq
-time stamp
-string frame_id
-{LINE}
-MSG: diagnostic_msgs/DiagnosticStatus
-byte OK=0
-byte WARN=1
-byte ERROR=2
-byte STALE=3
-byte level
-string name
-string message
-string hardware_id
-diagnostic_msgs/KeyValue[] values
-{LINE}
-MSG: diagnostic_msgs/KeyValue
-string key
-string value
-"""
+from ur_nodes.codecs.genpy.fiducials import make_classes
+
+DIAGNOSTICS = {
+    "std_msgs/Header": "uint32 seq\ntime stamp\nstring frame_id",
+    "KeyValue": "string key\nstring value",
+    "DiagnosticStatus": "byte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\nbyte level\n"
+    "string name\nstring message\nstring hardware_id\ndiagnostic_msgs/KeyValue[] values",
+    "DiagnosticArray": "std_msgs/Header header\ndiagnostic_msgs/DiagnosticStatus[] status",
+}
 
 
 def make_cloud() -> PointCloud2:
@@ -64,9 +49,8 @@ def make_markers() -> MarkerArray:
 
 def main() -> None:
     rospy.init_node("scene")
-    types = genpy.dynamic.generate_dynamic("diagnostic_msgs/DiagnosticArray", DIAGNOSTICS)
-    status, value = types["diagnostic_msgs/DiagnosticStatus"], types["diagnostic_msgs/KeyValue"]
-    array = types["diagnostic_msgs/DiagnosticArray"]
+    types: dict[str, Any] = make_classes("diagnostic_msgs", DIAGNOSTICS)
+    status, value, array = types["DiagnosticStatus"], types["KeyValue"], types["DiagnosticArray"]
     clouds = rospy.Publisher("cloud", PointCloud2, queue_size=1)
     markers = rospy.Publisher("markers", MarkerArray, queue_size=1)
     states = rospy.Publisher("diagnostics", array, queue_size=1)

@@ -13,9 +13,9 @@ pytestmark = pytest.mark.ros
 ADAPTER = PACKAGE / "n_driver_adapter" / "bin" / "driver_adapter"
 # The package of upstream's message, as little of it as is needed.
 MESSAGES = """
-from genpy.dynamic import generate_dynamic
+from ur_nodes.codecs.genpy.fiducials import make_classes
 
-Sensor = generate_dynamic("neato_node/Sensor", "bool value\\nstring name\\n")["neato_node/Sensor"]
+Sensor = make_classes("neato_node", {"Sensor": "bool value\\nstring name"})["Sensor"]
 """
 
 

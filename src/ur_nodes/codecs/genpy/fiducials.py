@@ -8,10 +8,13 @@ from __future__ import annotations
 
 import functools
 import importlib
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Literal, overload
 
 import genpy
-from genpy.dynamic import generate_dynamic
+from genmsg import MsgContext
+from genmsg.msg_loader import load_msg_from_string
+from genpy.generator import msg_generator
 
 if TYPE_CHECKING:
     from fiducial_msgs.msg import (
@@ -25,7 +28,7 @@ if TYPE_CHECKING:
 
 _PACKAGE = "fiducial_msgs"
 _HEADER = "std_msgs/Header"
-_FIELDS = {
+_FIELDS = {  # a message after those that it has
     _HEADER: "uint32 seq\ntime stamp\nstring frame_id",
     "geometry_msgs/Vector3": "float64 x\nfloat64 y\nfloat64 z",
     "geometry_msgs/Quaternion": "float64 x\nfloat64 y\nfloat64 z\nfloat64 w",
@@ -38,14 +41,6 @@ _FIELDS = {
     "FiducialTransformArray": "std_msgs/Header header\nint32 image_seq\nFiducialTransform[] transforms",
     "FiducialMapEntry": "int32 fiducial_id\n" + "\n".join(f"float64 {n}" for n in ("x", "y", "z", "rx", "ry", "rz")),
     "FiducialMapEntryArray": "FiducialMapEntry[] fiducials",
-}
-_NEEDS = {
-    "FiducialArray": (_HEADER, "Fiducial"),
-    "FiducialTransformArray": (
-        *(_HEADER, "FiducialTransform", "geometry_msgs/Transform"),
-        *("geometry_msgs/Vector3", "geometry_msgs/Quaternion"),
-    ),
-    "FiducialMapEntryArray": ("FiducialMapEntry",),
 }
 
 
@@ -73,9 +68,23 @@ def _find_classes(array: str) -> tuple[type[genpy.Message], type[genpy.Message]]
         installed = importlib.import_module(f"{_PACKAGE}.msg")
         return getattr(installed, array), getattr(installed, element)
     except (ImportError, AttributeError):
-        pass
-    separator = "\n" + "=" * 80 + "\n"
-    parts = [_FIELDS[array] + "\n"]
-    parts += [f"MSG: {name if '/' in name else f'{_PACKAGE}/{name}'}\n{_FIELDS[name]}\n" for name in _NEEDS[array]]
-    made = generate_dynamic(f"{_PACKAGE}/{array}", separator.join(parts))
-    return made[f"{_PACKAGE}/{array}"], made[f"{_PACKAGE}/{element}"]
+        made = make_classes(_PACKAGE, _FIELDS)
+        return made[array], made[element]
+
+
+def make_classes(package: str, fields: Mapping[str, str]) -> dict[str, type[genpy.Message]]:
+    """Make the classes of a package's messages by their fields, in memory.
+
+    A message stands after those that it has; those of other packages have their full names, and are installed.
+    `genpy.dynamic` imports files instead, which a process that is killed leaves behind.
+    """
+    context, classes = MsgContext.create_default(), dict[str, type[genpy.Message]]()
+    for name, definition in fields.items():
+        full_name = name if "/" in name else f"{package}/{name}"
+        spec = load_msg_from_string(context, f"{definition}\n", full_name)
+        context.register(full_name, spec)
+        if name != full_name:
+            code = "\n".join(msg_generator(context, spec, {}))
+            code = code.replace(f"import {package}.msg\n", "").replace(f"{package}.msg.", "")
+            exec(code, classes)  # noqa: S102 - as genpy.dynamic does
+    return classes

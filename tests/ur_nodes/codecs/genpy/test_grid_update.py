@@ -6,15 +6,17 @@ import numpy as np
 import pytest
 import rospy
 from genpy import DeserializationError
-from genpy.dynamic import generate_dynamic
+from std_msgs.msg import Header
 
 from ur_nodes.codecs import find_codec
+from ur_nodes.codecs.genpy.fiducials import make_classes
 from ur_nodes.codecs.genpy.grid_update import GridUpdate
 from ur_nodes.ports.values import MapUpdate
 
 
 def test_grid_update_is_upstreams_message() -> None:
-    upstream = generate_dynamic(GridUpdate._type, GridUpdate._full_text)[GridUpdate._type]
+    fields = {"std_msgs/Header": Header._full_text, "OccupancyGridUpdate": GridUpdate._full_text.partition("=")[0]}
+    upstream = make_classes("map_msgs", fields)["OccupancyGridUpdate"]
     assert upstream._md5sum == GridUpdate._md5sum
     wire, message = io.BytesIO(), GridUpdate()
     update = MapUpdate(2_000_000_009, "map", 7, 3, np.array([[1, -1, 100], [0, 5, 6]], np.int8))

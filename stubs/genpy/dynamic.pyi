@@ -1,3 +1,0 @@
-from typing import Any
-
-def generate_dynamic(core_type: str, msg_cat: str) -> dict[str, Any]: ...
