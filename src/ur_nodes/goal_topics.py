@@ -138,7 +138,12 @@ class TopicGoalServer:
 class TopicGoalClient:
     """See `ports.actions.GoalClient`."""
 
-    def __init__(self, node: Node, action: str, follower: GoalFollower) -> None:
+    def __init__(
+        self, node: Node, action: str, follower: GoalFollower, is_connected: Callable[[], bool] = lambda: True
+    ) -> None:
+        """`is_connected` tells whether a listener of goals is a server, and not only a recorder."""
+        self._is_connected = is_connected
+        self._connected = 0  # listeners, when a server was among them
         self._goals = node.publish(f"{action}/goal", Goal, Quality.EVERY)
         self._cancels = node.publish(f"{action}/cancel", GoalId, Quality.EVERY)
         node.subscribe(f"{action}/status", GoalStates, self._take_states)
@@ -157,7 +162,10 @@ class TopicGoalClient:
         self._cancels.send(GoalId(id))
 
     def servers(self) -> int:
-        return self._goals.listeners()
+        listeners = self._goals.listeners()
+        if listeners != self._connected:
+            self._connected = listeners if listeners and self._is_connected() else 0
+        return self._connected
 
     def _take_states(self, states: GoalStates) -> None:
         self.lists += 1

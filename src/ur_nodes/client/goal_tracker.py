@@ -9,6 +9,7 @@ from ur.source.foreign.json_values import BadJsonError, ForeignValue, read_json
 from ur.source.printable import one_line
 from ur_nodes.client.snapshot import GoalReport, LastGoalState
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS
 from ur_nodes.navigation.goals.goal_claim import has_any_heading
 from ur_nodes.ports import actions
 
@@ -119,6 +120,16 @@ def track_result(tracker: GoalTracker, status: actions.GoalState, now: float) ->
     if tracker.report.over or (tracker.goal_id and tracker.goal_id != status.id) or status.id == tracker.replaced:
         return tracker
     return _apply(tracker, status, now)
+
+
+def is_unconfirmed(tracker: GoalTracker, now: float) -> bool:
+    """Return whether to send a goal of this client again, after a status list: it was in none so far.
+
+    A message can be lost while nodes find each other: a recorder may receive goals before navigation does. The server
+    takes a goal once. A later one would be refused, or begin after its sender has given up.
+    """
+    sent = tracker.goal_id and not tracker.known and not tracker.report.over
+    return bool(sent) and now - tracker.received_at <= REQUEST_FRESHNESS
 
 
 def track_hold(tracker: GoalTracker, hold: Hold) -> GoalTracker:

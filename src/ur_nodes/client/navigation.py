@@ -12,6 +12,7 @@ from ur.source.printable import one_line
 from ur_nodes.client.goal_tracker import (
     LONGEST_TEXT,
     GoalTracker,
+    is_unconfirmed,
     read_hold,
     report_at,
     track_current,
@@ -121,6 +122,7 @@ class NavigationTopics:
         self._node, self._names = node, names
         self._seen = RobotSnapshot()
         self._tracker = GoalTracker()
+        self._sent: Goal | None = None  # that may have to be sent again
         self._status_at = -math.inf
         self._driven_to = False  # a goal that is not the followed one is open
         self._kept = True  # the next goal of navigation may be one that it had before and has kept
@@ -162,7 +164,8 @@ class NavigationTopics:
         """Send a goal with this id. Returns its number in `GoalReport`: the one given, or (0) the next."""
         self._tracker = track_sent(self._tracker, goal_id, place, self._node.steady(), number)
         self._seen = replace(self._seen, path=None)
-        self._goals.send(Goal(goal_id, PlacedPose(self._node.now(), self._names.map_frame, place)))
+        self._sent = Goal(goal_id, PlacedPose(self._node.now(), self._names.map_frame, place))
+        self._goals.send(self._sent)
         return self._tracker.report.number
 
     def continue_goal(self, answer: int) -> None:
@@ -171,6 +174,7 @@ class NavigationTopics:
 
     def cancel_goals(self) -> None:
         """Cancel the goal of any client."""
+        self._sent = None
         self._goals.cancel()
 
     def set_pose(self, place: Pose2) -> None:
@@ -180,6 +184,8 @@ class NavigationTopics:
     def take_states(self, states: tuple[GoalState, ...]) -> None:
         self._status_at = self._node.steady()
         self._tracker = track_status(self._tracker, states, self._status_at)
+        if self._sent is not None and is_unconfirmed(self._tracker, self._status_at):
+            self._goals.send(self._sent)
         self._driven_to = any(each.open and each.id != self._tracker.goal_id for each in states)
 
     def take_goal_end(self, state: GoalState) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from ur_nodes.ports.graph import Graph, make_graph
@@ -12,7 +12,7 @@ from ur_nodes.ports.topics import Sender
 from ur_nodes.ros2.names import full_name
 
 if TYPE_CHECKING:
-    from rclpy.node import Node
+    from rclpy.node import Node, TopicEndpointInfo
 
 _OWN = ("/describe_parameters", "/get_parameter_types", "/get_parameters", "/get_type_description")
 _OWN_SERVICES = (*_OWN, "/list_parameters", "/set_parameters", "/set_parameters_atomically")
@@ -44,6 +44,18 @@ def read_graph(node: Node) -> Graph:
             if not service.endswith(_OWN_SERVICES):
                 services[service].append(full)
     return make_graph(_tuples(publishers), _tuples(subscribers), kinds, _tuples(services), nodes)
+
+
+def has_node_between(node: Node, subscribed: str, published: str) -> bool:
+    """Return whether a node that subscribes to one topic, and publishes the other, has been discovered."""
+
+    def names(ends: Iterable[TopicEndpointInfo]) -> set[str]:
+        return {
+            full_name(each.node_namespace, each.node_name) for each in ends if not each.node_name.startswith(_UNKNOWN)
+        }
+
+    listeners = names(node.get_subscriptions_info_by_topic(subscribed))
+    return bool(listeners & names(node.get_publishers_info_by_topic(published)))
 
 
 def _tuples(ends: dict[str, list[str]]) -> dict[str, tuple[str, ...]]:

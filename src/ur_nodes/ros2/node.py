@@ -162,10 +162,12 @@ class RosNode(LoopNode):
 
     def follow_goals(self, action: str, follower: GoalFollower) -> GoalClient:
         from ur_nodes.goal_topics import TopicGoalClient
+        from ur_nodes.ros2.graph import has_node_between
         from ur_nodes.ros2.navigation.client import LIST_PERIOD, follow_actions
 
-        topics = TopicGoalClient(self, action, follower)
         name = self.resolve(f"{action}/goal").removesuffix("/goal")
+        ends = self.resolve(f"{action}/goal"), self.resolve(f"{action}/status")
+        topics = TopicGoalClient(self, action, follower, lambda: has_node_between(self._node, *ends))
         client = follow_actions(self._node, self._loop.post, name, topics, follower)
         if client is None:
             return topics

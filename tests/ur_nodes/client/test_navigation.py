@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from ur_nodes.client.navigation import Names, NavigationTopics
 from ur_nodes.client.snapshot import LastGoalState
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
-from ur_nodes.ports.actions import GoalState, GoalStates
+from ur_nodes.ports.actions import Goal, GoalState, GoalStates
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Path
 
@@ -25,6 +26,8 @@ class Navigation:
         self._states = robot.publish("move_base/state", GoalState, Quality.EVERY)
         self._status = robot.publish("move_base/status", GoalStates)
         self._plan = robot.publish("move_base/NavfnROS/plan", Path)
+        self.received: list[str] = []
+        robot.subscribe("move_base/goal", Goal, lambda goal: self.received.append(goal.id), Quality.EVERY)
         self.bus.run(0.1)
 
     def list_goals(self, *states: GoalState) -> None:
@@ -60,3 +63,25 @@ def test_goal_of_another_client_is_where_the_path_ends() -> None:
     navigation.list_goals(*listed)
     report = navigation.client.goal()
     assert (report.number, report.state, report.place) == (number + 1, LastGoalState.DRIVING, ELSEWHERE)
+
+
+def test_goal_is_sent_again_until_navigation_lists_it() -> None:
+    navigation = Navigation()
+    navigation.client.send_goal("ours", THERE)
+    navigation.list_goals()  # the goal was lost, or is on its way
+    assert navigation.received == ["ours", "ours"]
+    navigation.list_goals(GoalState("ours", "active", ""))
+    navigation.list_goals()
+    assert navigation.received == ["ours", "ours"]
+
+
+@pytest.mark.parametrize("is_cancelled", [True, False])
+def test_goal_that_was_cancelled_or_sent_long_ago_is_not_sent_again(*, is_cancelled: bool) -> None:
+    navigation = Navigation()
+    navigation.client.send_goal("ours", THERE)
+    if is_cancelled:
+        navigation.client.cancel_goals()
+    else:
+        navigation.bus.run(1.1)
+    navigation.list_goals()
+    assert navigation.received == ["ours"]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, cast
 
 from ur_nodes.ports.graph import Topic
-from ur_nodes.ros2.graph import Senders, read_graph
+from ur_nodes.ros2.graph import Senders, has_node_between, read_graph
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -18,7 +18,7 @@ TWIST = "geometry_msgs/msg/Twist"
 
 @dataclass(frozen=True, slots=True)
 class Endpoint:
-    """A publisher of a topic."""
+    """A publisher of a topic, or a subscription."""
 
     node_name: str
     endpoint_gid: bytes
@@ -27,12 +27,13 @@ class Endpoint:
 
 @dataclass(slots=True)
 class ReportingNode:
-    """What rclpy's node has discovered: ends by name and namespace of their nodes, and the publishers of a topic."""
+    """What rclpy's node has discovered: ends by name and namespace of their nodes, and those of topics."""
 
     published: Ends = field(default_factory=dict)
     subscribed: Ends = field(default_factory=dict)
     served: Ends = field(default_factory=dict)
     endpoints: list[Endpoint] = field(default_factory=list)
+    listening: list[Endpoint] = field(default_factory=list)
     asked: int = 0
 
     def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
@@ -50,6 +51,9 @@ class ReportingNode:
     def get_publishers_info_by_topic(self, _topic: str) -> list[Endpoint]:
         self.asked += 1
         return self.endpoints
+
+    def get_subscriptions_info_by_topic(self, _topic: str) -> list[Endpoint]:
+        return self.listening
 
 
 def senders_of(*endpoints: Endpoint) -> tuple[Senders, ReportingNode]:
@@ -133,3 +137,11 @@ def test_streams_of_publishers_without_ids_are_told_apart_by_the_numbers_of_thei
 def test_publishers_of_a_middleware_that_numbers_no_messages_have_one_stream() -> None:
     senders, _ = senders_of(Endpoint("keys", FIRST), Endpoint("page", SECOND))
     assert {senders.find(info(moment)).stream for moment in (1, 2, 3)} == {""}
+
+
+def test_recorder_of_a_topic_is_not_taken_for_the_node_that_answers_on_another() -> None:
+    unknown, recorder, server = (Endpoint(name, FIRST) for name in ("_NODE_NAME_UNKNOWN_", "black_box", "move_base"))
+    node = ReportingNode(endpoints=[unknown, server], listening=[unknown, recorder])
+    assert not has_node_between(cast("Node", node), "/move_base/goal", "/move_base/status")
+    node.listening.append(server)
+    assert has_node_between(cast("Node", node), "/move_base/goal", "/move_base/status")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 
-from ur_nodes.client.goal_tracker import GoalTracker, report_at, track_result, track_sent, track_status
+from ur_nodes.client.goal_tracker import GoalTracker, is_unconfirmed, report_at, track_result, track_sent, track_status
 from ur_nodes.client.patrol_text import PatrolStop
 from ur_nodes.client.snapshot import GoalReport, LastGoalState, heading_there
 from ur_nodes.geometry.pose import Pose2
@@ -56,7 +56,8 @@ class PatrolGoal:
             yaw = heading_there(self._transforms.find_planar(self._map_frame, self._base_frame), stop.x, stop.y)
         place = Pose2(stop.x, stop.y, yaw)
         self._tracker = track_sent(self._tracker, self._goal, place, self._node.steady())
-        self._goals.send(actions.Goal(self._goal, PlacedPose(self._node.now(), self._map_frame, place)))
+        self._sent = actions.Goal(self._goal, PlacedPose(self._node.now(), self._map_frame, place))
+        self._goals.send(self._sent)
 
     def cancel(self) -> None:
         """Cancel the goal."""
@@ -66,7 +67,10 @@ class PatrolGoal:
 
     def take_states(self, states: tuple[actions.GoalState, ...]) -> None:
         if self._goal:
-            self._tracker = track_status(self._tracker, states, self._node.steady())
+            now = self._node.steady()
+            self._tracker = track_status(self._tracker, states, now)
+            if is_unconfirmed(self._tracker, now):
+                self._goals.send(self._sent)
         for each in states:  # of a node of this name that was killed
             if each.open and each.id.startswith(self._prefix) and each.id != self._goal:
                 self._goals.cancel(each.id)
