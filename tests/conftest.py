@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import gc
 import os
+import shutil
 import signal
-from collections.abc import Generator
+import tempfile
+from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
@@ -19,6 +21,7 @@ settings.load_profile("project")
 
 pytest_plugins = ["tests.parallel", "tests.times"]
 NODES = "tests/ur_nodes/"
+TEMPORARY, LEFT = pytest.StashKey[str](), pytest.StashKey[list[str]]()
 
 # A shell without job control starts background jobs with these ignored, and programs under test would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -31,8 +34,23 @@ if coverage_folder := os.environ.get("UR_COVERAGE"):  # before other conftest.py
     save_coverage = measure(Path(__file__).parents[1] / "src", Path(coverage_folder).absolute())
 
 
+@pytest.fixture(autouse=True)
+def _own_environment() -> Iterator[None]:
+    """Take back what a test sets in the environment of its process, as `main` of `ur` does with the robot's ROS."""
+    before = dict(os.environ)
+    yield
+    os.environ.clear()
+    os.environ.update(before)
+
+
 def pytest_configure(config: pytest.Config) -> None:
-    """Write the coverage of this process and its workers into the folder UR_COVERAGE names; no programs of tests."""
+    """Give the tests a temporary folder of their own.
+
+    Write the coverage of this process and its workers into the folder UR_COVERAGE names; no programs of tests.
+    """
+    os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", tempfile.gettempdir())  # where folders of tests are kept for a while
+    config.stash[TEMPORARY] = os.environ["TMPDIR"] = tempfile.tempdir = tempfile.mkdtemp(prefix="ur-tests-")
+    Path(tempfile.tempdir).chmod(0o1777)  # programs of other users have theirs in it
     if save_coverage is not None:
         config.add_cleanup(save_coverage)
 
@@ -46,6 +64,22 @@ def pytest_collection() -> Generator[None, object, object]:
     finally:
         gc.freeze()
         gc.enable()
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Fail a run that left something in the temporary folder."""
+    folder = Path(session.config.stash[TEMPORARY])
+    session.config.stash[LEFT] = left = sorted(each.name for each in folder.iterdir())
+    if left and session.exitstatus == pytest.ExitCode.OK:
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+    shutil.rmtree(folder)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Name what the run left."""
+    if left := config.stash.get(LEFT, []):
+        terminalreporter.section("left in the temporary folder")
+        terminalreporter.line(", ".join(left))
 
 
 def pytest_report_collectionfinish(items: list[pytest.Item]) -> str | None:

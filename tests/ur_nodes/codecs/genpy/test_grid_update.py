@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import io
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from ur_nodes.ports.values import MapUpdate
 
 def test_grid_update_is_upstreams_message() -> None:
     fields = {"std_msgs/Header": Header._full_text, "OccupancyGridUpdate": GridUpdate._full_text.partition("=")[0]}
-    upstream = make_classes("map_msgs", fields)["OccupancyGridUpdate"]
+    upstream: Any = make_classes("map_msgs", fields)["OccupancyGridUpdate"]
     assert upstream._md5sum == GridUpdate._md5sum
     wire, message = io.BytesIO(), GridUpdate()
     update = MapUpdate(2_000_000_009, "map", 7, 3, np.array([[1, -1, 100], [0, 5, 6]], np.int8))
