@@ -60,7 +60,9 @@ def test_node_ends_that_is_ended_while_it_sets_its_parameters(master: SlowMaster
     command = [sys.executable, "-I", "-m", "ur_nodes", "ur_nodes.motion.joystick.joy_node", "_rate:=1"]
     node = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
     try:
-        assert master.asked.wait(60)
+        if not master.asked.wait(60):
+            node.kill()
+            raise AssertionError(f"the node did not ask its master: {node.communicate()[1]}")
         node.send_signal(signal.SIGTERM)
         master.released.set()
         node.communicate(timeout=60)  # it ends
@@ -75,9 +77,11 @@ def test_node_ends_that_is_ended_while_it_looks_for_a_master(tmp_path: Path) -> 
     command = [sys.executable, "-I", "-u", "-m", "ur_nodes", "ur_nodes.motion.joystick.joy_node"]
     node = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert node.stdout is not None
+    lines = [""]
     try:
-        while "Unable to register" not in (line := node.stdout.readline()):
-            assert line, "it ended by itself"
+        while "Unable to register" not in lines[-1]:
+            lines.append(node.stdout.readline())
+            assert lines[-1], f"it ended by itself: {''.join(lines)}"
         node.send_signal(signal.SIGTERM)
         node.communicate(timeout=60)  # it ends
     finally:
