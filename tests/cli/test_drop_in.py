@@ -27,9 +27,9 @@ FILES = {
     "bad": '<node pkg="little_nodes" type="quick" name="one">',
     "wrong": '<node pkg="little_nodes" name="one"/>',
     "needs": '<arg name="x"/><arg name="y" default="z" doc="what"/><node pkg="little_nodes" type="quick" name="one"/>',
-    "required": '<node pkg="little_nodes" type="crash" name="one" required="true"/>'
-    '<node pkg="little_nodes" type="sleeper" name="two"/>',
     # The required node is the last: roslaunch fails when one ends while others are still to be started.
+    "required": '<node pkg="little_nodes" type="sleeper" name="one"/>'
+    '<node pkg="little_nodes" type="crash" name="two" required="true"/>',
     "required_well": '<node pkg="little_nodes" type="sleeper" name="one"/>'
     '<node pkg="little_nodes" type="quick" name="two" required="true"/>',
     "dies": '<node pkg="little_nodes" type="crash" name="one"/>',
