@@ -33,9 +33,9 @@ def read_rows(text: str) -> dict[str, float]:
 
 def write_rows(rows: Times) -> str:
     """Return the text of a list, slowest first, with the sum of its seconds in the first line."""
-    ordered = sorted(rows.items(), key=lambda row: (-row[1], row[0]))
-    lines = [f"sum\t{sum(round(each, 2) for each in rows.values()):.2f}"]
-    return "\n".join([*lines, *(f"{seconds:.2f}\t{name}" for name, seconds in ordered)]) + "\n"
+    ordered = sorted((-round(seconds, 2), name) for name, seconds in rows.items())
+    lines = [f"{-seconds:.2f}\t{name}\n" for seconds, name in ordered]
+    return "".join([f"sum\t{-sum(seconds for seconds, _ in ordered):.2f}\n", *lines])
 
 
 def read_promises(text: str) -> list[tuple[str, str]]:
