@@ -15,7 +15,7 @@ from ur.maps.zones import draw_masks
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.archives import unpack_archive
 from ur.source.foreign.files import read_file, refuse_file
-from ur.source.replace import replace_file
+from ur.source.replace import check_output, replace_file
 from ur.source.section import read_section
 from ur.worlds.map_file import MapImage, read_map, read_map_section
 from ur.worlds.map_keys import parse_map_file
@@ -92,14 +92,17 @@ def import_picture(store: MapStore, source: Path, name: str) -> MapImage:
 def export_picture(store: MapStore, name: str, target: Path) -> list[Path]:
     """Write the picture of a map as `target`.yaml and `target`.png (or .pgm, by the ending of `target`).
 
-    Return the files. Raises UserError if the map does not exist or is damaged; or OSError.
+    Return the files. Raises UserError if the map does not exist or is damaged, or an output is; or OSError.
     """
     from PIL import Image
 
     from ur.maps.picture_file import describe_picture
 
-    image = read_map(store.picture(store.resolve(name)))
+    stored = store.picture(store.resolve(name))
+    image = read_map(stored)
     stem = target.with_suffix("") if target.suffix in (".yaml", ".png", ".pgm") else target
+    for ending, begin in ((".yaml", b"image:"), (".png", b"\x89PNG"), (".pgm", b"P5"), ("_2.pgm", b"P5")):
+        check_output(stem.with_name(f"{stem.name}{ending}"), stored.parent.iterdir(), begin)
     if target.suffix == ".pgm":
         file = write_picture(stem, image.values, image.resolution, image.origin)
         return [file, stem.with_name(f"{stem.name}.pgm")]

@@ -8,8 +8,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ur.recordings.mcap_channels import dialect_of, register_channel, start_writer
-from ur.recordings.mcap_file import RecordingFile, RecordingTopic
+from ur.recordings.mcap_file import MAGIC, RecordingFile, RecordingTopic
 from ur.source.printable import printable
+from ur.source.replace import check_output, output_file
+
+_TEST = b'"""'  # the beginning of a test
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,21 +72,30 @@ def _describe_endings(outcome: Outcome) -> str:
 def write_test(path: Path, recording: RecordingFile, arguments: Sequence[str], report: StepReport) -> Path:
     """Write a test of pytest, and beside it the topics of the recording that mattered. Returns the recording's path.
 
-    `arguments` follow the file in the command line of `ur replay`. Raises OSError.
+    `arguments` follow the file in the command line of `ur replay`. Raises UserError.
     """
-    copy = path.with_suffix(".mcap")
+    copy = check_test(path, recording.path)
     copy_topics(recording, copy, frozenset(report.used))
     reason = next(iter(recording.metadata.get("reasons", {}).values()), "what was recorded")
-    path.write_text(_test_text(copy.name, printable(reason), arguments, report), encoding="utf-8")
+    with output_file(path, [recording.path], _TEST) as file:
+        file.write(_test_text(copy.name, printable(reason), arguments, report).encode())
+    return copy
+
+
+def check_test(path: Path, recording: Path) -> Path:
+    """Check the files that `write_test` writes; return the path of the recording. Raises UserError."""
+    copy = path.with_suffix(".mcap")
+    check_output(path, [recording], _TEST)
+    check_output(copy, [recording], MAGIC)
     return copy
 
 
 def copy_topics(recording: RecordingFile, path: Path, topics: frozenset[str]) -> None:
-    """Copy some topics of a recording, and its metadata. Raises OSError."""
+    """Copy some topics of a recording, and its metadata. Raises UserError."""
     channels: dict[RecordingTopic, int] = {}
     dialects = {dialect_of(each.type_name, each.schema) for each in recording.topics.values() if each.name in topics}
     profile = dialects.pop() if len(dialects) == 1 else ""
-    with path.open("wb") as file:
+    with output_file(path, [recording.path], MAGIC) as file:
         writer = start_writer(file, profile, metadata=bool(recording.metadata))
         for message in recording.messages(topics=topics):
             topic = message.topic

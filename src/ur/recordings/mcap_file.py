@@ -15,6 +15,7 @@ from typing import IO, TYPE_CHECKING
 from ur.recordings.mcap_channels import LATCHED, SENDER
 from ur.source.diagnostic import UserError, error_about
 
+MAGIC = b"\x89MCAP"
 _RARE_HZ = 0.2
 
 if TYPE_CHECKING:
@@ -165,7 +166,7 @@ def _read(
 def _reading(path: Path) -> Iterator[IO[bytes]]:
     try:
         with path.open("rb") as file:
-            if file.read(1) != b"\x89":
+            if file.read(len(MAGIC)) != MAGIC:
                 raise _no_recording(path, "it does not begin as one")
             file.seek(0)
             yield file

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import tempfile
 import zipfile
 from collections.abc import Sequence
@@ -15,8 +14,10 @@ from ur.report.recording import Recording, copy_recording
 from ur.report.secrets import SecretFilter
 from ur.report.sources import RunSources, write_values
 from ur.source.diagnostic import UserError
+from ur.source.replace import PRIVATE, output_file
 
 MOST_BYTES = 20_000_000
+ZIP = b"PK"  # the beginning of an archive
 _MOST_IN_PAGE = 100_000  # characters of a file that the page repeats
 
 
@@ -33,7 +34,7 @@ class Report:
 def write_report(path: Path, title: str, sources: RunSources, recordings: Sequence[Path]) -> Report:
     """Write the archive. `recordings` are files of the black box, newest last, of which the newest is taken.
 
-    Raises OSError.
+    Raises UserError.
     """
     secrets = SecretFilter()
     for tree in sources.values.values():
@@ -63,19 +64,15 @@ def write_report(path: Path, title: str, sources: RunSources, recordings: Sequen
         shown = {name: text[-_MOST_IN_PAGE:] for name, text in files.items()}
         files["report.html"] = make_page(secrets.clean(title, "report.html"), run, recording, shown, removed)
         files["removed.txt"] = "\n".join([*removed, *(f"missing: {each}" for each in missing)]) + "\n"
-        unfinished = Path(folder, "report.zip")
-        with unfinished.open("wb") as file:
-            os.fchmod(file.fileno(), 0o600)
-            with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
-                for name, text in files.items():
-                    archive.writestr(name, text)
-                if copy.exists():
-                    archive.write(copy, "recording.mcap", zipfile.ZIP_STORED)
-            file.flush()
-            os.fsync(file.fileno())
-        size = unfinished.stat().st_size
-        unfinished.replace(path)
-    return Report(path, size, removed, tuple(missing))
+        with (
+            output_file(path, recordings, ZIP, mode=PRIVATE) as file,
+            zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive,
+        ):
+            for name, text in files.items():
+                archive.writestr(name, text)
+            if copy.exists():
+                archive.write(copy, "recording.mcap", zipfile.ZIP_STORED)
+    return Report(path, path.stat().st_size, removed, tuple(missing))
 
 
 def list_run_recordings(folder: Path, begin: float, end: float) -> list[Path]:

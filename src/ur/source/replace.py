@@ -5,23 +5,30 @@ then empty. This module uses the standard library only and imports nothing that 
 """
 
 # Descriptors and exact paths throughout.
-# ruff: noqa: PTH102, PTH105, PTH100, PTH108, PTH112, PTH118, PTH120
+# ruff: noqa: PTH102, PTH105, PTH100, PTH108, PTH110, PTH112, PTH116, PTH118, PTH120, PTH121
 
 from __future__ import annotations
 
 import errno
 import os
 import stat
-from collections.abc import Callable
-from contextlib import suppress
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:  # as typing's, whose import takes time
+    from typing import BinaryIO
 
 Sync = Callable[[int], object]
+Begin = bytes | tuple[bytes, ...]
+AnyPath = str | os.PathLike[str]
 PUBLIC = 0o664  # of a new file, less the umask: never writable for everybody
 PRIVATE = 0o600
 
 
 def replace_file(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     content: str | bytes,
     *,
     mode: int = PUBLIC,
@@ -37,6 +44,24 @@ def replace_file(
     `parents`, missing folders are created. With `lasting`, the content is on the disk when this returns, which a cache
     does not need; `sync` is called for that with a descriptor.
     """
+    with replacing(path, mode=mode, follow=follow, parents=parents, lasting=lasting, sync=sync) as file:
+        file.write(content.encode("utf-8", "surrogateescape") if isinstance(content, str) else content)
+
+
+@contextmanager
+def replacing(
+    path: AnyPath,
+    *,
+    mode: int = PUBLIC,
+    follow: bool = True,
+    parents: bool = False,
+    lasting: bool = True,
+    sync: Sync = os.fsync,
+) -> Iterator[BinaryIO]:
+    """Yield a file beside `path` that takes its place when the context ends without an error.
+
+    The arguments are those of `replace_file`. Raises OSError.
+    """
     folder, name = os.path.split(os.path.realpath(path) if follow else os.path.abspath(path))
     target = os.path.join(folder, name)
     if parents:
@@ -44,12 +69,12 @@ def replace_file(
     permissions = _permissions(target)
     beside = os.path.join(folder, f".{name[:200]}.{os.urandom(4).hex()}.ur-new")
     # Exclusive: no existing link or file of this name is written to.
-    descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, mode)
+    descriptor = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, mode)
     try:
         with open(descriptor, "wb") as file:  # noqa: PTH123 - a descriptor
             if permissions is not None:
                 os.fchmod(descriptor, permissions)
-            file.write(content.encode("utf-8", "surrogateescape") if isinstance(content, str) else content)
+            yield file
             file.flush()
             if permissions is not None and permissions & (stat.S_ISUID | stat.S_ISGID):
                 os.fchmod(descriptor, permissions)  # again: writing takes these two away from ordinary users
@@ -62,6 +87,62 @@ def replace_file(
         raise
     if lasting:
         sync_folder(folder, sync)
+
+
+def check_output(path: AnyPath, inputs: Iterable[AnyPath] = (), begin: Begin = b"") -> None:
+    """Check a file that the user has named as an output, before anything is made for it.
+
+    Raises UserError for one of the `inputs` under any name, for anything but a regular file, and for an existing file
+    with content that does not begin with `begin`, or with one of several, as what replaces it will: it is of another
+    kind.
+    """
+    from ur.source.diagnostic import UserError, error_about
+    from ur.source.foreign.files import open_descriptor
+
+    def refuse(message: str) -> UserError:
+        return UserError(error_about(path, message, rule="existing-file", help="give the output another name"))
+
+    try:
+        found = os.stat(path)
+        if any(os.path.exists(each) and os.path.samefile(path, each) for each in inputs):
+            raise refuse("is read for this output, expected another file")
+        if begin and stat.S_ISREG(found.st_mode) and not found.st_size:
+            return
+        descriptor = open_descriptor(path, sys.maxsize)
+        try:
+            if not begin or not os.read(descriptor, 64).startswith(begin):
+                raise refuse(f"is there already{', and of another kind' if begin else ''}, expected a new file")
+        finally:
+            os.close(descriptor)
+    except FileNotFoundError:
+        return
+    except OSError as problem:
+        raise refuse(f"{(problem.strerror or str(problem)).lower()}, expected a file that can be written") from None
+
+
+@contextmanager
+def output_file(
+    path: AnyPath,
+    inputs: Iterable[AnyPath] = (),
+    begin: Begin = b"",
+    *,
+    mode: int = PUBLIC,
+    parents: bool = False,
+) -> Iterator[BinaryIO]:
+    """Open an output that the user has named: it passes `check_output`, and is complete or unchanged.
+
+    Raises UserError.
+    """
+    from ur.source.diagnostic import UserError, error_about
+
+    check_output(path, inputs, begin)
+    try:
+        with replacing(path, mode=mode, parents=parents) as file:
+            yield file
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        message = f"{reason}, expected a file that can be written"
+        raise UserError(error_about(path, message, rule="unwritable-file")) from None
 
 
 def make_folder(folder: str, *, mode: int = 0o775, lasting: bool = True, sync: Sync = os.fsync) -> None:

@@ -74,6 +74,10 @@ def _write_documents(
         click.echo(_page(repository, repository.root, progress), nl=False)
         return 0
     target = Path(output) if output else Path(repository.root) / PAGE
+    if output and not check:
+        from ur.source.replace import check_output
+
+        check_output(target, map(str, repository.trees), b"# ")
     # A symbolic link in the repository may lead anywhere.
     page = _page(repository, str(target.absolute().parent), progress)
     return _settle({target: page}, check, follow=output is not None)

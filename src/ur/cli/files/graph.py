@@ -84,7 +84,7 @@ def _draw_file(argv: Sequence[str], topics: bool, form: str, output: str | None)
         else:
             trees = build_trees(plan, files)
             text = _draw_trees(trees) if form == "text" else _render(merge_trees(trees), form, title)
-    _write(text, output)
+    _write(text, output, files)
     return 0 if sound else 1
 
 
@@ -181,16 +181,14 @@ def _speaks_unicode() -> bool:
     return "utf" in (sys.stdout.encoding or "").lower()
 
 
-def _write(text: str, output: str | None) -> int:
+def _write(text: str, output: str | None, inputs: Iterable[str] = ()) -> int:
     if output is None:
         click.echo(text, nl=False)
         return 0
-    from ur.source.diagnostic import UserError, error_about
+    from ur.source.replace import output_file
 
-    try:
-        Path(output).write_text(click.unstyle(text), encoding="utf-8")
-    except OSError as problem:
-        reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error_about(output, f"{reason}, expected a file to write", rule="unwritable-file")) from None
+    content = click.unstyle(text).encode()
+    with output_file(output, inputs, content[:4]) as file:
+        file.write(content)
     click.echo(f"wrote {output}", err=True)
     return 0

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, closing, contextmanager
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack, closing, contextmanager, suppress
 from typing import TYPE_CHECKING
 
 from ur.request.options import LaunchOptions, StartReporter
 from ur.robot.selection import Selection
-from ur.source.diagnostic import Diagnostic, Severity, UserError, error
+from ur.source.diagnostic import Diagnostic, Severity
 
 if TYPE_CHECKING:
     from ur.launchfile.plan.specs import Plan
@@ -42,7 +42,7 @@ def run_launch(
         staged = prepare(launch)
         if staged.end is not None:
             return staged.end()
-        with _pid_file(options.pid), _viewer(staged.plan, options, reporter) as viewer:
+        with _pid_file(options.pid, staged.plan.files), _viewer(staged.plan, options, reporter) as viewer:
             console = _make_console(viewer)
             try:
                 link = viewer.link if viewer is not None else None
@@ -105,26 +105,19 @@ def _viewer(plan: Plan, options: LaunchOptions, reporter: StartReporter) -> Iter
         yield viewer
 
 
-class _pid_file:  # noqa: N801 - used like a function: with _pid_file(path)
+@contextmanager
+def _pid_file(path: str | None, inputs: Iterable[str]) -> Iterator[None]:
     """Context in which a file with the id of this process exists."""
+    if not path:
+        yield
+        return
+    from ur.source.replace import output_file
 
-    def __init__(self, path: str | None) -> None:
-        self._path = path
-
-    def __enter__(self) -> None:
-        if self._path:
-            from pathlib import Path
-
-            try:
-                Path(self._path).expanduser().write_text(str(os.getpid()), encoding="ascii")
-            except OSError as problem:
-                reason = (problem.strerror or str(problem)).lower()
-                raise UserError(
-                    error(f"--pid {self._path}: cannot be written: {reason}", rule="bad-pid-file", subject=self._path)
-                ) from None
-
-    def __exit__(self, *_: object) -> None:
-        if self._path:
-            from pathlib import Path
-
-            Path(self._path).expanduser().unlink(missing_ok=True)
+    name = os.path.expanduser(path)  # noqa: PTH111 - pathlib takes time to load
+    with output_file(name, inputs, tuple(b"%d" % digit for digit in range(10))) as file:
+        file.write(b"%d" % os.getpid())
+    try:
+        yield
+    finally:
+        with suppress(FileNotFoundError):
+            os.unlink(name)  # noqa: PTH108

@@ -116,7 +116,7 @@ def delete(names: tuple[str, ...], yes: bool) -> int:
 def export(name: str, file: Path) -> int:
     """Write the picture of a map for other programs, as map_server reads it: FILE.yaml and FILE.png, or FILE.pgm.
 
-    Files of these names are replaced.
+    Maps in files of these names are replaced.
     """
     from ur.maps.exchange import export_picture
 

@@ -26,7 +26,7 @@ from ur.robot.setup.change import Change, show_difference
 from ur.robot.ssh.host_key import HostKey
 from ur.source.diagnostic import UserError, error, error_about
 from ur.source.progress_line import show_progress
-from ur.source.replace import replace_file
+from ur.source.replace import check_output, replace_file
 from ur.system.releases import check_robot_system
 
 
@@ -188,15 +188,8 @@ def _opened(source: Path, target: Path | None) -> Iterator[tuple[Path, Commit, D
                 subject=str(source),
             )
         )
-    if target and target.exists():
-        raise UserError(
-            error_about(
-                target,
-                "is there already, expected the name of a new file",
-                rule="existing-file",
-                help=f"remove it, or prepare it itself: ur image prepare {target}",
-            )
-        )
+    if target:
+        check_output(target, [source])
     if packing:
         assert target is not None
         with _copied(source, target, f"unpacking {source}") as (beside, finish):

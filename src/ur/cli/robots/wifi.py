@@ -23,6 +23,7 @@ from ur.robot.wireless.record import HEADER, write_row
 from ur.robot.wireless.sample import Sample
 from ur.source.diagnostic import UserError, error, error_about
 from ur.source.progress_line import show_progress
+from ur.source.replace import check_output
 
 TICK = 1.0  # s
 KEPT = 3600  # samples
@@ -112,17 +113,9 @@ def resolve(address: Address) -> str:
 
 
 def _open_log(path: Path) -> TextIO:
+    check_output(path)
     try:
         file = path.open("x", encoding="utf-8")
-    except FileExistsError:
-        raise UserError(
-            error(
-                f"{path} is there already, expected a new file",
-                rule="bad-log",
-                help="give --log another name",
-                subject=str(path),
-            )
-        ) from None
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         raise UserError(error_about(path, f"cannot be written: {reason}", rule="bad-log")) from None

@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from ur.recordings.lock_step import StepReport, describe_report, write_test
+from ur.recordings.lock_step import StepReport, check_test, describe_report, write_test
 from ur.recordings.mcap_file import open_recording
 from ur.request.arguments import Argument
 from ur.request.environment import PACKAGE, apply_selection, current_selection
@@ -36,12 +36,19 @@ def replay_in_lock_step(
 
     `words` are the program and its arguments, as they are typed.
     """
+    test = None if as_test is None else Path(as_test)
+    if test is not None:
+        if test.suffix != ".py":
+            message = "a test is a file test_NAME.py"
+            raise UserError(error_about(test, message, rule="bad-name", help="--as-test test_corridor.py"))
+        check_test(test, recording)
     selection = current_selection(os.environ)
     apply_selection(selection)
     plan = plan_lock_step(recording, launch_file, given, selection, make_world(), nodes)
     report = _run(plan)
-    if as_test is not None:
-        _write_test(Path(as_test), recording, [*words, *_into(nodes)], report)
+    if test is not None:
+        copy = write_test(test, open_recording(recording), [*words, *_into(nodes)], report)
+        sys.stderr.write(f"{test}, {copy}: 'pytest {test}' runs it\n")
     text = write_json(report) if as_json else "\n".join(describe_report(report))
     sys.stdout.write(f"{text}\n")
     return int(bool(report.differences))
@@ -64,17 +71,3 @@ def _run(plan: str) -> StepReport:
     except BadJsonError:
         message = f"the replay in lock step ended with exit code {done.returncode}, expected its report"
         raise UserError(error(message, rule="replay-failed", help="'ur replay FILE PROGRAM' plays it on ROS")) from None
-
-
-def _write_test(path: Path, recording: Path, arguments: Sequence[str], report: StepReport) -> None:
-    if path.suffix != ".py":
-        message = "a test is a file test_NAME.py"
-        raise UserError(error_about(str(path), message, rule="bad-name", help="--as-test test_corridor.py"))
-    try:
-        copy = write_test(path, open_recording(recording), arguments, report)
-    except OSError as problem:
-        reason = (problem.strerror or str(problem)).lower()
-        raise UserError(
-            error_about(str(path), f"{reason}, expected a file that can be written", rule="unwritable-file")
-        ) from None
-    sys.stderr.write(f"{path}, {copy}: 'pytest {path}' runs it\n")

@@ -12,7 +12,6 @@ from ur.cli.runs.detached import choose_run
 from ur.cli.runs.logs import find_ended_run
 from ur.run.record.ended import EndedRun
 from ur.run.record.entry import RunEntry
-from ur.source.diagnostic import UserError, error_about
 
 _AFTER_END = 120.0  # s after a run in which its black box may still write
 _WITHIN = 10.0  # s for the black box to write
@@ -30,26 +29,22 @@ def command(run: str | None, output: str | None) -> int:
     Passwords, keys, tokens, names of wireless networks and of home folders are removed; removed.txt lists where.
     """
     from ur.recordings.black_boxes import recordings_folder
-    from ur.report.archive import list_run_recordings, write_report
+    from ur.report.archive import ZIP, list_run_recordings, write_report
     from ur.report.sources import collect
     from ur.request.requirements.python_packages import need_all
+    from ur.source.replace import check_output
 
     ended = find_ended_run(run)
     entry = choose_run(run) if ended is None else ended.entry
+    path = Path(output or f"report_{entry.run}.zip").absolute()
+    check_output(path, begin=ZIP)
     need_all(["mcap", "rosbags"], "recordings.lock", "what recordings need (12 MB to download)")
     folder = Path(recordings_folder(os.environ))
     if ended is None:
         _await_recording(folder)
-    path = Path(output or f"report_{entry.run}.zip").absolute()
     sources = collect(entry, ended, os.environ, Path.cwd())
     recordings = list_run_recordings(folder, entry.started, _end_of(ended))
-    try:
-        report = write_report(path, _title(entry), sources, recordings)
-    except OSError as problem:
-        reason = (problem.strerror or str(problem)).lower()
-        raise UserError(
-            error_about(path, f"{reason}, expected a file that can be written", rule="unwritable-file")
-        ) from None
+    report = write_report(path, _title(entry), sources, recordings)
     for each in report.missing:
         click.echo(f"warning: the report is without {each}", err=True)
     click.echo(f"{report.path}: {report.size / 1e6:.1f} MB")
