@@ -24,7 +24,7 @@ from ur.mcp.calls import (
     ToolArguments,
     VelocityGiven,
 )
-from ur.mcp.commands import run_command
+from ur.mcp.commands import RefusedError, run_command
 from ur.mcp.grants import GrantFiles, GrantRecord, Request, ServerRecord
 from ur.mcp.robot_link import LinkError, RobotLink, Values
 from ur.source.foreign.json_values import BadJsonError, convert_json
@@ -110,13 +110,13 @@ class Assistant:
             return False, f"refused: {problem}"
         try:
             return await self._run(tool, request, alive)
-        except LinkError as problem:
+        except (LinkError, RefusedError) as problem:
             return False, f"refused: {problem}"
 
     async def _run(self, tool: AssistantTool, request: ToolArguments, alive: Alive) -> tuple[bool, str]:
         if tool.verb:
             words = request.arguments if isinstance(request, NamesGiven) else ()
-            done, text = await run_command([*tool.verb, *words])
+            done, text = await run_command(tool.verb, words)
             return done, mark_data(text)
         if isinstance(request, GrantAsked):
             self.begin(self._client, Request(request.minutes, request.speed, request.reason))
@@ -135,16 +135,13 @@ class Assistant:
         grant = self._files.find(self.id)
         if grant is None or not grant.programs:
             return False, "refused: the grant includes no programs; your user types 'ur mcp grant --programs'"
-        bad = [each for pair in request.arguments.items() for each in pair if each.startswith("-") or "\n" in each]
-        if bad:
-            return False, f"refused: argument {printable(bad[0])[:40]!r}, expected NAME and VALUE without a dash before"
         if tool == "end_program":
             run = self._started.pop(request.name, f"m_{request.name}")  # a program's run is named after its launch file
-            done, text = await run_command(["stop", run], good=(0,))
+            done, text = await run_command(["stop", run], good=(0,), limited=False)
         else:
             words = [f"{name}:={value}" for name, value in request.arguments.items()]
-            command = ["run", request.name, "--detach", "--no-terminal", *words]
-            done, text = await run_command(command, limit=_START_LIMIT, good=(0,))
+            command = ["run", request.name, "--detach", "--no-terminal"]
+            done, text = await run_command(command, words, _START_LIMIT, good=(0,), limited=False)
             for run in _RUN.findall(text) if done else ():
                 self._started[request.name] = run
         return done, mark_data(text)

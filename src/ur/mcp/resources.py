@@ -39,8 +39,9 @@ Contents = types.TextResourceContents | types.BlobResourceContents
 
 async def read_resource(assistant: Assistant, uri: str) -> Contents:
     """The contents of a resource. Raises ValueError, which names those that there are, and LinkError."""
-    if words := _command_of(uri):
-        text = (await run_command(words))[1]
+    verb, names = _command_of(uri)
+    if verb:
+        text = (await run_command(verb, names))[1]
         return types.TextResourceContents(uri=uri, mime_type=_TEXT, text=mark_data(text))
     if uri in list_pages():
         path = project_folder() / "docs" / f"{uri.removeprefix(_PAGES)}.md"
@@ -70,13 +71,13 @@ def list_pages() -> dict[str, tuple[str, str]]:
     return {f"{_PAGES}{each.relative_to(folder).with_suffix('')}": (_title(each), _MARKDOWN) for each in pages}
 
 
-def _command_of(uri: str) -> tuple[str, ...]:
-    """The command that prints a resource, () for none."""
+def _command_of(uri: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The command that prints a resource, () for none, and the names that the URI gives to it."""
     if found := _NODE.fullmatch(uri):
-        return ("logs", "--lines", str(_MOST_LINES), found[1])
+        return ("logs", "--lines", str(_MOST_LINES)), (found[1],)
     if found := _LAUNCH.fullmatch(uri):
-        return ("launch", found[1], found[2], "--dump", "json", "--no-commands")
-    return COMMANDS.get(uri, ())
+        return ("launch", "--dump", "json", "--no-commands"), found.groups()
+    return COMMANDS.get(uri, ()), ()
 
 
 def _title(page: Path) -> str:
