@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import runpy
 import subprocess
 import sys
@@ -56,6 +57,22 @@ def test_table_of_the_page_is_that_of_the_declarations() -> None:
     page = tool["PAGE"].read_text(encoding="utf-8")
     assert page == tool["put_table"](page), "run tools/make_trust_table.py"
     assert len([line for line in page.splitlines() if line.startswith("| `ur ")]) >= len(TRUST)
+
+
+def test_git_is_started_by_these_modules_only() -> None:
+    """In a folder of others it gets none of its settings, or runs in `/`; `git config` runs nothing."""
+    starting = set()
+    for path in (ROOT / "src").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            values = node.elts if isinstance(node, ast.List) else []
+            if any(isinstance(each, ast.Constant) and each.value == "git" for each in values):
+                starting.add(path.relative_to(ROOT / "src").as_posix())
+    assert starting == {
+        "ur/cli/files/new_things.py",  # git config user.name
+        "ur/get/owners.py",  # git ls-remote, in /
+        "ur/report/changes.py",
+        "ur/source/project.py",  # in this project's folder
+    }
 
 
 def test_every_command_that_starts_and_sends_nothing_is_watched() -> None:

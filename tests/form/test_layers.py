@@ -19,11 +19,11 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.robot": ("ur.source", "ur.system", "ur.devices"),
     "ur.worlds": ("ur.source",),
     "ur.recordings": ("ur.source",),
-    "ur.report": ("ur.source", "ur.recordings", "ur.run.record"),
+    "ur.report": ("ur.source", "ur.recordings", "ur.launchfile.syntax", "ur.run.master", "ur.run.record"),
     "ur.fleet": ("ur.source", "ur.system.child_processes"),
     "ur.maps": ("ur.source", "ur.worlds"),
     "ur.check": ("ur.source", "ur.launchfile", "ur.robot", "ur.worlds"),
-    "ur.tools.new": ("ur.source", "ur.launchfile", "ur.robot", "ur.request"),
+    "ur.tools.new": ("ur.source", "ur.launchfile", "ur.robot", "ur.request", "ur.run.master"),
     "ur.tools.package": ("ur.source", "ur.launchfile", "ur.check"),
     "ur.graph": ("ur.source", "ur.launchfile", "ur.robot"),
     "ur.complete": (
@@ -375,6 +375,11 @@ def test_only_the_backends_import_ros(imports: dict[str, set[str]]) -> None:
         and (used := {name.split(".")[0] for name in names} & ROS)
     ]
     assert not wrong, "\n".join(wrong)
+
+
+def test_xml_rpc_is_read_by_the_reader_with_limits(imports: dict[str, set[str]]) -> None:
+    unlimited = {module for module, used in imports.items() if {"xmlrpc", "xmlrpc.client"} & used}
+    assert {each for each in unlimited if not each.startswith("ur_nodes.ros1.")} == set()  # rospy's own calls
 
 
 def test_every_module_that_is_imported_exists(facts: Mapping[str, Facts], imports: dict[str, set[str]]) -> None:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import shutil
+import socket
 import struct
-import subprocess
+import threading
 import zipfile
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -16,13 +17,17 @@ from mcap.writer import CompressionType, Writer
 from rosbags.typesys import Stores, get_typestore
 from tests.docs.chromium import Chromium, find_chromium
 
+from ur.cli.main import main
+from ur.cli.runs import report as report_command
 from ur.recordings.place import RecordedMap
 from ur.report.archive import MOST_BYTES, list_run_recordings, write_report
 from ur.report.page import make_page
 from ur.report.recording import Recording
-from ur.report.sources import RunSources, collect, merge_logs, read_changes, read_parameters
+from ur.report.sources import RunSources, collect, merge_logs, read_parameters
+from ur.request.requirements import python_packages
 from ur.run.record.ended import EndedRun
 from ur.run.record.entry import RunEntry
+from ur.source.diagnostic import UserError, error
 
 START = 1_700_000_000_000_000_000
 STORE = get_typestore(Stores.ROS1_NOETIC)
@@ -153,7 +158,7 @@ def test_run_that_has_ended_is_collected(tmp_path: Path) -> None:
     (tmp_path / "wander.log").write_text("[INFO] 2026-11-26 14:00:02,000: hello\n")
     entry = RunEntry("wander.1", 1, 1, "wander", "", str(tmp_path), 1_700_000_000.0, False, "bob")
     ended = EndedRun(entry, 1_700_000_100.0, 1, "/wander died", ("[/wander] died",))
-    sources = collect(entry, ended, {"ROS_DISTRO": "noetic", "OTHER": "x"}, tmp_path)
+    sources = collect(entry, ended, {"ROS_DISTRO": "noetic", "OTHER": "x"})
     assert sources.texts["logs/wander.log"].endswith("hello\n")
     assert sources.values["environment.json"] == {"ROS_DISTRO": "noetic"}
     run = sources.values["run.json"]
@@ -161,21 +166,43 @@ def test_run_that_has_ended_is_collected(tmp_path: Path) -> None:
     assert (run["exit code"], run["cause"]) == (1, "/wander died")
 
 
-def test_changes_of_a_workspace_are_those_of_git(tmp_path: Path) -> None:
-    if shutil.which("git") is None:
-        pytest.skip("git is not installed")
-    assert read_changes(tmp_path) == ""
-    git = ["git", "-C", str(tmp_path), "-c", "user.name=a", "-c", "user.email=a@b"]
-    (tmp_path / "file").write_text("one\n")
-    for command in (["init", "-q"], ["add", "."], ["commit", "-qm", "first"]):
-        subprocess.run([*git, *command], check=True)
-    (tmp_path / "file").write_text("two\n")
-    assert "+two" in read_changes(tmp_path)
-
-
 def test_parameters_of_a_master_that_is_not_there_are_none() -> None:
     assert read_parameters("http://127.0.0.1:9") == {}
     assert read_parameters("") == {}
+
+
+@pytest.mark.parametrize("block", [b" ", b" " * 65536])
+def test_master_whose_answer_never_ends_has_no_parameters(block: bytes) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def answer() -> None:
+            connection, _ = server.accept()
+            with connection, suppress(OSError):
+                connection.sendall(b"HTTP/1.1 200 OK\r\nContent-Length: 1000000000\r\n\r\n")
+                while True:
+                    connection.sendall(block)
+
+        thread = threading.Thread(target=answer)
+        thread.start()
+        assert read_parameters(f"http://127.0.0.1:{server.getsockname()[1]}") == {}
+        thread.join()
+
+
+def test_report_is_written_without_the_recording_where_its_readers_cannot_be_installed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def need_all(*_: object) -> None:
+        raise UserError(error("rosbags could not be installed", rule="not-installed"))
+
+    monkeypatch.setattr(python_packages, "need_all", need_all)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    entry = RunEntry("wander.1", 1, 1, "wander", "", str(tmp_path), 1_700_000_000.0, False, "bob")
+    monkeypatch.setattr(report_command, "find_ended_run", lambda _: EndedRun(entry, 1_700_000_100.0, 1))
+    assert main(["report"]) == 0
+    with zipfile.ZipFile(tmp_path / "report_wander.1.zip") as archive:
+        assert "run.json" in archive.namelist()
+        assert b"missing: the recording: rosbags could not be installed" in archive.read("removed.txt")
 
 
 def test_page_shows_a_report_without_errors_at_each_size(tmp_path: Path) -> None:

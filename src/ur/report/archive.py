@@ -31,22 +31,29 @@ class Report:
     missing: tuple[str, ...]
 
 
-def write_report(path: Path, title: str, sources: RunSources, recordings: Sequence[Path]) -> Report:
+def write_report(
+    path: Path, title: str, sources: RunSources, recordings: Sequence[Path], unreadable: str = ""
+) -> Report:
     """Write the archive. `recordings` are files of the black box, newest last, of which the newest is taken.
 
+    `unreadable` is the reason why recordings cannot be read on this computer, '' where they can.
     Raises UserError.
     """
     secrets = SecretFilter()
     for tree in sources.values.values():
         secrets.learn(tree)
         secrets.learn_text(write_values(tree))
+    for name, text in sources.versions:
+        secrets.learn_file(name, text)
     for text in sources.texts.values():
         secrets.learn_text(text)
     missing = []
     with tempfile.TemporaryDirectory(prefix=".ur_report_", dir=path.parent) as folder:
         copy = Path(folder, "recording.mcap")
         recording = Recording()
-        if recordings:
+        if unreadable:
+            missing.append(f"the recording: {unreadable}")
+        elif recordings:
             try:
                 recording = copy_recording(recordings[-1], copy, secrets)
             except (OSError, UserError) as problem:
@@ -58,7 +65,9 @@ def write_report(path: Path, title: str, sources: RunSources, recordings: Sequen
             copy.unlink()
             missing.append("the recording: it is too large")
         files = {name: write_values(secrets.clean_values(tree, name)) for name, tree in sources.values.items() if tree}
-        files |= {name: secrets.clean(text, name) for name, text in sources.texts.items()}
+        for name, text in sources.texts.items():
+            clean = secrets.clean_changes if name.endswith(".diff") else secrets.clean
+            files[name] = clean(text, name)
         run = secrets.clean_values(sources.values.get("run.json", {}), "report.html")
         removed = tuple(f"{file}: {count} times a {kind}" for (file, kind), count in sorted(secrets.removed.items()))
         shown = {name: text[-_MOST_IN_PAGE:] for name, text in files.items()}

@@ -6,48 +6,46 @@ import base64
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from urllib.parse import quote
 
-_STRONG = (
-    "passw(?:or)?d|passphrase|passcode|secret|token|api[_-]?key|access[_-]?key|private[_-]?key|credential|psk|ssid"
-    "|authorization|cookie"
-)
-_WEAK = "pass|pwd|auth|key|pin|wpa|bearer"  # parts of other words, too
-_NAME = rf"(?:[\w.-]*(?:{_STRONG})[\w.-]*|(?:[\w.-]*[^a-zA-Z\s])?(?:{_WEAK})(?:[\d_.-][\w.-]*)?)"
-_IN_NAMES = re.compile("pass|pwd|auth|key|pin|wpa|bearer|secret|token|credential|psk|ssid|cookie", re.IGNORECASE)
-"""Part of each name of a secret. Most messages have none, and to look for whole names takes much longer."""
+from ur.launchfile.syntax import parse_launch_file
+from ur.source.foreign.yaml_text import load_yaml
 
-_QUOTED = r"\"(?P<{0}a>[^\"\n]*)\"|'(?P<{0}b>[^'\n]*)'"
-_IS_SECRET = re.compile(rf"(?:.*/)?{_NAME}", re.IGNORECASE)
+_STRONG = re.compile(
+    "passwd|passwor[dt]|kennwort|passphrase|passcode|secret|token|api[_-]?key|access[_-]?key|private[_-]?key|credential"
+    "|psk|ssid|authorization|cookie"
+)
+_WEAK = frozenset({"pass", "pwd", "pw", "auth", "key", "keys", "pin", "wpa", "bearer"})  # parts of other words, too
+_LETTERS = re.compile("[a-z]+")
+_PART = re.compile("pass|kennwort|secret|token|credential|psk|ssid|cookie|pwd?|auth|key|pin|wpa|bearer", re.IGNORECASE)
+"""Part of each name of a secret. Most lines have none, and to look at each word takes much longer."""
+
+_WORD = re.compile(r"[\w.-]+")
+_ASSIGNED = re.compile(
+    r"[\"']?[ \t]{0,8}(?::=|=|(?P<colon>:))\s{0,40}(?:[|>][+-]?\s{1,40})?"
+    r"(?:\"(?P<a>[^\"\n]*)\"|'(?P<b>[^'\n]*)'|(?P<c>[\[{(][^\n]*?\w[^\n]*)|(?P<d>(?![\[{(])(?(colon)[^\n\"'<>]+|[^\s\"'&;<>]+)))"
+)
+_OPTION = re.compile(r"\s{1,40}(?:\"(?P<a>[^\"\n]*)\"|'(?P<b>[^'\n]*)'|(?P<c>[^\s\"'-][^\s\"']*))")
 _FORMS: tuple[tuple[str, re.Pattern[str]], ...] = (
-    ("private key", re.compile(r"(?P<a>-----BEGIN [A-Z ]*PRIVATE KEY-----[\s\S]*?(?:-----END [A-Z ]*-----|\Z))")),
+    ("private key", re.compile(r"(?P<a>-----BEGIN [A-Z ]{0,40}PRIVATE KEY-----[\s\S]*?(?:-----END [A-Z ]*-----|\Z))")),
     ("password in an address", re.compile(r"://(?P<a>[^/\s@\"'<>]+)@")),
     ("authorization", re.compile(r"\b(?:bearer|basic|digest)\s+(?P<a>[\w.~+/=-]{8,})", re.IGNORECASE)),
     (
         "token",
         re.compile(
             r"\b(?P<a>gh[pousr]_\w{16,}|github_pat_\w{16,}|glpat-[\w-]{16,}|sk-[\w-]{16,}|AKIA[0-9A-Z]{12,}"
-            r"|xox[abprs]-[\w-]{10,}|AIza[\w-]{30,}|eyJ[\w-]{8,}\.[\w-]+\.[\w-]+)"
+            r"|xox[abprs]-[\w-]{10,}|AIza[\w-]{30,}|(?<![\w-])eyJ[\w-]{8,}\.[\w-]+\.[\w-]+)"
         ),
     ),
     ("name of a home folder", re.compile(r"/(?:home|Users)/(?P<a>[^/\s:\"'<>,;)\]}]+)")),
 )
-_NAMED: tuple[tuple[str, re.Pattern[str]], ...] = (
-    (
-        "value with the name of a secret",
-        re.compile(
-            rf"(?<![\w.-]){_NAME}[\"']?\s*(?:"
-            rf"(?::=|=)\s*(?:{_QUOTED.format('a')}|(?P<aplain>[^\s\"'&;<>]+))"
-            rf"|:\s*(?:{_QUOTED.format('c')}|(?P<cplain>[^\n\"'<>]+)))",
-            re.IGNORECASE,
-        ),
-    ),
-    (
-        "value of an option with the name of a secret",
-        re.compile(rf"(?<!\S)--?{_NAME}\s+(?:{_QUOTED.format('a')}|(?P<aplain>[^\s\"'-][^\s\"']*))", re.IGNORECASE),
-    ),
-)
+_NAMED = "value with the name of a secret"
+_XML = (".launch", ".xml", ".urdf", ".xacro")
+_YAML = (".yaml", ".yml", ".json", ".rviz")
+_GOES_ON = tuple("=:([{,|>\\")  # ends of lines whose value is on the next one
 _LEAST = 4  # characters of a value that is removed wherever it stands
+_MOST_WORK = 5_000_000_000  # characters that are compared, of all texts and values
 _PLAIN = frozenset({"true", "false", "none", "null", "auto", "default", "home", "root"})
 
 Removed = Counter[tuple[str, str]]
@@ -58,8 +56,9 @@ class SecretFilter:
     """Learns the values of secrets, then removes them. `removed` counts what it has removed."""
 
     def __init__(self) -> None:
-        self._values: dict[str, str] = {}  # with their kinds
+        self._values: dict[str, str] = {}  # as they stand in texts, with their kinds
         self.removed: Removed = Counter()
+        self._work = 0
 
     def learn(self, values: object, name: str = "") -> None:
         """Learn the values of a tree of mappings and lists whose names are those of secrets."""
@@ -74,17 +73,50 @@ class SecretFilter:
                 option = each.lstrip("-") if isinstance(each, str) and each.startswith("-") else ""
                 before = option if is_secret_name(option) else ""
         elif is_secret_name(name):
-            self._keep(str(values), "value with the name of a secret")
+            self._keep(str(values), _NAMED)
 
     def learn_text(self, text: str) -> None:
         """Learn the values that a text gives away."""
-        for _, begin, end, kind in _spans(text):
+        for begin, end, kind in _spans(text):
             self._keep(text[begin:end], kind)
+
+    def learn_file(self, name: str, text: str) -> None:
+        """Learn from a file by its language, XML, YAML or JSON, and as `learn_text` does."""
+        if name.endswith(_YAML):
+            with suppress(ValueError):
+                self.learn(load_yaml(text))
+        elements = [parse_launch_file(name, text.encode()).root] if name.endswith(_XML) else []
+        while elements:
+            element = elements.pop()
+            if element is None:
+                continue
+            elements += element.elements
+            given = element.attributes
+            named = next((given[each] for each in ("name", "param") if is_secret_name(given.get(each, ""))), "")
+            for attribute, value in given.items():
+                self.learn(value, named if attribute in ("value", "default") else attribute)
+                self.learn_text(value)
+            with suppress(ValueError):
+                self.learn(load_yaml(element.text), named)
+        self.learn_text(text)
 
     def _keep(self, value: str, kind: str) -> None:
         for each in (value.strip(), *(re.split(r"[:@]", value) if kind == "password in an address" else ())):
             if len(each) >= _LEAST and each.lower() not in _PLAIN and not each.startswith("[removed"):
-                self._values.setdefault(each, kind)
+                for form in _forms(each) if each not in self._values else ():
+                    self._values.setdefault(form, kind)
+
+    def clean_changes(self, text: str, file: str) -> str:
+        """Clean the differences of files, without the lines that hold the name of a secret, or go on after it."""
+        lines = text.splitlines()
+        goes_on = False
+        for number, line in enumerate(lines):
+            named = goes_on or any(is_secret_name(each) for each in _WORD.findall(line))
+            if named:
+                lines[number] = "[removed: line with the name of a secret]"
+                self.removed[file, "line with the name of a secret"] += 1
+            goes_on = named and (not line[1:].strip() or line.rstrip().endswith(_GOES_ON))
+        return self.clean("".join(f"{line}\n" for line in lines), file)
 
     def clean(self, text: str, file: str) -> str:
         """A text without secrets."""
@@ -107,7 +139,7 @@ class SecretFilter:
         if isinstance(values, list | tuple):
             return [self.clean_values(each, file, name) for each in values]
         if is_secret_name(name) and values not in (None, "", True, False):
-            self.removed[file, "value with the name of a secret"] += 1
+            self.removed[file, _NAMED] += 1
             return "[removed: value with the name of a secret]"
         return self.clean(values, file) if isinstance(values, str) else values
 
@@ -124,20 +156,23 @@ class SecretFilter:
         return bytes(made)
 
     def _find(self, text: str, *, utf8: bool) -> Iterator[tuple[int, int, str]]:
-        for _, begin, end, kind in _spans(text):
-            yield begin, end, kind
-        for value, kind in self._values.items():
-            for form in _forms(value):
-                sought = form.encode().decode("latin-1") if utf8 else form
-                place = text.find(sought)
-                while place >= 0:
-                    yield place, place + len(sought), kind
-                    place = text.find(sought, place + len(sought))
+        yield from _spans(text)
+        self._work += len(text) * len(self._values)
+        if self._work > _MOST_WORK:
+            yield 0, len(text), "text: too many secrets to look for"
+            return
+        for form, kind in self._values.items():
+            sought = form.encode().decode("latin-1") if utf8 else form
+            place = text.find(sought)
+            while place >= 0:
+                yield place, place + len(sought), kind
+                place = text.find(sought, place + len(sought))
 
 
 def is_secret_name(name: str) -> bool:
     """Return whether a parameter, a variable or an argument of this name has a secret for a value."""
-    return bool(name) and _IS_SECRET.fullmatch(name) is not None
+    last = name.rpartition("/")[2].lower()
+    return _STRONG.search(last) is not None or not _WEAK.isdisjoint(_LETTERS.findall(last))
 
 
 def _forms(value: str) -> tuple[str, ...]:
@@ -146,12 +181,25 @@ def _forms(value: str) -> tuple[str, ...]:
     return tuple(each for each in forms if len(each) >= _LEAST)
 
 
-def _spans(text: str) -> Iterator[tuple[str, int, int, str]]:
-    for kind, pattern in (*_FORMS, *_NAMED) if _IN_NAMES.search(text) else _FORMS:
+def _spans(text: str) -> Iterator[tuple[int, int, str]]:
+    for kind, pattern in _FORMS:
         for match in pattern.finditer(text):
-            for name, value in match.groupdict().items():
-                if value and value.strip() and not value.startswith("[removed"):
-                    yield name, match.start(name), match.end(name), kind
+            if not match["a"].startswith("[removed"):
+                yield *match.span("a"), kind
+    place = 0
+    while part := _PART.search(text, place):
+        line = max(place, text.rfind("\n", place, part.start()) + 1)
+        word = next(each for each in _WORD.finditer(text, line) if each.end() > part.start())
+        place = word.end()
+        if not is_secret_name(word[0]):
+            continue
+        value = _ASSIGNED.match(text, place)
+        if value is None and word[0].startswith("-"):
+            value = _OPTION.match(text, place)
+        if value is not None and value.lastgroup is not None:
+            place = value.end()
+            if value[value.lastgroup].strip() and not value[value.lastgroup].startswith("[removed"):
+                yield *value.span(value.lastgroup), _NAMED
 
 
 def _merge(spans: Iterable[tuple[int, int, str]]) -> list[tuple[int, int, str]]:

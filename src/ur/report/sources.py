@@ -5,24 +5,25 @@ from __future__ import annotations
 import os
 import platform
 import re
-import subprocess
 import time
-import xmlrpc.client
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import metadata
 from pathlib import Path
 
+from ur.report.changes import WorkspaceChanges, read_changes
+from ur.run.master.client import parse_master_uri
+from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.record.ended import EndedRun
 from ur.run.record.entry import RunEntry
 from ur.run.record.plan_record import plan_path, read_plan
+from ur.source.diagnostic import UserError
 from ur.source.foreign.json_values import write_json
 
 _MOST_LOG = 1_000_000  # bytes from the end of a log
 _MOST_LOGS = 8_000_000  # of all logs
-_MOST_CHANGES = 500_000
-_WITHIN = 1.0  # s for a master or for git
+_WITHIN = 1.0  # s for a master
 _STAMP = re.compile(r"(\d{4}-\d\d-\d\d \d\d:\d\d:\d\d)[,.](\d{3})")
 _NAMES = re.compile(
     r"(ROS|UR|AMENT|COLCON|CMAKE|PYTHON|RMW|CYCLONEDDS|FASTRTPS|XDG|LANG|DISPLAY|TERM|PATH|HOME|USER)\w*"
@@ -31,22 +32,27 @@ _NAMES = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class RunSources:
-    """Texts by the names of their files, and trees of values by the name of theirs."""
+    """Texts by the names of their files, and trees of values by the name of theirs.
+
+    `versions` are names and texts of changed files, whose secrets the archive may repeat.
+    """
 
     texts: dict[str, str] = field(default_factory=dict)
     values: dict[str, object] = field(default_factory=dict)
+    versions: tuple[tuple[str, str], ...] = ()
 
 
-def collect(entry: RunEntry, ended: EndedRun | None, environment: Mapping[str, str], folder: Path) -> RunSources:
-    """Collect what is known of a run; what cannot be read is left out. Without a plan, `folder` is the workspace."""
+def collect(entry: RunEntry, ended: EndedRun | None, environment: Mapping[str, str]) -> RunSources:
+    """Collect what is known of a run; what cannot be read is left out."""
     plan = read_plan(plan_path(entry.log_folder, entry.run))
     files = plan.get("files")
+    changes = WorkspaceChanges()
     if isinstance(files, list) and files and isinstance(files[0], str) and Path(files[0]).is_absolute():
-        folder = Path(files[0]).parent
+        changes = read_changes(Path(files[0]).parent)
     texts = read_logs(Path(entry.log_folder))
     texts["logs/all.txt"] = merge_logs(texts)
-    if changes := read_changes(folder):
-        texts["workspace.diff"] = changes
+    if changes.text:
+        texts["workspace.diff"] = changes.text
     run: dict[str, object] = {
         "run": entry.run,
         "launch file": entry.title,
@@ -65,7 +71,7 @@ def collect(entry: RunEntry, ended: EndedRun | None, environment: Mapping[str, s
         "versions.json": read_versions(),
         "system.json": read_system(),
     }
-    return RunSources(texts, values)
+    return RunSources(texts, values, changes.versions)
 
 
 def read_logs(folder: Path) -> dict[str, str]:
@@ -105,22 +111,11 @@ def read_parameters(uri: str) -> object:
     """The parameters of a master of ROS 1; none where there is none."""
     if not uri.startswith("http"):
         return {}
-
-    class Transport(xmlrpc.client.Transport):
-        def make_connection(self, host: object) -> object:  # type: ignore[override]
-            connection = super().make_connection(host)  # type: ignore[arg-type]
-            connection.timeout = _WITHIN
-            return connection
-
     try:
-        with xmlrpc.client.ServerProxy(uri, transport=Transport()) as master:
-            answer: object = master.getParam("/ur_report", "/")
-    except Exception:  # of the network, of XML-RPC and its parser
+        values = replace(parse_master_uri(uri), timeout=_WITHIN).call("getParam", "/")
+    except (Unanswered, CallRefused, UserError):
         return {}
-    match answer:
-        case [1, _, dict(values)]:
-            return _plain(values)
-    return {}
+    return _plain(values) if isinstance(values, dict) else {}
 
 
 def read_versions() -> dict[str, object]:
@@ -137,28 +132,6 @@ def read_versions() -> dict[str, object]:
         "ros": os.environ.get("ROS_DISTRO", ""),
         "packages": dict(sorted(packages.items())),
     }
-
-
-def read_changes(folder: Path) -> str:
-    """The commit of a workspace and its differences from it, as git has them; '' where there is no repository."""
-    texts = []
-    for command in (
-        ("log", "-1", "--format=%H %cI"),
-        ("status", "--short"),
-        ("diff", "HEAD", "--no-ext-diff", "--no-textconv"),
-    ):
-        try:
-            done = subprocess.run(
-                ["git", "-c", "core.fsmonitor=false", "-C", str(folder), *command],
-                capture_output=True,
-                timeout=_WITHIN,
-                check=True,
-                stdin=subprocess.DEVNULL,
-            )
-        except (OSError, subprocess.SubprocessError):
-            break
-        texts.append(done.stdout[:_MOST_CHANGES].decode("utf-8", "replace"))
-    return "\n".join(texts)
 
 
 def read_system() -> dict[str, object]:

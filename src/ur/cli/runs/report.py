@@ -12,6 +12,7 @@ from ur.cli.runs.detached import choose_run
 from ur.cli.runs.logs import find_ended_run
 from ur.run.record.ended import EndedRun
 from ur.run.record.entry import RunEntry
+from ur.source.diagnostic import UserError
 
 _AFTER_END = 120.0  # s after a run in which its black box may still write
 _WITHIN = 10.0  # s for the black box to write
@@ -38,13 +39,17 @@ def command(run: str | None, output: str | None) -> int:
     entry = choose_run(run) if ended is None else ended.entry
     path = Path(output or f"report_{entry.run}.zip").absolute()
     check_output(path, begin=ZIP)
-    need_all(["mcap", "rosbags"], "recordings.lock", "what recordings need (12 MB to download)")
+    unreadable = ""
+    try:
+        need_all(["mcap", "rosbags"], "recordings.lock", "what recordings need (12 MB to download)")
+    except UserError as problem:  # for instance without a network
+        unreadable = str(problem)
     folder = Path(recordings_folder(os.environ))
     if ended is None:
         _await_recording(folder)
-    sources = collect(entry, ended, os.environ, Path.cwd())
+    sources = collect(entry, ended, os.environ)
     recordings = list_run_recordings(folder, entry.started, _end_of(ended))
-    report = write_report(path, _title(entry), sources, recordings)
+    report = write_report(path, _title(entry), sources, recordings, unreadable)
     for each in report.missing:
         click.echo(f"warning: the report is without {each}", err=True)
     click.echo(f"{report.path}: {report.size / 1e6:.1f} MB")

@@ -71,7 +71,7 @@ LAUNCHING = (
         ),
         trust=Trust(
             "records, logs and recordings of your runs, the answers of the ROS master",
-            starts="`git`, in the current folder",
+            starts="`git diff`, which reads no settings of the workspace",
             sends="a request to the black boxes on this computer, questions to the ROS master",
             writes="an archive, without secrets",
         ),

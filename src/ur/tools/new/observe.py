@@ -12,9 +12,10 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any
-from xmlrpc.client import Fault, ServerProxy
 from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 
+from ur.run.master.client import parse_master_uri
+from ur.run.master.xml_rpc import CallRefused, call_method
 from ur.source.diagnostic import UserError, error, error_about
 from ur.tools.new.parts import NodeTopic, Observed
 
@@ -65,7 +66,7 @@ class _Listener:
     """Forwards every call to the master, and records the node's requests."""
 
     def __init__(self, master: str) -> None:
-        self._master = ServerProxy(master, allow_none=True)
+        self._master = parse_master_uri(master)
         self._lock = threading.Lock()
         self.registered = False
         self.latest = time.monotonic()
@@ -77,9 +78,12 @@ class _Listener:
         with self._lock:
             self._remember(method, parameters)
             try:
-                return getattr(self._master, method)(*parameters)
-            except Fault as problem:
-                return [-1, problem.faultString, 0]
+                return self._ask(method, *parameters)
+            except CallRefused as problem:
+                return [-1, str(problem), 0]
+
+    def _ask(self, method: str, *parameters: object) -> Any:
+        return call_method((self._master.host, self._master.port), method, list(parameters), self._master.timeout)
 
     def _remember(self, method: str, parameters: tuple[Any, ...]) -> None:
         if method == "system.multicall":
@@ -103,7 +107,7 @@ class _Listener:
     def observed(self) -> Observed:
         """Return the observed interface of the node."""
         with self._lock:
-            values = self._master.getParam(NAME, NAME)
+            values = self._ask("getParam", NAME, NAME)
         known = dict(_flatten(values[2])) if isinstance(values, list) and values[0] == 1 else {}
         asked = [name for name in self._asked if not name.startswith(_COMMON_PARAMETERS)]
         parameters: dict[str, object] = {}
