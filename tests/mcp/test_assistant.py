@@ -19,6 +19,7 @@ from ur.mcp.assistant import MARK
 from ur.mcp.calls import TOOLS
 from ur.mcp.terms import Area
 from ur_nodes.client.mux import MuxLink
+from ur_nodes.client.navigation import RobotState
 from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.motion.lease.view import Identity
 from ur_nodes.ports.node import Publisher
@@ -160,6 +161,15 @@ async def test_person_who_takes_over_ends_the_grant(robot: AssistedRobot) -> Non
         assert "desk (keyboard) has taken over" in text_of(await task)
         assert robot.files.find(robot.assistant.id) is None
         assert "no grant is in force" in text_of(await client.call_tool("drive", {"forward": 0.1}))
+
+
+async def test_robot_that_drives_sideways_stops_as_far_from_the_border(
+    robot: AssistedRobot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robot.grant(within=(Area(-1.0, -1.0, 1.0, 0.2),))
+    monkeypatch.setattr(RobotState, "velocity", lambda _: (0.0, 0.5, 0.0))
+    async with robot.connect() as client:
+        assert "border of the area" in text_of(await client.call_tool("drive", {"forward": 0.05, "seconds": 1.0}))
 
 
 async def test_emergency_stop_ends_the_grant(robot: AssistedRobot) -> None:

@@ -83,9 +83,9 @@ class RobotState:
         base = self._base()
         return self._tree.find_planar(self._tree.root(base), base) if self._tree.parent(base) else None
 
-    def velocity(self) -> tuple[float, float]:
-        """Return the mean velocity over the last moments, ahead in m/s and turning in rad/s; 0 when silent."""
-        return (0.0, 0.0) if self.silent else self._tree.velocity(self._base(), _SPEED_WINDOW)
+    def velocity(self) -> tuple[float, float, float]:
+        """Return the mean velocity over the last moments, ahead and to the left (m/s) and turning (rad/s)."""
+        return (0.0, 0.0, 0.0) if self.silent else self._tree.velocity(self._base(), _SPEED_WINDOW)
 
     def scan(self, *, by_odometry: bool = False) -> NDArray[np.float64] | None:
         """Return the hits (n, 2) of the newest scan in the map frame or that of `odometry_pose`, in m."""
@@ -140,7 +140,7 @@ class NavigationTopics:
     def snapshot(self) -> RobotSnapshot:
         """Return the newest state, without mux, lease and silence."""
         seen, goal, pose = self._seen, self.goal(), self.robot.pose()
-        speed, turn = self.robot.velocity()
+        speed, _, turn = self.robot.velocity()
         return replace(
             seen,
             pose=pose,

@@ -104,20 +104,20 @@ class TransformTree:
         """Return `lookup` as a planar pose."""
         return self.lookup(target, source, stamp, hold=hold).planar()
 
-    def velocity(self, child: str, window: float) -> tuple[float, float]:
+    def velocity(self, child: str, window: float) -> tuple[float, float, float]:
         """Return the mean planar velocity of a frame in its parent over the newest `window` s.
 
-        Ahead (m/s) in the direction of its newest heading, and turning (rad/s); 0 while the history is shorter.
+        Ahead and to the left (m/s) of its newest heading, and turning (rad/s); 0 while the history is shorter.
         """
         newest, parent = self.newest(child), self.parent(child)
         if newest is None or parent is None:
-            return 0.0, 0.0
+            return 0.0, 0.0, 0.0
         try:
             before, after = self.pose(parent, child, newest - window), self.pose(parent, child, newest)
         except TransformError:
-            return 0.0, 0.0
-        ahead = (after.x - before.x) * math.cos(after.yaw) + (after.y - before.y) * math.sin(after.yaw)
-        return ahead / window, wrap_angle(after.yaw - before.yaw) / window
+            return 0.0, 0.0, 0.0
+        x, y, c, s = after.x - before.x, after.y - before.y, math.cos(after.yaw), math.sin(after.yaw)
+        return (c * x + s * y) / window, (c * y - s * x) / window, wrap_angle(after.yaw - before.yaw) / window
 
     def chain(self, target: str, source: str) -> tuple[str, ...]:
         """Return the frames from `source` up to below its ancestor `target`; () if it is no ancestor."""

@@ -129,12 +129,14 @@ class GuardChanged:
 Event = VelocityCommand | LockMessage | EmergencyStopped | EmergencyReleased | SpeedLimited | GuardChanged
 
 
-def slow_to(wanted: Velocity, share: float, settings: MuxSettings) -> Velocity:
-    """Return the velocity with at most this share of the base's speeds, on the same curve."""
-    if share >= 1.0 or wanted.still:
+def slow_to(wanted: Velocity, share: float, settings: MuxSettings, speed: float = math.inf) -> Velocity:
+    """Return the velocity with at most this share of the base's speeds, and `speed` m/s whichever way, on its curve."""
+    planar = math.hypot(wanted.forward, wanted.left)
+    if wanted.still or (share >= 1.0 and planar <= speed):
         return wanted
-    part = max(abs(wanted.forward) / settings.forward.speed, abs(wanted.turn) / settings.turn.speed)
+    fastest = max(settings.forward.speed, settings.left.speed)
+    part = max(planar / fastest, abs(wanted.forward) / settings.forward.speed, abs(wanted.turn) / settings.turn.speed)
     if wanted.left and settings.left.speed:
         part = max(part, abs(wanted.left) / settings.left.speed)
-    factor = min(1.0, share / part)
+    factor = min(1.0, share / part, speed / planar if planar else 1.0)
     return Velocity(factor * wanted.forward, factor * wanted.turn, factor * wanted.left)

@@ -107,16 +107,16 @@ def test_history_starts_again_when_time_does() -> None:
 
 def test_velocity_is_along_the_newest_heading() -> None:
     tree = TransformTree()
-    assert tree.velocity("base", 0.2) == (0.0, 0.0)
+    assert tree.velocity("base", 0.2) == (0.0, 0.0, 0.0)
     for number in range(4):
-        tree.add("odom", "/base", 10.0 + 0.1 * number, on_floor(0.0, 0.05 * number, math.pi / 2))
+        tree.add("odom", "/base", 10.0 + 0.1 * number, on_floor(0.02 * number, 0.05 * number, math.pi / 2))
     assert tree.parent("base") == "odom"
-    assert tree.velocity("base", 0.2) == pytest.approx((0.5, 0.0))
-    assert tree.velocity("base", 1.0) == (0.0, 0.0), "the history is shorter"
+    assert tree.velocity("base", 0.2) == pytest.approx((0.5, -0.2, 0.0))
+    assert tree.velocity("base", 1.0) == (0.0, 0.0, 0.0), "the history is shorter"
 
 
 def test_velocity_turns_through_the_smaller_angle() -> None:
     tree = TransformTree()
     tree.add("odom", "base", 1.0, on_floor(0.0, 0.0, math.pi - 0.1))
     tree.add("odom", "base", 1.5, on_floor(0.0, 0.0, -math.pi + 0.1))
-    assert tree.velocity("base", 0.5) == pytest.approx((0.0, 0.4))
+    assert tree.velocity("base", 0.5) == pytest.approx((0.0, 0.0, 0.4))

@@ -27,6 +27,7 @@ from ur_nodes.motion.mux_events import (
     SpeedLimited,
     Velocity,
     VelocityCommand,
+    slow_to,
 )
 from ur_nodes.motion.obstacle_stop.base import make_sight
 from ur_nodes.motion.obstacle_stop.guard import Guard, make_guard
@@ -133,6 +134,30 @@ def test_speed_limit_holds_sideways_and_a_base_without_such_wheels_stays(
     run.drive(KEYBOARD, Velocity(0.0, 0.0, -0.4), 1.0)
     assert min((velocity.left for _, velocity, _ in run.sent), default=0.0) == pytest.approx(-expected)
     assert bool(run.sent) is bool(expected)
+
+
+SPEEDS = st.floats(-2.0, 2.0)
+
+
+@given(SPEEDS, SPEEDS, SPEEDS, st.floats(0.05, 1.5), st.floats(0.01, 1.0), st.sampled_from([0.0, 0.3, 0.9]))
+def test_limit_of_speed_is_of_the_velocity_whichever_way_it_points(
+    forward: float, left: float, turn: float, speed: float, share: float, aside: float
+) -> None:
+    base = replace(SETTINGS, left=Axis(aside, 1.0, 4.0))
+    wanted = Velocity(forward, turn, left)
+    granted = slow_to(wanted, speed / base.forward.speed, base, speed)
+    assert math.hypot(granted.forward, granted.left) <= speed + 1e-9
+    slow = slow_to(wanted, share, base)
+    if share < 1.0:
+        assert math.hypot(slow.forward, slow.left) <= share * max(base.forward.speed, aside) + 1e-9
+    for each in (granted, slow):
+        assert each.forward * wanted.left == pytest.approx(each.left * wanted.forward, abs=1e-9)  # on its curve
+        assert abs(each.forward) <= abs(wanted.forward)
+
+
+def test_speed_of_the_greatest_axis_is_kept_where_the_limit_permits() -> None:
+    assert slow_to(Velocity(0.5, 0.0, 0.0), 0.4, SIDEWAYS, 0.2) == Velocity(0.2, 0.0, 0.0)
+    assert slow_to(Velocity(0.1, 0.3, 0.1), 0.4, SIDEWAYS, 0.2) == Velocity(0.1, 0.3, 0.1)
 
 
 def test_mux_follows_zeros_of_the_active_source_with_the_harder_limit(run: MuxRun) -> None:

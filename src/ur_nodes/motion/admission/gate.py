@@ -120,7 +120,8 @@ class AdmissionGate:
         if isinstance(verdict, float):
             terms = self._admission.lease.lease.terms
             if terms is not None:
-                velocity = slow_to(velocity, terms.speed / self._settings.forward.speed, self._settings)
+                share = terms.speed / self._settings.forward.speed
+                velocity = slow_to(velocity, share, self._settings, terms.speed)
             self._handle(VelocityCommand(index, velocity, None if self._node.facts.simulated_time else now - verdict))
         elif not velocity.still:
             self._reports.count(self._settings.sources[index], verdict, stamped=stamped)
