@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import random
 from pathlib import Path
 
 import pytest
-from mcap.writer import Writer
+from mcap.writer import CompressionType, Writer
 
 from ur.recordings.description import describe_recording
 from ur.recordings.mcap_file import open_recording
@@ -75,3 +77,38 @@ def test_description_lists_reasons_events_and_topics(tmp_path: Path) -> None:
     assert lines[2].startswith("      3.0 s  a bumper was ")
     assert "\x1b" not in lines[2]
     assert lines[3:] == ["  /map         1 messages  std_msgs/String", "  /words     200 messages  std_msgs/String"]
+
+
+def test_special_files_are_refused_and_never_waited_for(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe.mcap"
+    os.mkfifo(pipe)
+    for path in (pipe, Path("/dev/zero"), tmp_path):
+        with pytest.raises(UserError, match="not a regular file, expected a recording"):
+            open_recording(path)
+
+
+@pytest.mark.parametrize("name", ["zstd_bomb", "zstd_lie", "lz4_lie", "many_chunks"])
+def test_chunks_that_unpack_to_more_than_they_declare_or_may_are_refused(name: str) -> None:
+    path = Path(__file__).parents[1] / "fuzz/corpus/recording" / f"find-{name}"
+    with pytest.raises(UserError, match="no message in it can be read"):
+        open_recording(path)
+
+
+@pytest.mark.parametrize("compression", [*CompressionType])
+def test_messages_of_chunks_that_overlap_are_in_the_order_of_their_times(
+    compression: CompressionType, tmp_path: Path
+) -> None:
+    path = tmp_path / "late.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file, chunk_size=100, compression=compression)
+        writer.start()
+        topics = [writer.register_channel(f"/{name}", "text", 0) for name in "ab"]
+        times = random.Random(1).sample(range(1, 1000), 300)
+        for time in times:
+            writer.add_message(topics[time % 2], time, b"%d" % time, time)
+        writer.finish()  # type: ignore[no-untyped-call]
+    recording = open_recording(path)
+    assert [each.time for each in recording.messages()] == sorted(times)
+    assert [each.time for each in recording.messages(500, {"/a"})] == sorted(
+        t for t in times if t >= 500 and t % 2 == 0
+    )

@@ -26,7 +26,7 @@ mkdir p; cat >p/package.xml <<END
 <package format="2"><name>p</name><version>1.0.0</version><description>d</description>
 <maintainer email="a@b.c">m</maintainer><license>BSD</license></package>
 END
-echo '<launch><node name="a"   pkg="p" type="t"/></launch>' >p/a.launch; echo old >p/launches.md
+echo '<launch><node name="a"   pkg="p" type="t"/></launch>' >p/a.launch; echo '# old' >p/launches.md
 """
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.source.replace import PRIVATE, replace_file
+from ur.source.replace import PRIVATE, replace_file, replacing
 
 
 def names_in(folder: Path) -> list[str]:
@@ -110,3 +110,25 @@ def test_cache_costs_no_flush(tmp_path: Path) -> None:
     replace_file(tmp_path / "a" / "cache", "new", parents=True, lasting=False, sync=flushed.append)
     assert (tmp_path / "a" / "cache").read_text() == "new"
     assert flushed == []
+
+
+def test_unfinished_files_of_killed_processes_are_removed_and_those_of_others_stay(tmp_path: Path) -> None:
+    names = {name: tmp_path / f".{name}.01234567.ur-new" for name in ("old", "young", "link", "pipe")}
+    names["old"].write_text("")
+    names["young"].write_text("")
+    names["link"].symlink_to(tmp_path / "precious")
+    os.mkfifo(names["pipe"])
+    (tmp_path / "precious").write_text("")
+    with replacing(tmp_path / "writing") as file:
+        (unfinished,) = (each for each in tmp_path.iterdir() if each.name.startswith(".writing"))
+        for each in (names["old"], names["link"], names["pipe"], unfinished, tmp_path / "precious"):
+            os.utime(each, (1.0, 1.0), follow_symlinks=False)
+        replace_file(tmp_path / "other", "")
+        assert unfinished.exists()
+        assert not names["old"].exists()
+        file.write(b"done")
+    assert (tmp_path / "writing").read_text() == "done"
+    assert names_in(tmp_path) == [
+        *(".link.01234567.ur-new", ".pipe.01234567.ur-new", ".young.01234567.ur-new"),
+        *("other", "precious", "writing"),
+    ]

@@ -6,20 +6,29 @@ The file is read piece by piece: a recording may be larger than the memory.
 from __future__ import annotations
 
 import struct
+import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from heapq import heappop, heappush
+from itertools import islice
+from operator import itemgetter
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 from ur.recordings.mcap_channels import LATCHED, SENDER
+from ur.recordings.mcap_records import MOST_RECORD, PER_RECORD, read_records, summary_size
 from ur.source.diagnostic import UserError, error_about
+from ur.source.foreign.files import open_file, refuse_file
 
 MAGIC = b"\x89MCAP"
 _RARE_HZ = 0.2
+_MOST_SUMMARY = 64 * 1024 * 1024
+_MOST_METADATA = 1000
+_MOST_HELD = 512 * 1024 * 1024  # bytes of messages, while they are put into the order of their times
+_HELP = "'ls ~/.local/state/ur/black_box' lists recordings"
 
 if TYPE_CHECKING:
-    from mcap.reader import McapReader
     from mcap.records import Channel, Message, Schema
 
 
@@ -93,14 +102,16 @@ class RecordingFile:
 def open_recording(path: Path) -> RecordingFile:
     """Read what a recording holds. Raises UserError: it cannot be read, or is no MCAP file."""
     from mcap.exceptions import McapError
-    from mcap.reader import make_reader
+    from mcap.reader import SeekingReader
 
     with _reading(path) as file:
         try:
-            reader = make_reader(file, validate_crcs=False)
+            if summary_size(file) > _MOST_SUMMARY:
+                raise ValueError("its index is too large")
+            reader = SeekingReader(file, record_size_limit=MOST_RECORD)
             summary = reader.get_summary()
-            metadata = {each.name: dict(each.metadata) for each in reader.iter_metadata()}
-        except (McapError, struct.error, ValueError, EOFError, OSError):
+            metadata = {each.name: dict(each.metadata) for each in islice(reader.iter_metadata(), _MOST_METADATA)}
+        except (McapError, struct.error, ValueError, EOFError, OSError, MemoryError):
             summary, metadata = None, {}
         if summary is not None and summary.statistics is not None:
             counts = summary.statistics.channel_message_counts
@@ -151,32 +162,45 @@ def _count_topics(channels: Sequence[tuple[RecordingTopic, int]]) -> dict[str, R
 def _read(
     file: IO[bytes], path: Path, complete: bool, begin: int, topics: Set[str] | None
 ) -> Iterator[tuple[Schema | None, Channel, Message]]:
-    from mcap.reader import NonSeekingReader, make_reader
+    from mcap.records import Channel, Message, Schema
 
-    chosen = sorted(topics) if topics is not None else None
-    reader: McapReader = make_reader(file) if complete else NonSeekingReader(file)
+    schemas: dict[int, Schema] = {}
+    channels: dict[int, Channel] = {}
+    waiting: list[tuple[int, int, Channel, Message]] = []  # by time, as far as chunks overlap
+    held = 0
     try:
-        yield from reader.iter_messages(topics=chosen, starting_at=begin or None, log_time_order=complete)
+        for number, (start, record) in enumerate(read_records(file, complete, begin, topics, channels)):
+            while waiting and waiting[0][0] < start:
+                _, _, channel, message = heappop(waiting)
+                held -= len(message.data) + PER_RECORD
+                yield schemas.get(channel.schema_id), channel, message
+            if isinstance(record, Schema):
+                schemas[record.id] = record
+            elif isinstance(record, Channel):
+                channels[record.id] = record
+            elif isinstance(record, Message) and record.log_time >= begin:
+                if topics is None or channels[record.channel_id].topic in topics:
+                    heappush(waiting, (record.log_time, number, channels[record.channel_id], record))
+                    held += len(record.data) + PER_RECORD
+            if held > _MOST_HELD:
+                raise ValueError(f"more than {_MOST_HELD:,} bytes of messages are not in the order of their times")
     except Exception as problem:  # of the library and its decompressors, for any bytes
         if complete:
             raise _no_recording(path, str(problem) or type(problem).__name__) from None
+    for _, _, channel, message in sorted(waiting, key=itemgetter(0, 1)):
+        yield schemas.get(channel.schema_id), channel, message
 
 
 @contextmanager
 def _reading(path: Path) -> Iterator[IO[bytes]]:
     try:
-        with path.open("rb") as file:
+        with open_file(path, sys.maxsize) as file:
             if file.read(len(MAGIC)) != MAGIC:
                 raise _no_recording(path, "it does not begin as one")
             file.seek(0)
             yield file
     except OSError as problem:
-        reason = (problem.strerror or str(problem)).lower()
-        raise UserError(
-            error_about(
-                str(path), reason, rule="unreadable-file", help="'ls ~/.local/state/ur/black_box' lists recordings"
-            )
-        ) from None
+        raise refuse_file(path, problem, "a recording", help=_HELP) from None
 
 
 def _no_recording(path: Path, reason: str) -> UserError:

@@ -54,6 +54,8 @@ def _read_changes(top: Path, own: Path) -> WorkspaceChanges:
     (own / "HEAD").write_text(commit)
     if (settings / "index").exists():
         (own / "index").write_bytes(read_file(settings / "index", _MOST_INDEX))
+        written = (settings / "index").stat().st_mtime_ns  # by which git knows files that changed in the same moment
+        os.utime(own / "index", ns=(written, written))
     environment = {
         "PATH": os.defpath,
         "LC_ALL": "C.UTF-8",

@@ -10,9 +10,11 @@ then empty. This module uses the standard library only and imports nothing that 
 from __future__ import annotations
 
 import errno
+import fcntl
 import os
 import stat
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 
@@ -25,6 +27,8 @@ Begin = bytes | tuple[bytes, ...]
 AnyPath = str | os.PathLike[str]
 PUBLIC = 0o664  # of a new file, less the umask: never writable for everybody
 PRIVATE = 0o600
+_UNFINISHED = ".ur-new"
+_ABANDONED = 60.0  # s
 
 
 def replace_file(
@@ -67,11 +71,15 @@ def replacing(
     if parents:
         make_folder(folder, lasting=lasting, sync=sync)
     permissions = _permissions(target)
-    beside = os.path.join(folder, f".{name[:200]}.{os.urandom(4).hex()}.ur-new")
+    if lasting:
+        _sweep(folder)
+    beside = os.path.join(folder, f".{name[:200]}.{os.urandom(4).hex()}{_UNFINISHED}")
     # Exclusive: no existing link or file of this name is written to.
     descriptor = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, mode)
     try:
         with open(descriptor, "wb") as file:  # noqa: PTH123 - a descriptor
+            with suppress(OSError):
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)  # see _sweep
             if permissions is not None:
                 os.fchmod(descriptor, permissions)
             yield file
@@ -87,6 +95,22 @@ def replacing(
         raise
     if lasting:
         sync_folder(folder, sync)
+
+
+def _sweep(folder: str) -> None:
+    """Remove the unfinished files of killed processes: those without a lock that are older than a minute."""
+    with suppress(OSError), os.scandir(folder) as entries:
+        for each in entries:
+            if not (each.name.endswith(_UNFINISHED) and each.is_file(follow_symlinks=False)):
+                continue
+            with suppress(OSError):
+                descriptor = os.open(each.path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+                try:
+                    if os.fstat(descriptor).st_mtime < time.time() - _ABANDONED:
+                        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                        os.unlink(each.path)
+                finally:
+                    os.close(descriptor)
 
 
 def check_output(path: AnyPath, inputs: Iterable[AnyPath] = (), begin: Begin = b"") -> None:

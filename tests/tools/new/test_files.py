@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -125,3 +127,62 @@ def test_failure_in_the_middle_takes_everything_back(tmp_path: Path) -> None:
     with pytest.raises(UserError):
         write_files(tmp_path, [NewFile("new/a", ""), NewFile("file/b", "")])
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+class Killed(BaseException):
+    """The process ends here: nothing is cleaned up."""
+
+
+FILES = (
+    NewFile("bases/r/base.yaml", "name: r\n"),
+    NewFile("n_a/params/r.yaml", "a: 1\n"),
+    NewFile("bin/ur_r", "#!", True),
+)
+
+
+def write_until(package: Path, calls: int, monkeypatch: pytest.MonkeyPatch) -> bool:
+    """Write FILES, and end after so many calls that change the disk as a kill does. Return whether it ended itself."""
+    left = calls
+    with monkeypatch.context() as patch:
+        for name in ("open", "fsync", "replace", "rename", "mkdir"):
+            real = getattr(os, name)
+
+            def call(*words: Any, real: Any = real, **options: Any) -> Any:
+                nonlocal left
+                left -= 1
+                if left < 0:
+                    raise Killed
+                return real(*words, **options)
+
+            patch.setattr(os, name, call)
+        patch.setattr(os, "unlink", lambda *_, **__: None)
+        patch.setattr(os, "rmdir", lambda *_, **__: None)
+        try:
+            write_files(package, FILES)
+        except Killed:
+            return False
+    return True
+
+
+@pytest.mark.parametrize("new", [False, True])
+def test_kill_at_any_moment_leaves_no_base_file_that_lacks_its_others_and_a_repeat_completes_them(
+    new: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done, calls = False, 0
+    while not done:
+        package = tmp_path / str(calls)
+        if not new:
+            package.mkdir()
+        done = write_until(package, calls, monkeypatch)
+        calls += 1
+        there = [each for each in FILES if (package / each.path).exists()]
+        assert all((package / each.path).read_text() == each.text for each in there)
+        if FILES[0] in there or (new and package.exists()):
+            assert there == list(FILES)
+            continue
+        write_files(package, FILES)
+        assert all((package / each.path).read_text() == each.text for each in FILES)
+        assert os.access(package / "bin/ur_r", os.X_OK)
+    assert calls > 10
+    with pytest.raises(UserError, match="is there already"):
+        write_files(package, FILES)

@@ -18,7 +18,12 @@ _WORLD_KEYS = frozenset({"wall_height", "floor_friction", "boxes", "obstacles", 
 
 def _find_bad_base(view: YamlView) -> Iterable[RuleFinding]:
     place = view.source.path.split("/")
-    if place[-1] == "base.yaml" and place[-3:-2] == ["bases"] and _keys(view) & {"footprint", "wheels"}:
+    if place[-1] != "base.yaml" or place[-3:-2] != ["bases"]:
+        return
+    if not view.source.text.strip():
+        message = "an empty file, expected a base file"
+        yield RuleFinding(Span(view.source, 0, 1), message, f"delete the folder, then: ur new base {place[-2]}")
+    elif _keys(view) & {"footprint", "wheels"}:
         from ur.robot.base.files import read_base_section  # imported where there is such a file, as below
 
         yield from _find_unusable(view, "a base file", lambda top: read_base_section(top, place[-2]))
@@ -93,7 +98,10 @@ RULES = (
         explanation="""
 `bases/NAME/base.yaml` describes a robot; everything that starts with that base reads it, with each of its variants.
 """,
-        bad=(Example({"bases/cube/base.yaml": _BASE.replace("mass: 8.0", "mass: «heavy»")}),),
+        bad=(
+            Example({"bases/cube/base.yaml": _BASE.replace("mass: 8.0", "mass: «heavy»")}),
+            Example({"bases/cube/base.yaml": "«\n»"}),
+        ),
         good=(Example({"bases/cube/base.yaml": _BASE}),),
         yaml_file=_find_bad_base,
     ),

@@ -69,11 +69,11 @@ def _write(name: str, drawing: object, title: str) -> int:
 
     assert isinstance(drawing, Drawing)
     files = (
-        NewFile(f"{name}.png", write_png(drawing.levels)),
         NewFile(f"{name}.yaml", write_world(drawing, f"{name}.png", title)),
+        NewFile(f"{name}.png", write_png(drawing.levels)),
     )
     write_files(Path.cwd(), files)
-    for file in files:
+    for file in files[::-1]:
         click.echo(f"wrote {file.path}")
     x, y = drawing.origin
     width, height = drawing.size

@@ -63,7 +63,7 @@ class BaseDestination:
 
     def place_files(self, files: Iterable[NewFile]) -> list[NewFile]:
         """Return the files at their destination, with the marker of a new workspace."""
-        return [*self.marker, *(replace(file, path=f"{self.prefix}{file.path}") for file in files)]
+        return [*(replace(file, path=f"{self.prefix}{file.path}") for file in files), *self.marker]
 
 
 def target_of(package: str | None, workspace: str | None) -> BaseDestination:
