@@ -12,7 +12,7 @@ from ur.launchfile.syntax import Element
 from ur.source.file import SourceFile, Span
 from ur.source.foreign.json_values import Count, ForeignValue
 
-_PIECE = re.compile(r"\$\([^)]*\)")
+_PIECE = re.compile(r"\$\([^)]{0,500}\)")
 _IN_PACKAGE = re.compile(r"\$\(find\s+(\S+)\s*\)/")
 
 

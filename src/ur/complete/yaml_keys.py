@@ -70,7 +70,7 @@ def _in_braces(parents: list[str], line: str) -> tuple[tuple[str, ...], str]:
         elif letter == "}" and opened:
             opened.pop()
     for index in opened:
-        name = re.search(r"([\w./~-]+) *: *\[? *\Z", line[:index])
+        name = re.search(r"([\w./~-]{1,200}) {0,50}: {0,50}\[? {0,50}\Z", line[:index])
         if name is not None:
             parents.append(name[1])
     return tuple(parents), line[opened[-1] :] if opened else line if key is None else line[key.start("key") :]

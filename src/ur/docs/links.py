@@ -6,7 +6,7 @@ import posixpath
 import re
 from collections.abc import Callable
 
-_LINK = re.compile(r"(!?)\[([^\]\n]*)\]\(\s*([^)\s]+)\s*\)")
+_LINK = re.compile(r"(!?)\[([^\]\n]{0,500})\]\(\s*([^)\s]+)\s*\)")
 _SCHEME = re.compile(r"[a-zA-Z][a-zA-Z0-9+.-]*:")
 
 

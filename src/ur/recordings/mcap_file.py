@@ -178,9 +178,10 @@ def _read(
                 schemas[record.id] = record
             elif isinstance(record, Channel):
                 channels[record.id] = record
-            elif isinstance(record, Message) and record.log_time >= begin:
-                if topics is None or channels[record.channel_id].topic in topics:
-                    heappush(waiting, (record.log_time, number, channels[record.channel_id], record))
+            elif isinstance(record, Message):
+                channel = channels[record.channel_id]
+                if record.log_time >= begin and (topics is None or channel.topic in topics):
+                    heappush(waiting, (record.log_time, number, channel, record))
                     held += len(record.data) + PER_RECORD
             if held > _MOST_HELD:
                 raise ValueError(f"more than {_MOST_HELD:,} bytes of messages are not in the order of their times")

@@ -23,7 +23,7 @@ from ur.robot.selection import Selection
 from ur.source.diagnostic import Severity, UserError, error
 from ur.source.suggest import did_you_mean
 
-_ANONYMOUS = re.compile(r"\$\(anon ([^)]*)\)")
+_ANONYMOUS = re.compile(r"\$\(anon ([^)]{0,500})\)")
 _MASTER = "http://localhost:11311/"  # rosgraph's default
 _MASTER_ARGUMENT = "__master"
 _NAMESPACE = "ROS_NAMESPACE"

@@ -10,11 +10,11 @@ from ur.launchfile.world import World
 from ur.launchfile.world.protocol import PackageNotFound
 
 # catkin_add_executable_with_gtest, cuda_add_executable, add_rostest_gtest, catkin_add_gmock, ...
-_TARGET = re.compile(r"\w*add_\w*(?:executable|gtest|gmock)\w*\s*\(\s*([^\s)]+)", re.IGNORECASE)
+_TARGET = re.compile(r"(?<!\w)\w{0,60}add_\w{0,60}?(?:executable|gtest|gmock)\w{0,60}\s*\(\s*([^\s)]+)", re.IGNORECASE)
 _OUTPUT = re.compile(r"OUTPUT_NAME\s+([^\s)]+)")
 _SUBFOLDER = re.compile(r"add_subdirectory\s*\(\s*([\w./-]+)", re.IGNORECASE)
 _PROJECT = re.compile(r"^\s*project\s*\(\s*([\w.-]+)", re.IGNORECASE | re.MULTILINE)
-_VARIABLE = re.compile(r"\$\{[^}]*\}")
+_VARIABLE = re.compile(r"\$\{[^}]{0,500}\}")
 _DIGITS = re.compile(r"\d")
 _MAX_DEPTH = 3
 _SAME = 0.88

@@ -14,7 +14,7 @@ from ur.launchfile.plan.specs import NodeSpec, ParamSpec
 from ur.launchfile.query.topics import NameUse, find_name_uses
 from ur.launchfile.syntax import Element
 
-_PIECE = re.compile(r"\$\([^)]*\)")
+_PIECE = re.compile(r"\$\([^)]{0,500}\)")
 _USES = {
     "publishes": "publishes",
     "subscribes": "subscribes",

@@ -12,7 +12,7 @@ from ur.source.printable import printable, printable_lines
 
 _REFERENCE = re.compile("\x00([^\x00]*)\x00")
 _SLUG = re.compile(r"[^\w\- ]")
-_CODE_OR_TAG = re.compile(r"(`+)(?:(?!\1).)*\1|<|&(?!#?\w+;)", re.DOTALL)
+_CODE_OR_TAG = re.compile(r"(`{1,20})(?:(?!\1).){0,5000}\1|<|&(?!#?\w+;)", re.DOTALL)
 _HEADING = re.compile(r"#{1,6}\s+(.*?)\s*#*\Z")
 
 

@@ -14,7 +14,7 @@ from ur.source.file import SourceFile
 from ur.source.section import Section, parse_section
 
 _BASE = "$(arg robot_base)"
-_PIECE = re.compile(r"\$\([^)]*\)")
+_PIECE = re.compile(r"\$\([^)]{0,500}\)")
 _FIND = re.compile(r"\$\(find\s+([^\s)]+)\s*\)")
 _COMPARED = re.compile(
     r"""\brobot_base['")\s]*(?:==|!=)\s*['"](\w+)['"]|['"](\w+)['"]\s*(?:==|!=)[\s("'arg]*robot_base\b"""

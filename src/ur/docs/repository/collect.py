@@ -22,7 +22,7 @@ from ur.source.file import SourceFile, Span
 from ur.source.progress import Progress, counted, no_progress
 
 _DESCRIPTION = re.compile(r"<description[^>]*>(.*?)</description>", re.DOTALL)
-_TAG = re.compile(r"<[^>]*>")
+_TAG = re.compile(r"<[^>]{0,500}>")
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from ur.docs.repository.comments import clean_markdown
 from ur.source.file import SourceFile
 
 _COMMAND = re.compile(r"^[^#\n]*\b(?:ros)?launch\b(?:[^\n]*\\\n)*[^\n]*", re.MULTILINE)
-_FILE = re.compile(r"(?<![\w.*$}])((?:[\w./-]*/)?[\w-]+\.launch(?:\.xml)?)(?![\w.])")
+_FILE = re.compile(r"(?<![\w.*$}])((?:[\w./-]{0,100}/)?[\w-]+\.launch(?:\.xml)?)(?![\w.])")
 _ARGUMENT = re.compile(r"(?<![\w$])(\w+):=(\"[^\"\n]*\"|'[^'\n]*'|[^\s\"';|&]+)")
 _HEADING = re.compile(r"##\s*(\w+):\s?(.*)")
 

@@ -17,7 +17,7 @@ from ur.graph.boxes import DrawnGraph, GraphBox
 from ur.graph.svg import draw_inline
 
 _XML = re.compile(
-    r"(?P<comment><!--.*?-->)|(?P<tag></?[\w:.-]+|/?>|\?>|<\?[\w:.-]+)|(?P<value>\"[^\"]*\"|'[^']*')", re.DOTALL
+    r"(?P<comment><!--.*?(?:-->|\Z))|(?P<tag></?[\w:.-]+|/?>|\?>|<\?[\w:.-]+)|(?P<value>\"[^\"]*\"|'[^']*')", re.DOTALL
 )
 _SHELL = re.compile(r"(?P<comment>(?:^|(?<=\s))#[^\n]*)|(?P<value>\"[^\"\n]*\"|'[^'\n]*')", re.MULTILINE)
 

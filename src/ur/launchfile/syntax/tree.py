@@ -15,8 +15,10 @@ from ur.source.diagnostic import Diagnostic
 from ur.source.file import SourceFile, Span
 
 _ATTRIBUTE = re.compile(r"""\s+([^\s=>/"']+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
-_REFERENCE = re.compile(r"&[^;]*;|\r\n")
-_TEXT_PART = re.compile(r"<!--.*?-->|<!\[CDATA\[(.*?)\]\]>|<\?.*?\?>|<[^>]*>|[^<]+", re.DOTALL)
+_REFERENCE = re.compile(r"&[^;]{0,60};|\r\n")
+_TEXT_PART = re.compile(
+    r"<!--.*?(?:-->|\Z)|<!\[CDATA\[(.*?)(?:\]\]>|\Z)|<\?.*?(?:\?>|\Z)|<[^>]*(?:>|\Z)|[^<]+", re.DOTALL
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -155,7 +155,7 @@ def _passed(place: CursorPlace, view: LaunchView, workspace: Workspace) -> Itera
 def _parameters(place: CursorPlace, tag: OpenTag, view: LaunchView, workspace: Workspace) -> Iterator[Candidate]:
     node, text = place.parents[-1], view.tree.source.text
     written = text[slice(*tag.values.get("name", (0, 0)))].lstrip("~")
-    given = set(re.findall(r"""<param[^>]*?\bname=["']~?([^"'<>]*)""", text[node.start : tag.start]))
+    given = set(re.findall(r"""<param[^>]{0,500}?\bname=["']~?([^"'<>]*)""", text[node.start : tag.start]))
     known = know_parameters(programs_of_tag(node, view, workspace), workspace)
     for name, found in known.items():
         values = [each for each in found.values if "$" not in each]

@@ -42,8 +42,8 @@ def complete_heading(text: str, offset: int) -> list[Candidate]:
 def complete_yaml(workspace: Workspace, path: str, text: str, offset: int) -> list[Candidate]:
     """The candidates at a place of a YAML file: keys at the start of an item, values behind `key: `."""
     parents, before = find_parents(text, offset)
-    value = re.search(r"([\w./~-]+) *: +([^{}\[\],#]*)\Z", before)
-    typed = value[2] if value is not None else re.search(r"[\w./~-]*\Z", before)[0]  # type: ignore[index]
+    value = re.search(r"([\w./~-]{1,200}) {0,50}: {1,50}([^{}\[\],#]*)\Z", before)
+    typed = value[2] if value is not None else re.search(r"[\w./~-]{0,500}\Z", before)[0]  # type: ignore[index]
     start = offset - len(typed)
     rest = re.match(r"[\w./~-]*", text[offset:])
     end = offset + (len(rest[0]) if rest is not None else 0)

@@ -17,7 +17,7 @@ from ur.tools.find.occurrences import Kind, Occurrence, WantedName
 from ur.tools.find.programs import NodeProgram, head_span, program_files, read_program
 from ur.tools.find.search import find_resolved
 
-_LAUNCH_FILE = re.compile(r"[\w.-]+\.launch(?:\.xml)?")
+_LAUNCH_FILE = re.compile(r"(?<![\w.-])[\w.-]+\.launch(?:\.xml)?")
 _GIVEN = re.compile(r"(?<![\w$])(\w+):=")
 
 

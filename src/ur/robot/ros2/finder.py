@@ -113,7 +113,9 @@ def read_environment(entry: str) -> dict[str, str] | None:
 
 def find_unit(entry: str) -> str:
     """Return the systemd system unit of a process, '' if it belongs to none."""
-    found = re.search(r"/system\.slice/(?:[^\n]*/)?([A-Za-z0-9@._:\\-]{1,192}\.service)", read(f"/proc/{entry}/cgroup"))
+    found = re.search(
+        r"/system\.slice/(?:[^\n]{0,500}/)?([A-Za-z0-9@._:\\-]{1,192}\.service)", read(f"/proc/{entry}/cgroup")
+    )
     return found[1] if found else ""
 
 

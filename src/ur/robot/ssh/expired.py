@@ -22,7 +22,7 @@ PATIENCE = 60.0
 MOST_BYTES = 1 << 16  # of the output of such a dialogue, which has some lines
 # passwd asks once for the present password, and twice for the new one; in these words since PAM 1.1, in the C locale.
 _QUESTION = re.compile(rb"password: ?$", re.IGNORECASE)
-_NEW = re.compile(rb"\bnew\b[^\r\n]*password: ?$", re.IGNORECASE)
+_NEW = re.compile(rb"\bnew\b[^\r\n]{0,200}password: ?$", re.IGNORECASE)
 _ALONE = [word for name in ("ForwardAgent", "ForwardX11", "PermitLocalCommand") for word in ("-o", f"{name}=no")]
 _DONE = "password updated successfully"
 

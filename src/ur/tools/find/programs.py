@@ -12,7 +12,7 @@ from ur.launchfile.world.protocol import PackageNotFound
 from ur.source.file import SourceFile, Span
 from ur.source.project import package_folder
 
-_PIECE = re.compile(r"\$\([^)]*\)")
+_PIECE = re.compile(r"\$\([^)]{0,500}\)")
 _MODULE = re.compile(r"^exec .*/lib/node\"? +(ur_nodes(?:\.\w+)+)", re.MULTILINE)
 _LARGEST = 1_000_000  # bytes of a program
 

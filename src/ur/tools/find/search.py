@@ -18,7 +18,7 @@ from ur.source.file import SourceFile, Span
 from ur.source.progress import Progress, counted, no_progress
 from ur.tools.find.occurrences import KINDS, Kind, Occurrence, WantedName
 
-_PIECE = re.compile(r"\$\([^)]*\)")
+_PIECE = re.compile(r"\$\([^)]{0,500}\)")
 _FILE_ATTRIBUTES = ("file", "textfile", "binfile")
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from ur.launchfile.syntax import Comment, Element
 
 _ATTRIBUTE = re.compile(r"""\s+([^\s=>/"']+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
-_OTHER = re.compile(r"(\s*)(<!\[CDATA\[.*?\]\]>|<\?.*?\?>|[^\s<](?:[^<]*[^\s<])?)", re.DOTALL)
+_OTHER = re.compile(r"(?<!\s)(\s*)(<!\[CDATA\[.*?(?:\]\]>|\Z)|<\?.*?(?:\?>|\Z)|[^\s<](?:[^<]*[^\s<])?)", re.DOTALL)
 
 
 @dataclass(frozen=True, slots=True)

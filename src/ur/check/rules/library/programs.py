@@ -41,7 +41,7 @@ def _program_example(program: str) -> Example:
 
 
 _COMMAND = re.compile(r"^[^#\n]*\blaunch\b(?:[^\n]*\\\n)*[^\n]*", re.MULTILINE)
-_FILE = re.compile(r"(?<![\w.*$}])(?:[\w./-]*/)?(\w+\.launch(?:\.xml)?)(?![\w.])")
+_FILE = re.compile(r"(?<![\w.*$}])(?:[\w./-]{0,100}/)?(\w+\.launch(?:\.xml)?)(?![\w.])")
 _ARGUMENT = re.compile(r"(?<![\w$])(\w+):=")
 
 

@@ -7,7 +7,7 @@ import re
 from ur.launchfile.plan.names import canonical_name, is_legal_name, join_names
 from ur.launchfile.plan.specs import ReadyCondition, ReadyKind
 
-_READY = re.compile(r"\s*ready\s*:")
+_READY = re.compile(r"\s{0,100}ready\s{0,100}:")
 _CONDITION = re.compile(r"(topic|service|frame|action)\s+(\S+)(?:\s+(\d+(?:\.\d+)?)\s*Hz)?\Z", re.IGNORECASE)
 EXPECTED = (
     "'topic NAME', 'topic NAME 5 Hz', 'service NAME', 'frame NAME', 'action NAME' or 'process', with ';' between them"
