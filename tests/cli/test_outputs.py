@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -15,11 +14,11 @@ from tests.recordings.test_mcap_file import write_recording
 from ur.cli.launch.start import _pid_file
 from ur.cli.main import main
 from ur.cli.robot_setup.image import _opened
-from ur.cli.runs import report
 from ur.cli.runs.lock_step import replay_in_lock_step
+from ur.cli.runs.logs import find_ended_run
 from ur.cli.verbs import VERBS, load_verb
 from ur.maps.picture_file import write_picture
-from ur.run.record.ended import EndedRun
+from ur.run.record.ended import EndedRun, write_ended
 from ur.run.record.entry import RunEntry
 from ur.source.diagnostic import UserError
 from ur.source.replace import check_output, output_file
@@ -106,16 +105,20 @@ def _image(_: pytest.MonkeyPatch) -> Case:
 
 
 def _log(monkeypatch: pytest.MonkeyPatch) -> Case:
-    monkeypatch.setattr(shutil, "which", lambda _: "/bin/ping")
+    program = Path("ping")
+    program.write_text("#!/bin/sh\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(Path.cwd()))
     return Path("a.launch"), _call("wifi", "nobody@localhost", "--log", "a.launch")
 
 
-def _report(monkeypatch: pytest.MonkeyPatch) -> Case:
+def _report(_: pytest.MonkeyPatch) -> Case:
     logs = Path("logs").absolute()
     logs.mkdir()
     (logs / "n.log").write_text("a line\n")
     entry = RunEntry("run", 1, 1, "a.launch", "", str(logs), 1.0, False, "here")
-    monkeypatch.setattr(report, "find_ended_run", lambda _: EndedRun(entry, 2.0, 0))
+    write_ended(EndedRun(entry, 2.0, 0), os.environ, os.getuid())
+    assert find_ended_run(None) is not None
     return logs / "n.log", _call("report", "--output", "logs/n.log")
 
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 import asyncio
 import base64
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 pytest.importorskip("mcp")
 
@@ -17,9 +20,8 @@ from tests.mcp.robot import AssistedRobot, text_of
 
 from ur.mcp.assistant import MARK
 from ur.mcp.calls import TOOLS
-from ur.mcp.terms import Area
+from ur.mcp.terms import Area, DriveGrant
 from ur_nodes.client.mux import MuxLink
-from ur_nodes.client.navigation import RobotState
 from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.motion.lease.view import Identity
 from ur_nodes.ports.node import Publisher
@@ -163,13 +165,12 @@ async def test_person_who_takes_over_ends_the_grant(robot: AssistedRobot) -> Non
         assert "no grant is in force" in text_of(await client.call_tool("drive", {"forward": 0.1}))
 
 
-async def test_robot_that_drives_sideways_stops_as_far_from_the_border(
-    robot: AssistedRobot, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    robot.grant(within=(Area(-1.0, -1.0, 1.0, 0.2),))
-    monkeypatch.setattr(RobotState, "velocity", lambda _: (0.0, 0.5, 0.0))
-    async with robot.connect() as client:
-        assert "border of the area" in text_of(await client.call_tool("drive", {"forward": 0.05, "seconds": 1.0}))
+@given(st.floats(-0.6, 0.6), st.floats(-0.6, 0.6), st.floats(0.0, 6.3))
+def test_robot_stops_as_far_from_a_border_whichever_way_it_drives(ahead: float, left: float, y: float) -> None:
+    grant = DriveGrant(60.0, 0.6, (Area(-10.0, -10.0, 10.0, 5.0),))
+    if grant.allows(0.0, y, ahead, left):
+        assert y + 0.4 * math.hypot(ahead, left) <= 5.0 - 0.05 + 1e-9
+    assert grant.allows(0.0, y, ahead, left) == grant.allows(0.0, y, -left, ahead)
 
 
 async def test_emergency_stop_ends_the_grant(robot: AssistedRobot) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -69,38 +70,19 @@ async def test_names_of_files_are_those_of_the_project_not_of_the_folder_of_the_
     assert SECRET not in text
 
 
-async def test_third_command_at_once_is_refused_and_the_others_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    started = asyncio.Event()
-    release = asyncio.Event()
-
-    async def run(*_: object) -> tuple[bool, str]:
-        started.set()
-        await release.wait()
-        return True, "done"
-
-    monkeypatch.setattr(commands, "_run", run)
-    tasks = [asyncio.create_task(run_command(("list",))) for _ in range(2)]
-    await started.wait()
-    with pytest.raises(RefusedError, match="2 commands of assistants run already"):
-        await run_command(("list",))
-    release.set()
-    assert [await each for each in tasks] == [(True, "done"), (True, "done")]
-    assert await run_command(("list",)) == (True, "done")
+async def test_third_command_at_once_is_refused() -> None:
+    with commands._take_slot():
+        with commands._take_slot(), pytest.raises(RefusedError, match="2 commands of assistants run already"):
+            await run_command(("list",))
+        with commands._take_slot():
+            pass
 
 
-async def test_command_has_limits_of_memory_and_time_and_yields_to_others(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_command_has_limits_of_memory_and_time_and_yields_to_others() -> None:
     code = "import os, resource as r; print(*r.getrlimit(r.RLIMIT_AS), *r.getrlimit(r.RLIMIT_CPU), os.nice(0))"
-    real = asyncio.create_subprocess_exec
-
-    async def python(*words: str, **options: object) -> asyncio.subprocess.Process:
-        start = words.index(sys.executable)
-        return await real(*words[:start], sys.executable, "-I", "-c", code, **options)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(asyncio, "create_subprocess_exec", python)
-    before = os.nice(0)
-    done, text = await run_command(("list",))
-    assert done, text
-    assert text.split() == [str(1 << 30)] * 2 + ["60"] * 2 + [str(min(before + 10, 19))]
+    command = [*commands._LIMITS, sys.executable, "-I", "-c", code]
+    text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert text.split() == [str(1 << 30)] * 2 + ["60"] * 2 + [str(min(os.nice(0) + 10, 19))]
 
 
 async def test_output_of_a_command_is_kept_within_a_limit() -> None:

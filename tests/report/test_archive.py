@@ -17,17 +17,13 @@ from mcap.writer import CompressionType, Writer
 from rosbags.typesys import Stores, get_typestore
 from tests.docs.chromium import Chromium, find_chromium
 
-from ur.cli.main import main
-from ur.cli.runs import report as report_command
 from ur.recordings.place import RecordedMap
 from ur.report.archive import MOST_BYTES, list_run_recordings, write_report
 from ur.report.page import make_page
 from ur.report.recording import Recording
 from ur.report.sources import RunSources, collect, merge_logs, read_parameters
-from ur.request.requirements import python_packages
 from ur.run.record.ended import EndedRun
 from ur.run.record.entry import RunEntry
-from ur.source.diagnostic import UserError, error
 
 START = 1_700_000_000_000_000_000
 STORE = get_typestore(Stores.ROS1_NOETIC)
@@ -189,20 +185,14 @@ def test_master_whose_answer_never_ends_has_no_parameters(block: bytes) -> None:
 
 
 def test_report_is_written_without_the_recording_where_its_readers_cannot_be_installed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, recording: Path
 ) -> None:
-    def need_all(*_: object) -> None:
-        raise UserError(error("rosbags could not be installed", rule="not-installed"))
-
-    monkeypatch.setattr(python_packages, "need_all", need_all)
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
-    monkeypatch.chdir(tmp_path)
-    entry = RunEntry("wander.1", 1, 1, "wander", "", str(tmp_path), 1_700_000_000.0, False, "bob")
-    monkeypatch.setattr(report_command, "find_ended_run", lambda _: EndedRun(entry, 1_700_000_100.0, 1))
-    assert main(["report"]) == 0
-    with zipfile.ZipFile(tmp_path / "report_wander.1.zip") as archive:
-        assert "run.json" in archive.namelist()
-        assert b"missing: the recording: rosbags could not be installed" in archive.read("removed.txt")
+    reason = "rosbags could not be installed"
+    report = write_report(tmp_path / "report.zip", "wander", SOURCES, [recording], reason)
+    with zipfile.ZipFile(report.path) as archive:
+        assert {"run.json", "logs/move_base.log"} <= set(archive.namelist())
+        assert "recording.mcap" not in archive.namelist()
+        assert f"missing: the recording: {reason}" in archive.read("removed.txt").decode()
 
 
 def test_page_shows_a_report_without_errors_at_each_size(tmp_path: Path) -> None:

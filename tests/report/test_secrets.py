@@ -209,9 +209,8 @@ def test_line_of_a_change_from_which_no_value_went_is_left_out(text: str) -> Non
     assert "12" not in SecretFilter().clean_changes(f"+{text}\n", "workspace.diff")
 
 
-def test_text_with_too_many_secrets_to_look_for_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("ur.report.secrets._MOST_WORK", 1000)
-    secrets = SecretFilter()
+def test_text_with_too_many_secrets_to_look_for_is_left_out() -> None:
+    secrets = SecretFilter(1000)
     secrets.learn_text("token=abcdef\ntoken=ghijkl\n")
     assert "abcdef" not in secrets.clean("abcdef " * 1000, "log")
     assert dict(secrets.removed) == {("log", "text: too many secrets to look for"): 1}

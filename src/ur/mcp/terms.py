@@ -5,6 +5,7 @@ The server keeps them with a grant, and the robot's end keeps the robot within t
 
 from __future__ import annotations
 
+import math
 from typing import Annotated
 
 from msgspec import Meta
@@ -54,8 +55,8 @@ class DriveGrant(PrintableValue, frozen=True):
     avoid: Areas = ()
     text: GrantText = "assistant"
 
-    def allows(self, x: float, y: float, speed: float = 0.0) -> bool:
-        """Return whether the robot may be at a place with a speed (m/s): it is at rest before it leaves the area."""
-        margin = _EDGE + _STOPS_IN * abs(speed)
+    def allows(self, x: float, y: float, ahead: float = 0.0, left: float = 0.0) -> bool:
+        """Return whether the robot may be at a place at a velocity (m/s): it is at rest before it leaves the area."""
+        margin = _EDGE + _STOPS_IN * math.hypot(ahead, left)
         inside = not self.within or any(each.contains(x, y, margin) for each in self.within)
         return inside and not any(each.contains(x, y, -margin) for each in self.avoid)

@@ -55,7 +55,8 @@ Removed = Counter[tuple[str, str]]
 class SecretFilter:
     """Learns the values of secrets, then removes them. `removed` counts what it has removed."""
 
-    def __init__(self) -> None:
+    def __init__(self, most_work: int = _MOST_WORK) -> None:
+        self._most_work = most_work
         self._values: dict[str, str] = {}  # as they stand in texts, with their kinds
         self.removed: Removed = Counter()
         self._work = 0
@@ -158,7 +159,7 @@ class SecretFilter:
     def _find(self, text: str, *, utf8: bool) -> Iterator[tuple[int, int, str]]:
         yield from _spans(text)
         self._work += len(text) * len(self._values)
-        if self._work > _MOST_WORK:
+        if self._work > self._most_work:
             yield 0, len(text), "text: too many secrets to look for"
             return
         for form, kind in self._values.items():

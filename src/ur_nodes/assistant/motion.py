@@ -178,7 +178,7 @@ class AssistedDriving:
         pose, robot = self._topics.robot.pose(), self._topics.robot
         if pose is None or robot.age() > _POSE_AGE:
             return "refused: the pose of the robot is not known"
-        if not grant.allows(pose.x, pose.y, math.hypot(*robot.velocity()[:2])):
+        if not grant.allows(pose.x, pose.y, *robot.velocity()[:2]):
             return "stopped: the robot is at the border of the area of the grant"
         return self._find_delay(motion, now)
 
