@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import socket
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -116,7 +117,7 @@ def _report(_: pytest.MonkeyPatch) -> Case:
     logs = Path("logs").absolute()
     logs.mkdir()
     (logs / "n.log").write_text("a line\n")
-    entry = RunEntry("run", 1, 1, "a.launch", "", str(logs), 1.0, False, "here")
+    entry = RunEntry("run", 1, 1, "a.launch", "", str(logs), 1.0, False, socket.gethostname())
     write_ended(EndedRun(entry, 2.0, 0), os.environ, os.getuid())
     assert find_ended_run(None) is not None
     return logs / "n.log", _call("report", "--output", "logs/n.log")
