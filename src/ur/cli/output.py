@@ -9,6 +9,8 @@ from ur.source.diagnostic import UserError, error_about
 from ur.source.printable import printable
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from rich.text import Text
 
 
@@ -26,15 +28,15 @@ def write_exactly(text: str) -> None:
     sys.stdout.flush()
 
 
-def replace_file(path: str, text: str, doing: str = "written") -> None:
+def replace_file(path: str | Path, text: str, doing: str = "written", **options: bool) -> None:
     """Replace the content of a file; its permissions stay. Raises UserError, with the file unchanged.
 
-    `doing` completes the message "cannot be ...".
+    `doing` completes the message "cannot be ..."; `options` are those of `ur.source.replace.replace_file`.
     """
     from ur.source.replace import replace_file as replace
 
     try:
-        replace(path, text)
+        replace(path, text, **options)  # type: ignore[arg-type]  # one of them is a function
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         raise UserError(error_about(path, f"cannot be {doing}: {reason}", rule="unwritable-file")) from None

@@ -119,6 +119,7 @@ def _doc_attributes(repository: DocumentedRepository) -> dict[Path, str]:
 
 
 def _settle(files: Mapping[Path, str], check: bool, *, brief: bool = False, follow: bool = True) -> int:
+    from ur.cli.output import replace_file
     from ur.docs.difference import show_difference
 
     differences, fresh = [], 0
@@ -130,7 +131,7 @@ def _settle(files: Mapping[Path, str], check: bool, *, brief: bool = False, foll
             differences.append(f"{name} is out of date\n" if brief else show_difference(name, old, text))
             if not check:
                 # Unlike launch files, a site can be generated again.
-                _write(path, text, lasting=not brief, follow=follow)
+                replace_file(path, text, parents=True, lasting=not brief, follow=follow)
     if not check:
         names = ", ".join(_short(path) for path in sorted(files)[:3]) + (", ..." if len(files) > 3 else "")
         counts = f"{fresh} new, {len(differences) - fresh} changed, {len(files) - len(differences)} up to date"
@@ -200,24 +201,6 @@ def _read(path: Path) -> str | None:
         return read_file(path).decode("utf-8", "surrogateescape")
     except OSError:
         return None
-
-
-def _write(path: Path, text: str, *, lasting: bool, follow: bool) -> None:
-    from ur.source.diagnostic import UserError, error
-    from ur.source.replace import replace_file
-
-    try:
-        replace_file(path, text, parents=True, lasting=lasting, follow=follow)
-    except OSError as problem:
-        reason = (problem.strerror or str(problem)).lower()
-        raise UserError(
-            error(
-                f"{path} cannot be written: {reason}",
-                rule="unwritable-file",
-                help="--output FILE writes elsewhere",
-                subject=str(path),
-            )
-        ) from None
 
 
 def _short(path: Path) -> str:
