@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from ur.mcp import commands
-from ur.mcp.commands import RefusedError, check_word, run_command
+from ur.mcp.commands import RefusedCommandError, check_word, run_command
 
 SECRET = "hunter2"
 
@@ -53,7 +53,7 @@ def workspace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     ],
 )
 def test_paths_outside_of_workspaces_and_values_that_are_paths_are_refused(word: str, workspace: Path) -> None:
-    with pytest.raises(RefusedError, match="expected a package"):
+    with pytest.raises(RefusedCommandError, match="expected a package"):
         check_word(word.format(workspace=workspace, above=workspace.parent))
 
 
@@ -72,7 +72,7 @@ async def test_names_of_files_are_those_of_the_project_not_of_the_folder_of_the_
 
 async def test_third_command_at_once_is_refused() -> None:
     with commands._take_slot():
-        with commands._take_slot(), pytest.raises(RefusedError, match="2 commands of assistants run already"):
+        with commands._take_slot(), pytest.raises(RefusedCommandError, match="2 commands of assistants run already"):
             await run_command(("list",))
         with commands._take_slot():
             pass

@@ -24,7 +24,7 @@ from ur.mcp.calls import (
     ToolArguments,
     VelocityGiven,
 )
-from ur.mcp.commands import RefusedError, run_command
+from ur.mcp.commands import RefusedCommandError, run_command
 from ur.mcp.grants import GrantFiles, GrantRecord, Request, ServerRecord
 from ur.mcp.robot_link import LinkError, RobotLink, Values
 from ur.source.foreign.json_values import BadJsonError, convert_json
@@ -110,7 +110,7 @@ class Assistant:
             return False, f"refused: {problem}"
         try:
             return await self._run(tool, request, alive)
-        except (LinkError, RefusedError) as problem:
+        except (LinkError, RefusedCommandError) as problem:
             return False, f"refused: {problem}"
 
     async def _run(self, tool: AssistantTool, request: ToolArguments, alive: Alive) -> tuple[bool, str]:

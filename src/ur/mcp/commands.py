@@ -27,7 +27,7 @@ _NAME = re.compile(r"[\w./][\w./@+-]*", re.ASCII)
 _VALUE = re.compile(r"(?!\.\.?$)[\w.,:+ -]*", re.ASCII)
 
 
-class RefusedError(ValueError):
+class RefusedCommandError(ValueError):
     """A command that is not run; the message is the reason, in one line."""
 
 
@@ -43,7 +43,7 @@ async def run_command(
 
     Return whether it has ended with a `good` exit code, and its output. Exit code 1 is that of a command that has
     findings. `limited` is for commands that only read: programs would inherit the limits of memory and time. Raises
-    RefusedError.
+    RefusedCommandError.
     """
     for name in names:
         check_word(name)
@@ -52,18 +52,18 @@ async def run_command(
 
 
 def check_word(word: str) -> None:
-    """Raise RefusedError unless an assistant may give this word to a command: a package, a name, or NAME:=VALUE.
+    """Raise RefusedCommandError unless an assistant may give this word to a command: a package, a name, or NAME:=VALUE.
 
     A file or folder is one below a workspace or this project; a value is no path.
     """
     name, given, value = word.partition(":=")
     shown = repr(printable(word)[:40])
     if not _NAME.fullmatch(name) or (given and not _VALUE.fullmatch(value)):
-        raise RefusedError(f"{shown}, expected a package, a name, or NAME:=VALUE in which VALUE is no path")
+        raise RefusedCommandError(f"{shown}, expected a package, a name, or NAME:=VALUE in which VALUE is no path")
     folder = str(project_folder())
     path = os.path.realpath(os.path.join(folder, name))  # noqa: PTH118 - exact paths
     if os.path.lexists(path) and not any(os.path.commonpath((path, top)) == top for top in _workspaces(folder)):
-        raise RefusedError(f"{shown} is outside of your user's workspaces, expected a package or a name")
+        raise RefusedCommandError(f"{shown} is outside of your user's workspaces, expected a package or a name")
 
 
 def _workspaces(folder: str) -> list[str]:
@@ -73,7 +73,7 @@ def _workspaces(folder: str) -> list[str]:
 
 @contextlib.contextmanager
 def _take_slot() -> Iterator[None]:
-    """Hold the lock of one of the commands that may run at once. Raises RefusedError where all are held."""
+    """Hold the lock of one of the commands that may run at once. Raises RefusedCommandError where all are held."""
     folder = grant_files().folder
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     for number in range(_AT_ONCE):
@@ -84,7 +84,7 @@ def _take_slot() -> Iterator[None]:
                 continue
             yield
             return
-    raise RefusedError(f"{_AT_ONCE} commands of assistants run already; call again when one has ended")
+    raise RefusedCommandError(f"{_AT_ONCE} commands of assistants run already; call again when one has ended")
 
 
 async def _run(words: Sequence[str], limit: float, good: Collection[int], limits: Sequence[str]) -> tuple[bool, str]:

@@ -11,6 +11,8 @@ from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
+from ur.source.replace import replace_file
+
 FOLDER_VARIABLE = "UR_RUN_FOLDER"
 """The environment variable with the control folder of the run, where a program of the run takes the terminal."""
 
@@ -26,9 +28,7 @@ def note_user(folder: str, name: str) -> None:
     """Record that this process uses a run, under a display name. Raises OSError if the run has ended."""
     users = Path(folder, _USERS)
     users.mkdir(mode=0o700, exist_ok=True)
-    unfinished = users / f".{os.getpid()}"
-    unfinished.write_text(f"{os.getpid()} {read_birth(os.getpid())} {name}", encoding="utf-8")
-    unfinished.replace(_file(folder, name))
+    replace_file(_file(folder, name), f"{os.getpid()} {read_birth(os.getpid())} {name}", lasting=False)
 
 
 def forget_user(folder: str, name: str) -> None:

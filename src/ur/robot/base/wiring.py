@@ -12,6 +12,7 @@ import yaml
 
 from ur.source.foreign.yaml_text import compose_yaml
 from ur.source.read import read_source
+from ur.source.replace import replace_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,10 +84,7 @@ def put_wiring(text: str, variant: str, wiring: Wiring) -> str:
 def write_wiring(path: Path, variant: str, wiring: Wiring) -> None:
     """Put the wiring into a base file, in one step. Raises UserError, OSError, and LookupError as put_wiring."""
     text = read_source(path, "a base file", piped=False).text
-    new = path.with_name(f".{path.name}.new")
-    new.write_text(put_wiring(text, variant, wiring), encoding="utf-8")
-    new.chmod(path.stat().st_mode & 0o777)
-    new.replace(path)
+    replace_file(path, put_wiring(text, variant, wiring))
 
 
 def find_wirings(observed: tuple[tuple[tuple[int, int], tuple[int, int], tuple[int, int]], ...]) -> list[Wiring]:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from ur.launchfile.plan.specs import NodeSpec, ParamSpec
 from ur.source.foreign.json_values import read_json, write_json
+from ur.source.replace import replace_file
 
 BASE_FILE = "/m_robot_base/launch/m_robot_base.launch.xml"
 _FILE = "claims.json"
@@ -57,9 +58,7 @@ def is_base(item: NodeSpec | ParamSpec) -> bool:
 
 def write_claims(folder: str, claims: Claims) -> None:
     """Write the claims of a run to its control folder. Raises OSError: the folder was removed, or the disk is full."""
-    unfinished = Path(folder, _FILE + ".new")
-    unfinished.write_text(write_json(claims), encoding="utf-8")
-    unfinished.replace(Path(folder, _FILE))
+    replace_file(Path(folder, _FILE), write_json(claims), lasting=False)
 
 
 def read_claims(folder: str) -> Claims:

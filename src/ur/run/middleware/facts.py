@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
+
+from ur.source.replace import replace_file
 
 _MOST = 1 << 20  # characters
 
@@ -22,11 +23,8 @@ def read_facts(path: str) -> dict[str, object]:
 
 def write_facts(path: str, facts: Mapping[str, object]) -> None:
     """Write facts atomically. Raises OSError."""
-    folder = Path(path).parent
-    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    unfinished = folder / f".{os.getpid()}.new"
-    unfinished.write_text(json.dumps(dict(facts)), encoding="utf-8")
-    unfinished.replace(path)
+    Path(path).parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    replace_file(path, json.dumps(dict(facts)), lasting=False)
 
 
 def clear_facts(path: str) -> None:

@@ -12,6 +12,7 @@ from pathlib import Path
 from ur.run.record.computer import Computer
 from ur.run.record.entry import RunEntry, is_own, runs_folders
 from ur.source.foreign.json_values import read_json, write_json
+from ur.source.replace import replace_file
 
 MAX_RUNS = 50
 MAX_LINES = 30
@@ -42,9 +43,7 @@ def write_ended(run: EndedRun, environment: Mapping[str, str], uid: int) -> None
     text = write_json(replace(run, lines=lines))
     with suppress(OSError):
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        unfinished = folder / f".{run.entry.run}.{os.getpid()}"
-        unfinished.write_text(text, encoding="utf-8")
-        unfinished.replace(folder / f"{run.entry.run}.{int(run.entry.started)}.json")
+        replace_file(folder / f"{run.entry.run}.{int(run.entry.started)}.json", text, lasting=False)
         kept = sorted(folder.glob("*.json"), key=lambda path: path.stat().st_mtime)
         for path in kept[:-MAX_RUNS]:
             path.unlink(missing_ok=True)
