@@ -104,7 +104,7 @@ def _sweep(folder: str) -> None:
             if not (each.name.endswith(_UNFINISHED) and each.is_file(follow_symlinks=False)):
                 continue
             with suppress(OSError):
-                descriptor = os.open(each.path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+                descriptor = os.open(each.path, os.O_WRONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
                 try:
                     if os.fstat(descriptor).st_mtime < time.time() - _ABANDONED:
                         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -82,7 +82,7 @@ class _Listener:
             except CallRefused as problem:
                 return [-1, str(problem), 0]
 
-    def _ask(self, method: str, *parameters: object) -> Any:
+    def _ask(self, method: str, *parameters: object) -> object:
         return call_method((self._master.host, self._master.port), method, list(parameters), self._master.timeout)
 
     def _remember(self, method: str, parameters: tuple[Any, ...]) -> None:
