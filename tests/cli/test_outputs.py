@@ -183,12 +183,25 @@ def test_output_is_not_changed_when_it_cannot_be_completed(folder: Path) -> None
     assert {each.name for each in folder.iterdir()} == {"out.zip", "a.launch"}
 
 
-@pytest.mark.parametrize("make", [Path.mkdir, os.mkfifo, lambda path: path.write_text("precious")])
+@pytest.mark.parametrize("make", [Path.mkdir, lambda path: path.write_text("precious")])
 def test_output_that_is_of_another_kind_is_refused(folder: Path, make: Callable[[Path], object]) -> None:
     path = folder / "other"
     make(path)
     with pytest.raises(UserError, match=r"expected"):
         check_output(path, begin=b"PK")
+
+
+def test_stream_is_written_to_as_it_is_and_one_without_a_reader_is_refused(folder: Path) -> None:
+    with output_file("/dev/null", begin=b"PK") as file:
+        file.write(b"PK")
+    os.mkfifo(folder / "pipe")
+    with pytest.raises(UserError, match="expected a file that can be written"), output_file(folder / "pipe"):
+        pass
+    reader = os.open(folder / "pipe", os.O_RDONLY | os.O_NONBLOCK)
+    with output_file(folder / "pipe", begin=b"PK") as file:
+        file.write(b"PK new")
+    assert os.read(reader, 64) == b"PK new"
+    os.close(reader)
 
 
 def test_input_is_found_under_another_name(folder: Path) -> None:

@@ -116,9 +116,9 @@ def _sweep(folder: str) -> None:
 def check_output(path: AnyPath, inputs: Iterable[AnyPath] = (), begin: Begin = b"") -> None:
     """Check a file that the user has named as an output, before anything is made for it.
 
-    Raises UserError for one of the `inputs` under any name, for anything but a regular file, and for an existing file
-    with content that does not begin with `begin`, or with one of several, as what replaces it will: it is of another
-    kind.
+    Raises UserError for one of the `inputs` under any name, for a folder, socket or disk, and for an existing file with
+    content that does not begin with `begin`, or with one of several, as what replaces it will: it is of another kind.
+    A stream, as a pipe, a terminal or /dev/null, may be written to.
     """
     from ur.source.diagnostic import UserError, error_about
     from ur.source.foreign.files import open_descriptor
@@ -130,6 +130,8 @@ def check_output(path: AnyPath, inputs: Iterable[AnyPath] = (), begin: Begin = b
         found = os.stat(path)
         if any(os.path.exists(each) and os.path.samefile(path, each) for each in inputs):
             raise refuse("is read for this output, expected another file")
+        if _is_stream(found):
+            return
         if begin and stat.S_ISREG(found.st_mode) and not found.st_size:
             return
         descriptor = open_descriptor(path, sys.maxsize)
@@ -155,13 +157,14 @@ def output_file(
 ) -> Iterator[BinaryIO]:
     """Open an output that the user has named: it passes `check_output`, and is complete or unchanged.
 
-    Raises UserError.
+    A stream is written to as it is. Raises UserError.
     """
     from ur.source.diagnostic import UserError, error_about
 
     check_output(path, inputs, begin)
     try:
-        with replacing(path, mode=mode, parents=parents) as file:
+        is_stream = os.path.exists(path) and _is_stream(os.stat(path))
+        with _open_stream(path) if is_stream else replacing(path, mode=mode, parents=parents) as file:
             yield file
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
@@ -194,6 +197,17 @@ def sync_folder(folder: str, sync: Sync = os.fsync) -> None:
             raise
     finally:
         os.close(descriptor)
+
+
+def _is_stream(status: os.stat_result) -> bool:
+    return stat.S_ISCHR(status.st_mode) or stat.S_ISFIFO(status.st_mode)
+
+
+def _open_stream(path: AnyPath) -> BinaryIO:
+    """Open a stream; a pipe that no program reads raises OSError."""
+    descriptor = os.open(path, os.O_WRONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
+    os.set_blocking(descriptor, True)
+    return open(descriptor, "wb")  # noqa: PTH123 - a descriptor
 
 
 def _permissions(target: str) -> int | None:
