@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
+import math
+
 from geometry_msgs.msg import Point, Pose, Quaternion, Transform, Vector3
 
 from ur_nodes.geometry.pose import Pose2, Pose3, make_pose3, quaternion_of_yaw, yaw_of_quaternion
+from ur_nodes.ports.validation import UNIT_SLACK
 
 
 def pose_of_message(message: Pose) -> Pose2:
     """The planar part of a geometry_msgs/Pose."""
     q = message.orientation
     return Pose2(message.position.x, message.position.y, yaw_of_quaternion(q.x, q.y, q.z, q.w))
+
+
+def checked_pose_of(message: Pose) -> Pose2:
+    """As `pose_of_message`, with a yaw of NaN where the orientation is not a unit quaternion."""
+    q = message.orientation
+    pose = pose_of_message(message)
+    return pose if abs(math.hypot(q.x, q.y, q.z, q.w) - 1.0) <= UNIT_SLACK else Pose2(pose.x, pose.y, math.nan)
 
 
 def pose_message(pose: Pose2) -> Pose:

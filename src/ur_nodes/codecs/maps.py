@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +12,7 @@ from ur.source.diagnostic import UserError, error
 from ur_nodes.codecs import places
 from ur_nodes.codecs.codec import Codec, ServiceCodec, fill_header, frame_of, response_or_fail, value_or_fail
 from ur_nodes.codecs.dialect import ROS_2, array_of, field_of, parts_of, stamp_of, time_of
-from ur_nodes.codecs.geometry import fill_pose, pose_message, pose_of_message
+from ur_nodes.codecs.geometry import checked_pose_of, fill_pose, pose_message, pose_of_message
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.ports.services import AskMap, Place, UseMap
 from ur_nodes.ports.values import Map, MapInfo, MapUpdate, PoseEstimate, Result
@@ -35,7 +34,6 @@ else:
     from ur_nodes.codecs.genpy.grid import GridMessage, GridService
     from ur_nodes.codecs.genpy.grid_update import GridUpdate
 
-_FINEST = 1e-4  # m
 _MapRequest, _MapResponse = parts_of(GridService)
 _UseRequest, _UseResponse = parts_of(SetMap)
 
@@ -49,10 +47,7 @@ def fill_map(message: OccupancyGrid, value: Map) -> None:
 
 def map_of(message: OccupancyGrid) -> Map:
     """Read a nav_msgs/OccupancyGrid. Raises UserError: size, data and resolution do not fit together."""
-    grid = grid_of_message(message)
-    if not _FINEST <= grid.resolution < math.inf:
-        raise ValueError(f"map with resolution {grid.resolution:g}, expected {_FINEST:g} m or more")
-    return Map(stamp_of(message.header.stamp), frame_of(message), grid)
+    return Map(stamp_of(message.header.stamp), frame_of(message), grid_of_message(message))
 
 
 def grid_of_message(message: OccupancyGrid) -> Grid:
@@ -66,8 +61,6 @@ def grid_of_message(message: OccupancyGrid) -> Grid:
                 rule="bad-map",
             )
         )
-    if not info.resolution > 0.0:
-        raise UserError(error(f"map with resolution {info.resolution:g}, expected more than 0 m", rule="bad-map"))
     values = array_of(data, np.int8)
     # The message carries a float32 (0.0500000007...): take the shortest decimal of that value.
     resolution = float(np.format_float_positional(np.float32(info.resolution), unique=True))
@@ -155,7 +148,7 @@ def _place_request(value: Place) -> SetMap.Request:
 
 def _place_of(request: SetMap.Request) -> Place:
     start = request.initial_pose
-    return Place(str(request.map.header.frame_id), frame_of(start), pose_of_message(start.pose.pose))
+    return Place(str(request.map.header.frame_id), frame_of(start), checked_pose_of(start.pose.pose))
 
 
 CODECS = {

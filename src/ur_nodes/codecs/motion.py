@@ -9,7 +9,7 @@ from sensor_msgs.msg import JointState, Joy
 
 from ur_nodes.codecs.codec import Codec, fill_header, frame_of
 from ur_nodes.codecs.dialect import stamp_of
-from ur_nodes.codecs.geometry import fill_pose, pose_of_message
+from ur_nodes.codecs.geometry import checked_pose_of, fill_pose
 from ur_nodes.codecs.matrices import matrix_of, numbers_of
 from ur_nodes.ports.values import DriverOdometry, Joints, Joystick, Odometry, StampedTwist, Twist
 
@@ -50,7 +50,7 @@ def _odometry_of(message: OdometryMessage) -> Odometry:
         stamp_of(message.header.stamp),
         frame_of(message),
         message.child_frame_id.lstrip("/"),
-        pose_of_message(message.pose.pose),
+        checked_pose_of(message.pose.pose),
         twist_of(message.twist.twist),
         matrix_of(message.pose.covariance),
         matrix_of(message.twist.covariance),

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +13,7 @@ from numpy.typing import NDArray
 
 from ur_nodes.codecs.codec import Codec, ServiceCodec, fill_header, frame_of, value_or_fail
 from ur_nodes.codecs.dialect import ROS_2, parts_of, stamp_of
-from ur_nodes.codecs.geometry import fill_pose, pose_message, pose_of_message
+from ur_nodes.codecs.geometry import checked_pose_of, fill_pose, pose_message, pose_of_message
 from ur_nodes.codecs.matrices import matrix_of, numbers_of
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.services import AskPath
@@ -26,7 +24,6 @@ if ROS_2 and not TYPE_CHECKING:  # as in `dialect`
 else:
     from ur_nodes.codecs.genpy.poses import PosesMessage
 
-_UNIT_SLACK = 0.1
 _PlanRequest, _PlanResponse = parts_of(GetPlan)
 
 
@@ -38,21 +35,7 @@ def fill_placed(message: PoseStamped, value: PlacedPose) -> None:
 
 def placed_of(message: PoseStamped) -> PlacedPose:
     """Read a geometry_msgs/PoseStamped."""
-    return PlacedPose(stamp_of(message.header.stamp), frame_of(message), pose_of_message(message.pose))
-
-
-def target_of(message: PoseStamped) -> PlacedPose:
-    """As `placed_of`, for what people and programs aim at: what is no pose has NaN.
-
-    All of it where a number is not finite, the yaw where the orientation is not a unit quaternion.
-    """
-    place, turn = message.pose.position, message.pose.orientation
-    placed = placed_of(message)
-    if not all(map(math.isfinite, (place.x, place.y, turn.x, turn.y, turn.z, turn.w))):
-        return replace(placed, pose=Pose2(math.nan, math.nan, math.nan))
-    if abs(math.hypot(turn.x, turn.y, turn.z, turn.w) - 1.0) > _UNIT_SLACK:
-        return replace(placed, pose=Pose2(placed.pose.x, placed.pose.y, math.nan))
-    return placed
+    return PlacedPose(stamp_of(message.header.stamp), frame_of(message), checked_pose_of(message.pose))
 
 
 def fill_estimate(message: PoseWithCovarianceStamped, value: PoseEstimate) -> None:
@@ -67,7 +50,7 @@ def estimate_of(message: PoseWithCovarianceStamped) -> PoseEstimate:
     return PoseEstimate(
         stamp_of(message.header.stamp),
         frame_of(message),
-        pose_of_message(message.pose.pose),
+        checked_pose_of(message.pose.pose),
         matrix_of(message.pose.covariance),
     )
 
@@ -137,7 +120,7 @@ SERVICES = {
     AskPath: ServiceCodec(
         GetPlan,
         _ask_path_request,
-        lambda request: AskPath(target_of(request.start), target_of(request.goal), float(request.tolerance)),
+        lambda request: AskPath(placed_of(request.start), placed_of(request.goal), float(request.tolerance)),
         _path_response,
         lambda response: Result(success=True, value=path_of(response.plan)),
     ),

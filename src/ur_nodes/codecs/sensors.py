@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from sensor_msgs.msg import BatteryState, NavSatFix
 from sensor_msgs.msg import Imu as ImuMessage
@@ -58,8 +56,6 @@ def _fill_range(message: RangeMessage, value: Range) -> None:
 
 
 def _range_of(message: RangeMessage) -> Range:
-    if not 0.0 <= message.field_of_view <= 2.0 * math.pi:
-        raise ValueError(f"field_of_view {message.field_of_view:g}, expected 0 to 6.28 rad")
     return Range(
         stamp_of(message.header.stamp),
         frame_of(message),

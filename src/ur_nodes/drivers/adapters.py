@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 from ur.robot.base import Base, Lidar
@@ -15,9 +14,8 @@ from ur_nodes.ports.values import DriverOdometry, Joints, Scan, Transform
 
 _LOOK_RATE = 10.0  # Hz
 _WARN_EVERY = 10.0  # s
-_QUATERNION_ERROR = 0.01
 _BAD_ODOMETRY = (
-    "odometry is left out, expected finite numbers, a unit quaternion and speeds that a robot can have:"
+    "odometry is left out, expected speeds that a robot can have:"
     " does the driver read its serial line at the right baud rate, without noise?"
 )
 
@@ -30,7 +28,7 @@ def adapt_odometry(node: Node, base: Base, *, publish_tf: bool) -> None:
 
     def take(odometry: DriverOdometry) -> None:
         time = seconds_of(odometry.stamp)
-        if not _is_pose(odometry) or not wheels.update(odometry.forward, odometry.turn, time):
+        if not wheels.update(odometry.forward, odometry.turn, time):
             node.log.warn(f"{node.resolve('odom')}: {_BAD_ODOMETRY}", every=_WARN_EVERY)
             return
         if frames:
@@ -67,8 +65,3 @@ def adapt_bumpers(node: Node, topic: str, names: dict[str, str], known: list[str
 
     node.subscribe_fields("driver/bumpers", type_name, ("name", "value"), take)
     node.every(1.0 / _LOOK_RATE, publish)
-
-
-def _is_pose(odometry: DriverOdometry) -> bool:
-    finite = math.isfinite(odometry.x) and math.isfinite(odometry.y)
-    return finite and abs(math.hypot(*odometry.rotation) - 1.0) < _QUATERNION_ERROR

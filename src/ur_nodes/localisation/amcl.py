@@ -75,11 +75,13 @@ class Amcl:
             self._log.warn(f"initialpose in frame {given.frame!r} ignored, expected {self._settings.map_frame!r}")
             return
         pose = given.pose.compose(moved)
-        if self._localiser and np.isfinite(pose).all() and np.isfinite(given.covariance).all():
+        if not self._localiser or not self._grid:
+            self._log.warn("initialpose ignored, expected a map first")
+        elif not self._grid.contains(self._grid.cells_of_points(np.array(pose[:2]))):
+            self._log.warn(f"initialpose at x {pose.x:g} m, y {pose.y:g} m ignored, expected a place on the map")
+        else:
             self._localiser.place(pose, given.covariance)
             self._log.info(f"placed at x {pose.x:.2f} m, y {pose.y:.2f} m, yaw {pose.yaw:.2f} rad")
-        else:
-            self._log.warn("initialpose ignored, expected a map first and finite numbers")
 
     def scatter(self) -> Result:
         """Start a global localisation."""

@@ -18,6 +18,7 @@ from ur_nodes.ports.node import Location, Sender
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.transforms import Transforms
+from ur_nodes.ports.validation import Refusals, problem_of, usable_result
 from ur_nodes.ports.values import Result, Transform
 
 Value = TypeVar("Value")
@@ -52,7 +53,7 @@ class MemoryNode:
     @property
     def transforms(self) -> Transforms:
         if self._transforms is None:
-            self._transforms = tree = Transforms(self._send_transforms)
+            self._transforms = tree = Transforms(self._send_transforms, self.log)
             self.subscribe(FIXED_TRANSFORMS, tuple, tree.take, Quality.LATCHED_EVERY)
             self.subscribe(TRANSFORMS, tuple, tree.take, Quality.EVERY)
         return self._transforms
@@ -123,10 +124,12 @@ class MemoryNode:
         full = self.resolve(service)
 
         def check(request: object, give: Callable[[Result], None]) -> None:
-            if isinstance(request, kind):
-                take(request, give)
-            else:
+            if not isinstance(request, kind):
                 give(Result(False, f"{full}: a request {type(request).__name__}, expected {kind.__name__}"))
+            elif problem := problem_of(request):
+                give(Result(False, f"{full}: {problem}"))
+            else:
+                take(request, give)
 
         self._services.append(full)
         self._bus.services[full] = Service(self.name, kind, check)
@@ -138,7 +141,8 @@ class MemoryNode:
         def give(result: Result) -> None:
             if waiting:
                 waiting.pop()
-                self._bus.at(self._bus.now, lambda: take(result) if self.ended is None else None)
+                usable = usable_result(result)
+                self._bus.at(self._bus.now, lambda: take(usable) if self.ended is None else None)
 
         def ask() -> None:
             serve = self._bus.services.get(full)
@@ -256,8 +260,19 @@ class MemoryNode:
         unreadable: Callable[[str], None] | None = None,
     ) -> MemorySubscription:
         full = self.resolve(topic)
-        report = unreadable or (lambda reason: self.log.error(f"{full}: {reason}"))
-        listener = self._bus.listen(self.name, full, _runtime(kind), quality, cast("Deliver", deliver), report)
+        refusals = Refusals(full, self.log.error)
+        report = unreadable or refusals.report
+
+        def take(value: Value, sender: str, kept: bool) -> None:
+            problem = problem_of(value) if kind is not object else ""  # raw messages are recorded as they are
+            if not problem:
+                deliver(value, sender, kept)
+            elif unreadable:
+                unreadable(problem)
+            else:
+                refusals.report(problem, sender)
+
+        listener = self._bus.listen(self.name, full, _runtime(kind), quality, cast("Deliver", take), report)
         self._listeners.append((full, listener))
         return MemorySubscription(self._bus, full, listener, lambda: self._listeners.remove((full, listener)))
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
-
 from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.transform_tree import TransformError, TransformTree
 from ur_nodes.navigation.plan_request import PlanRequest
 from ur_nodes.ports.services import AskPath
 from ur_nodes.ports.transforms import seconds_of
+from ur_nodes.ports.validation import problem_of
 from ur_nodes.ports.values import PlacedPose
 
 _HOLD = 1.0  # s by which transforms may be older than a goal, which is stamped as it is sent
@@ -18,10 +17,8 @@ _HOLD = 1.0  # s by which transforms may be older than a goal, which is stamped 
 def goal_in_map(target: PlacedPose, frames: TransformTree, map_frame: str) -> Pose2 | str:
     """Return the goal's pose in the map, or why it cannot be used."""
     goal = target.pose
-    if not (math.isfinite(goal.x) and math.isfinite(goal.y)):
-        return "a number of the goal is not finite, expected a pose"
-    if not math.isfinite(goal.yaw):
-        return "the goal's orientation is not a unit quaternion, expected one (for no rotation: w = 1)"
+    if problem := problem_of(target):
+        return f"unusable goal: {problem}"
     if not target.frame:
         return f"the goal has no frame_id, expected {map_frame}"
     if target.frame == map_frame:

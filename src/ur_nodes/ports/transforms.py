@@ -7,6 +7,8 @@ from typing import Protocol
 
 from ur_nodes.geometry.pose import Pose2, Pose3
 from ur_nodes.geometry.transform_tree import TransformError, TransformTree
+from ur_nodes.ports.log import Log
+from ur_nodes.ports.validation import Refusals, problem_of
 from ur_nodes.ports.values import Transform
 
 _SECOND = 1_000_000_000
@@ -27,10 +29,11 @@ class TransformLink(Protocol):
 class Transforms(TransformTree):
     """Receives the transforms of all nodes, and sends this node's own."""
 
-    def __init__(self, link: TransformLink, keep: float = 10.0) -> None:
+    def __init__(self, link: TransformLink, log: Log, keep: float = 10.0) -> None:
         """`keep` is the length of the history in s."""
         super().__init__(keep)
         self._link = link
+        self._refusals = Refusals("tf", log.error)
         self._ignored: frozenset[str] = frozenset()
         self._watchers: list[Callable[[], None]] = []
 
@@ -50,6 +53,9 @@ class Transforms(TransformTree):
         """Take transforms of another node."""
         used = [each for each in transforms if each.child.lstrip("/") not in self._ignored]
         for each in used:
+            if problem := problem_of(each.pose):
+                self._refusals.report(problem, each.child)
+                continue
             self.add(each.parent, each.child, seconds_of(each.stamp), each.pose, fixed=each.fixed)
         if used:
             for call in self._watchers:

@@ -9,7 +9,7 @@ from actionlib import ActionServer, ServerGoalHandle
 from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseFeedback, MoveBaseResult
 
-from ur_nodes.codecs.places import fill_placed, target_of
+from ur_nodes.codecs.places import fill_placed, placed_of
 from ur_nodes.loop import Loop
 from ur_nodes.ports.actions import Goal, GoalTakers
 from ur_nodes.ports.values import PlacedPose
@@ -57,7 +57,7 @@ class RosGoalHandle:
     def __init__(self, handle: ServerGoalHandle, drop: Callable[[str], object]) -> None:
         self._handle: ServerGoalHandle | None = handle
         self._drop = drop
-        self.goal = Goal(handle.get_goal_id().id, target_of(handle.get_goal().target_pose))
+        self.goal = Goal(handle.get_goal_id().id, placed_of(handle.get_goal().target_pose))
 
     def accept(self) -> None:
         self._open.set_accepted()

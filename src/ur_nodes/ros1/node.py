@@ -66,7 +66,7 @@ class RosNode(LoopNode):
             from ur_nodes.ros1.transforms import TransformTopics
 
             topics = TransformTopics()
-            self._transforms = tree = Transforms(topics.send)
+            self._transforms = tree = Transforms(topics.send, self.log)
             topics.listen(self._loop.mailbox(_MOST_TRANSFORMS, tree.take), self._loop.mailbox(None, tree.take))
         return self._transforms
 

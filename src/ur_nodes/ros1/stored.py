@@ -11,7 +11,7 @@ from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionGoal, MoveB
 
 from ur_nodes.codecs import KindCodec, find_codec
 from ur_nodes.codecs.frames import transforms_of
-from ur_nodes.codecs.places import target_of
+from ur_nodes.codecs.places import placed_of
 from ur_nodes.ports.actions import Goal, GoalState, GoalStates
 from ur_nodes.ports.raw import StoredReader
 from ur_nodes.ports.values import PlacedPose
@@ -21,7 +21,7 @@ _Message = TypeVar("_Message", bound=genpy.Message)
 
 
 def _goal_of(message: MoveBaseActionGoal) -> Goal:
-    return Goal(str(message.goal_id.id), target_of(message.goal.target_pose))
+    return Goal(str(message.goal_id.id), placed_of(message.goal.target_pose))
 
 
 def find_reader(topic: str, kind: type) -> StoredReader | None:
@@ -57,7 +57,7 @@ _ACTION: Mapping[tuple[type, str], Callable[[str], StoredReader]] = {
         f"{action}/result", MoveBaseActionResult, lambda message: state_of(message.status)
     ),
     (PlacedPose, "feedback"): lambda action: _make(
-        f"{action}/feedback", MoveBaseActionFeedback, lambda message: target_of(message.feedback.base_position)
+        f"{action}/feedback", MoveBaseActionFeedback, lambda message: placed_of(message.feedback.base_position)
     ),
 }
 """Readers of topics of an action by what nodes on a bus exchange; ROS 1 has other names for some."""

@@ -15,6 +15,7 @@ from ur_nodes.codecs.dialect import time_of
 from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.topics import Sender
+from ur_nodes.ports.validation import Refusals, usable
 from ur_nodes.ports.values import ClockTime
 from ur_nodes.ros1.ending import quiet_at_end
 from ur_nodes.ros1.repairs.own_clock import keep_own_clock
@@ -94,8 +95,8 @@ class RosSubscription(Generic[Value]):
         self.topic = str(rospy.resolve_name(topic))
         self._codec = codec
         self._take = take
-        self._unreadable = unreadable or self._report
-        self._reported = False
+        self._unreadable = unreadable
+        self._refusals = Refusals(self.topic, rospy.logerr)
         self._open = True
         depth = most if most is not None and quality is Quality.EVERY else _DEPTHS[quality]
         self._subscriber = rospy.Subscriber(
@@ -118,16 +119,14 @@ class RosSubscription(Generic[Value]):
         if not self._open:
             return
         try:
-            value = self._codec.value_of(unpack(message, self._codec.message_class))
+            value = usable(self._codec.value_of(unpack(message, self._codec.message_class)))
         except (ValueError, UserError) as problem:
-            self._unreadable(str(problem))
+            if self._unreadable:
+                self._unreadable(str(problem))
+            else:
+                self._refusals.report(str(problem), str(header_of(message).get("callerid", ""))[:256])
             return
         self._take(value, message)
-
-    def _report(self, reason: str) -> None:
-        if not self._reported:
-            self._reported = True
-            rospy.logerr("%s: %s", self.topic, reason)
 
 
 class _Watcher(rospy.SubscribeListener):

@@ -92,7 +92,7 @@ class RosNode(LoopNode):
             from ur_nodes.ros2.transforms import TransformTopics
 
             topics = TransformTopics(self._node)
-            self._transforms = tree = Transforms(topics.send)
+            self._transforms = tree = Transforms(topics.send, self.log)
             topics.listen(self._loop.mailbox(_MOST_TRANSFORMS, tree.take), self._loop.mailbox(None, tree.take))
         return self._transforms
 

@@ -10,6 +10,7 @@ from ur_nodes.codecs import KindCodec
 from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.topics import Sender
+from ur_nodes.ports.validation import Refusals, usable
 from ur_nodes.ros2 import ends
 from ur_nodes.ros2.graph import Senders
 from ur_nodes.ros2.names import resolve
@@ -78,11 +79,10 @@ class RosSubscription(Generic[Value]):
         senders: bool = False,
     ) -> None:
         self.topic = resolve(node, topic)
-        self._node = node
         self._codec = codec
         self._take = take
-        self._unreadable = unreadable or self._report
-        self._reported = False
+        self._unreadable = unreadable
+        self._refusals = Refusals(self.topic, node.get_logger().error)
         put = loop.mailbox(_DEPTHS.get(quality, _QUEUE), self._deliver)
         finder = Senders(node, self.topic)
 
@@ -107,13 +107,11 @@ class RosSubscription(Generic[Value]):
     def _deliver(self, item: tuple[genpy.Message, Sender | None]) -> None:
         message, sender = item
         try:
-            value = self._codec.value_of(message)
+            value = usable(self._codec.value_of(message))
         except (ValueError, UserError) as problem:
-            self._unreadable(str(problem))
+            if self._unreadable:
+                self._unreadable(str(problem))
+            else:
+                self._refusals.report(str(problem), sender.name if sender else "")
             return
         self._take(value, sender)
-
-    def _report(self, reason: str) -> None:
-        if not self._reported:
-            self._reported = True
-            self._node.get_logger().error(f"{self.topic}: {reason}")

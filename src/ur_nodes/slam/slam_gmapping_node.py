@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 
 from ur_nodes.geometry.pose import Pose2
@@ -66,7 +65,7 @@ class SlamGmappingNode:
     def _take_imu(self, imu: Imu) -> None:
         mount = self._feed.find_mount(imu.frame)
         has_rates = imu.turning_variance != -1.0  # sensor_msgs/Imu
-        if mount and has_rates and all(map(math.isfinite, imu.turning)):
+        if mount and has_rates:
             self._headings.gyro.add(seconds_of(imu.stamp), float(mount.rotation[2] @ imu.turning))
 
     def _send_transform(self) -> None:

@@ -21,8 +21,6 @@ from ur_nodes.vision.pose_output import PoseOutput
 from ur_nodes.vision.requests import MAP, FiducialMapRequests
 from ur_nodes.vision.slam_settings import make_slam, read_slam_settings
 
-_FARTHEST = 1e6  # m of an odometry that may be right
-
 
 class FiducialSlamNode:
     """Takes each set of corners when the frames at its time are known, newest first."""
@@ -57,7 +55,7 @@ class FiducialSlamNode:
             return
         odometry = frames.find_planar(settings.odom_frame, settings.base_frame, seen.stamp)
         mount = frames.find(settings.base_frame, seen.frame)
-        if odometry is not None and mount is not None and all(abs(each) < _FARTHEST for each in odometry):
+        if odometry is not None and mount is not None:
             self._waiting = None
             self._work.ask(Moment(seen, camera, mount, odometry))
 

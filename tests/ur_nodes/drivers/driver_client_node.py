@@ -51,7 +51,9 @@ class DriverClient:
     def make(self, topic: str, stamp: float, values: dict[str, Any]) -> Any:
         if topic == "sensor":
             return self.sensor(value=True, name=values["name"])
-        message: Any = Odometry() if topic == "odom" else LaserScan(ranges=[1.0, 2.0])
+        message: Any = (
+            Odometry() if topic == "odom" else LaserScan(ranges=[1.0, 2.0], angle_increment=0.1, range_max=8.0)
+        )
         message.header.stamp = rospy.Time.from_sec(stamp)
         message.header.frame_id = "odom" if topic == "odom" else "base_laser_link"
         if topic == "odom":

@@ -181,7 +181,9 @@ def test_place_in_another_frame_or_without_a_map_is_refused_with_a_reason() -> N
     stage.place(Pose2(1.0, 1.0, 0.0), frame="odom")
     assert "initialpose in frame 'odom' ignored, expected 'map'" in stage.log()
     stage.place(Pose2(math.nan, 1.0, 0.0))
-    assert "initialpose ignored, expected a map first and finite numbers" in stage.log()
+    assert "/initialpose: message of /robot ignored: a coordinate is nan" in stage.log()
+    stage.place(Pose2(1e5, 1.0, 0.0))
+    assert "initialpose at x 100000 m, y 1 m ignored, expected a place on the map" in stage.log()
 
 
 def test_pose_of_a_request_counts_as_one_of_the_topic() -> None:

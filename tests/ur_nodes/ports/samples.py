@@ -36,7 +36,7 @@ VALUES: tuple[object, ...] = (
     Twist(0.5, -0.25, 0.125, 0.0625, -0.5, 1.5),
     values.StampedTwist(STAMP, "client", Twist(0.5, 0.0)),
     values.Odometry(STAMP, "odom", "base", Pose2(1.0, 2.0, 0.5), Twist(0.5, 0.25), np.eye(3) * 0.5, np.eye(3) * 0.25),
-    values.DriverOdometry(STAMP, 1.0, 2.0, (0.0, 0.0, 0.5, 0.5), 0.5, 0.25),
+    values.DriverOdometry(STAMP, 1.0, 2.0, (0.0, 0.0, 0.6, 0.8), 0.5, 0.25),
     values.Scan(STAMP, "laser", -1.5, 0.25, 0.125, 8.0, np.array([1.0, np.inf, np.nan], np.float32)),
     values.Range(STAMP, "sonar", 1.5, 0.25, 0.125, 4.0),
     values.Imu(STAMP, "imu", (0.0, 0.0, 0.0, 1.0), (0.5, 0.0, 0.0), (0.0, 0.0, 9.75), 0.5, 0.25, 0.125),

@@ -38,7 +38,7 @@ class MemoryStage:
         assert self._bus.run_until(condition, 10.0), "waited for 10 s of the bus's time"
 
     def spoil(self, topic: str) -> None:
-        self._bus.spoil(f"/{topic}", "map with resolution 0, expected more than 0 m")
+        self._bus.spoil(f"/{topic}", "map with resolution 0, expected 0.0001 to 1000 m")
 
     def client(self, action: str) -> GoalClient:
         return TopicGoalClient(self._bus.node("client"), action, lambda: self._bus.run(0.01))

@@ -74,7 +74,7 @@ def check_value_that_cannot_be_read_is_told_to_who_asks(stage: Stage) -> None:
     stage.begin()
     stage.spoil("spoilt")
     stage.until(lambda: bool(reasons))
-    assert reasons == ["map with resolution 0, expected more than 0 m"]
+    assert reasons == ["map with resolution 0, expected 0.0001 to 1000 m"]
     assert not got
 
 

@@ -51,9 +51,20 @@ class Admission:
 
 
 def admit_stamped(
-    admission: Admission, source: int, answer: Stamp, client: str, now: float, unix: float, *, motion: bool
+    admission: Admission,
+    source: int,
+    answer: Stamp,
+    client: str,
+    now: float,
+    unix: float,
+    *,
+    motion: bool,
+    follows: bool = False,
 ) -> tuple[Admission, float | Refusal]:
-    """Return the age (s) of a stamped command, or why it is refused."""
+    """Return the age (s) of a stamped command, or why it is refused.
+
+    A source that `follows` the lease may send without an id of a client, whoever drives.
+    """
     if client and not is_client(client):
         return admission, "no client"
     age = age_of(admission.challenges, answer, now, admission.freshness)
@@ -61,7 +72,7 @@ def admit_stamped(
         return admission, "late"
     lease = step_lease(admission.lease, ClientCommand(client, motion), now, unix)
     admission = replace(admission, lease=lease)
-    if not may_drive(lease, client):
+    if not may_drive(lease, client, follows=follows):
         return admission, "not the driver"
     admission = replace(admission, stamped_at={**admission.stamped_at, source: now})
     return admission, age if client and client == lease.lease.client else hold_to_terms(admission, age, now)

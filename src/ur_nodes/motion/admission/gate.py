@@ -94,17 +94,17 @@ class AdmissionGate:
         return start_lease(stored, timeout, unix=time.time(), forget_at=self._node.steady() + _MEMORY)
 
     def _take_stamped(self, index: int, command: StampedTwist) -> None:
-        velocity = self._velocity_of(command.twist, index)
+        velocity, follows = _velocity_of(command.twist), self._settings.sources[index].avoids_obstacles
         now, motion = self._node.steady(), not velocity.still
         stamp = divmod(command.stamp, SECOND)
         self._admission, verdict = admit_stamped(
-            self._admission, index, stamp, command.frame, now, time.time(), motion=motion
+            self._admission, index, stamp, command.frame, now, time.time(), motion=motion, follows=follows
         )
         self._pass(index, velocity, now, verdict, stamped=True)
         self._announce()
 
     def _take_plain(self, index: int, twist: Twist, sender: Sender | None) -> None:
-        velocity = self._velocity_of(twist, index)
+        velocity = _velocity_of(twist)
         now, motion = self._node.steady(), not velocity.still
         sent = None
         if sender is not None and sender.sent is not None and sender.arrived is not None:
@@ -125,15 +125,6 @@ class AdmissionGate:
             self._handle(VelocityCommand(index, velocity, None if self._node.facts.simulated_time else now - verdict))
         elif not velocity.still:
             self._reports.count(self._settings.sources[index], verdict, stamped=stamped)
-
-    def _velocity_of(self, twist: Twist, index: int) -> Velocity:
-        velocity = Velocity(twist.forward, twist.turn, twist.left)
-        if velocity.finite:
-            return velocity
-        source = self._settings.sources[index]
-        text = f"{source.name}: a command on {source.topic} is not finite, expected numbers; taken as stop"
-        self._log.warn(text, every=5.0)
-        return Velocity()
 
     def _take_lock(self, index: int, locked: bool, sender: Sender | None) -> None:
         """Accept `true` always, and `false` only if it cannot have been delayed for long: see `step_lock_release`."""
@@ -202,6 +193,10 @@ class AdmissionGate:
         """Free the lease; only a mux that died keeps it."""
         self._node.work(lambda: attempt(self._store.clear), lambda _done: None, "disk")
         self._writes.write(_FACT, partial(self._node.facts.set, _FACT, write_lease(FREE)))
+
+
+def _velocity_of(twist: Twist) -> Velocity:
+    return Velocity(twist.forward, twist.turn, twist.left)
 
 
 def _name(sender: Sender | None) -> str:

@@ -16,7 +16,8 @@ stays named, and holds the lease again with its next message, unless another cli
 - A client that gets the lease of another without a grant or a release has taken it from that client (`taken_from`).
 
 A request counts only with a challenge that is not too old: a late `take` takes nothing. A client without an id takes no
-part: it is a node on the robot that follows the lease by itself, such as move_base.
+part: it is a node on the robot that follows the lease by itself, as move_base
+does, and sends to a source for such nodes.
 """
 
 from __future__ import annotations
@@ -80,9 +81,9 @@ def step_lease(record: LeaseRecord, event: LeaseEvent | None, now: float, unix: 
     return record if event is None else _request(_remember(record, event), event, now, unix)
 
 
-def may_drive(record: LeaseRecord, client: str) -> bool:
-    """Return whether commands of this client are accepted."""
-    return not client or record.lease.client in ("", client)
+def may_drive(record: LeaseRecord, client: str, *, follows: bool = False) -> bool:
+    """Return whether commands of this client are accepted; of one without an id, if its source `follows` the lease."""
+    return (follows and not client) or record.lease.client in ("", client)
 
 
 def _request(record: LeaseRecord, request: LeaseRequest, now: float, unix: float) -> LeaseRecord:

@@ -92,9 +92,7 @@ class Sight:
 
 
 def move(sight: Sight, reading: Odometer) -> Sight:
-    """Return the sight after a reading of odometry; values that are not finite are ignored."""
-    if not reading.finite:
-        return sight
+    """Return the sight after a reading of odometry."""
     track, same = follow(sight.track, reading)
     return replace(sight, track=track) if same else replace(sight, track=track, seen={}, memory=RememberedPoints())
 

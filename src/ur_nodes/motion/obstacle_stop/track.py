@@ -29,11 +29,6 @@ class Odometer:
         """The pose after a time with the velocity of the reading."""
         return self.pose.compose(arc_end(self.forward * seconds, self.turn * seconds, self.left * seconds))
 
-    @property
-    def finite(self) -> bool:
-        """Return whether all values are finite."""
-        return all(math.isfinite(each) for each in (*self.pose, self.forward, self.turn, self.left))
-
 
 @dataclass(frozen=True, slots=True)
 class Track:

@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from ur_nodes.codecs.dialect import duration_of
-from ur_nodes.codecs.places import fill_placed, target_of
+from ur_nodes.codecs.places import fill_placed, placed_of
 from ur_nodes.ports.values import PlacedPose
 
 if TYPE_CHECKING:
@@ -53,11 +53,11 @@ def key_message(key: bytes) -> UUID:
 def targets_of(goal: NavigateToPose.Goal) -> tuple[PlacedPose, ...]:
     """Return the poses of a goal, in order. Raises ValueError if there are none, or too many."""
     if hasattr(goal, "pose"):
-        return (target_of(goal.pose),)
+        return (placed_of(goal.pose),)
     poses = goal.poses if isinstance(goal.poses, list) else goal.poses.goals
     if not 1 <= len(poses) <= _MOST_POSES:
         raise ValueError(f"goal with {len(poses)} poses, expected 1 to {_MOST_POSES}")
-    return tuple(map(target_of, poses))
+    return tuple(map(placed_of, poses))
 
 
 def fill_target(goal: NavigateToPose.Goal, target: PlacedPose) -> None:

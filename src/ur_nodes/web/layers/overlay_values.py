@@ -30,7 +30,7 @@ def _describe_sonars(found: Mapping[str, object], place: Place) -> dict[str, obj
     cones = []
     for sonar in _only(found, Range).values():
         mount = place(sonar.frame)
-        if mount is None or not math.isfinite(sonar.range_max):
+        if mount is None:
             continue
         echo = sonar.range_min <= sonar.range < sonar.range_max
         reach = sonar.range if echo else sonar.range_max
@@ -48,8 +48,7 @@ def _describe_covariance(found: Mapping[str, object], place: Place) -> dict[str,
             turn = np.array([(cos, -sin), (sin, cos)])
             spread = turn @ estimate.covariance[:2, :2] @ turn.T
             shown = (spread[0, 0], spread[0, 1], spread[1, 1])
-            if all(map(math.isfinite, (*own, *shown))):
-                return {"at": _round(own.x, own.y), "spread": [round(float(each), 6) for each in shown]}
+            return {"at": _round(own.x, own.y), "spread": [round(float(each), 6) for each in shown]}
     return {}
 
 
@@ -70,11 +69,8 @@ def _describe_robots(found: Mapping[str, object], place: Place) -> dict[str, obj
     robots: dict[str, list[float]] = {}
     for name, value in sorted(shown.items(), key=lambda item: item[0], reverse=True):  # amcl_pose comes last
         frame = place(value.frame)
-        if frame is None:
-            continue
-        here = frame.compose(value.pose)
-        if all(map(math.isfinite, here)):
-            robots[printable(name.rpartition("/")[0].strip("/"))[:40]] = _round(*here)
+        if frame is not None:
+            robots[printable(name.rpartition("/")[0].strip("/"))[:40]] = _round(*frame.compose(value.pose))
     return {"robots": robots}
 
 
@@ -98,7 +94,7 @@ def _only(found: Mapping[str, object], kind: type[Value]) -> dict[str, Value]:
 
 
 def _round(*numbers: float) -> list[float]:
-    return [round(each, 3) if math.isfinite(each) else 0.0 for each in numbers]
+    return [round(each, 3) for each in numbers]
 
 
 Kinds = Mapping[str, "tuple[type, Quality]"]

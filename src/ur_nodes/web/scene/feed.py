@@ -10,6 +10,7 @@ from ur.web.wire.data_frames import pack_frame, pack_json
 from ur.web.wire.data_requests import Show
 from ur_nodes.ports.node import Node, Subscription
 from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.validation import problem_of
 from ur_nodes.ports.values import MarkerChange, MarkerChanges, PointCloud, Transform
 from ur_nodes.web.layers.pacing import Every
 from ur_nodes.web.scene.clouds import pack_cloud, thin_cloud
@@ -38,8 +39,7 @@ class FrameTree:
     def take(self, transform: Transform, now: float, *, fixed: bool) -> None:
         """Take a transform unless it is malformed; a `fixed` one does not expire."""
         child, parent, pose = transform.child[:100], transform.parent[:100], transform.pose
-        good = all(math.isfinite(each) and abs(each) < 1e6 for each in pose) and math.hypot(*pose.rotation) > 0.5
-        if not child or child == parent or not good or (child not in self._known and len(self._known) >= _MOST):
+        if not child or child == parent or problem_of(pose) or (child not in self._known and len(self._known) >= _MOST):
             return
         self._known[child] = (math.inf if fixed else now), [child, parent, *(round(each, 5) for each in pose)]
 

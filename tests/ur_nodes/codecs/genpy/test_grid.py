@@ -15,6 +15,7 @@ from ur_nodes.codecs.genpy.grid import GridMessage, GridResponse
 from ur_nodes.codecs.maps import grid_message, grid_of_message
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.ports.validation import problem_of
 
 
 def test_grid_survives_the_way_through_a_message() -> None:
@@ -39,9 +40,8 @@ def test_grid_of_message_refuses_data_of_another_size() -> None:
         grid_of_message(message)
 
 
-def test_grid_of_message_refuses_a_resolution_of_zero() -> None:
-    with pytest.raises(UserError, match="resolution 0"):
-        grid_of_message(OccupancyGrid())
+def test_map_with_a_resolution_of_zero_has_a_problem() -> None:
+    assert problem_of(grid_of_message(OccupancyGrid())).startswith("map with resolution 0, expected 0.0001")
 
 
 def test_grid_messages_are_on_the_wire_what_upstreams_are() -> None:

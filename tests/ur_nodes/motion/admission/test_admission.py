@@ -65,7 +65,9 @@ class AdmittingRobot:
             self.outputs.append((self.now, output.forward))
 
     def stamped(self, stamp: Stamp, client: str = "a", source: int = KEYBOARD) -> float | Refusal:
-        self.admission, verdict = admit_stamped(self.admission, source, stamp, client, self.now, self.now, motion=True)
+        self.admission, verdict = admit_stamped(
+            self.admission, source, stamp, client, self.now, self.now, motion=True, follows=source == NAVIGATION
+        )
         if isinstance(verdict, float):
             self.step(VelocityCommand(source, AHEAD, self.now - verdict))
         return verdict
@@ -132,6 +134,7 @@ def test_commands_of_another_client_are_refused_while_one_drives(robot: Admittin
     assert robot.stamped(robot.newest, "b") == pytest.approx(0.0, abs=PERIOD)
     assert robot.stamped(robot.newest, "a") == "not the driver"
     assert isinstance(robot.stamped(robot.newest, "", NAVIGATION), float)
+    assert robot.stamped(robot.newest, "", KEYBOARD) == "not the driver"
 
 
 def test_refused_command_of_another_client_does_not_renew_the_lease(robot: AdmittingRobot) -> None:
@@ -322,7 +325,7 @@ def drive_on_terms(robot: AdmittingRobot, terms: Terms | None, silent_from: floa
             request = LeaseRequest("assistant", "laptop", "assistant", "acquire", answers=stamp, terms=terms)
             robot.admission, _ = admit_request(robot.admission, request, robot.now, robot.now)
         robot.admission, verdict = admit_stamped(
-            robot.admission, NAVIGATION, stamp, "", robot.now, robot.now, motion=True
+            robot.admission, NAVIGATION, stamp, "", robot.now, robot.now, motion=True, follows=True
         )
         if isinstance(verdict, float):
             robot.step(VelocityCommand(NAVIGATION, AHEAD, robot.now - verdict))

@@ -168,10 +168,11 @@ def test_only_so_many_may_ask(run: LeaseRun) -> None:
     assert len(run.record.known) <= 64
 
 
-def test_client_without_an_id_drives_and_takes_no_part(run: LeaseRun) -> None:
+def test_client_without_an_id_drives_where_its_source_follows_the_lease_and_takes_no_part(run: LeaseRun) -> None:
     assert run.handle(ClientCommand("", motion=True)).state == "free"
     run.request("a", "acquire")
-    assert may_drive(run.record, "")
+    assert may_drive(run.record, "", follows=True)
+    assert not may_drive(run.record, "")
     assert run.wait(4.0).state == "lost"
     assert run.handle(ClientCommand("", motion=True)).state == "lost"
 

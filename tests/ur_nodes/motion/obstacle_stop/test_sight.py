@@ -100,8 +100,6 @@ def test_upside_down_sonar_looks_where_its_file_says() -> None:
 def test_odometry_that_begins_anew_forgets_all_points(sight: Sight) -> None:
     seen = seeing(move(sight, Odometer(Pose2(0.0, 0.0, 0.0), 0.0, 0.0, 1.0)), scan_of(0.6, 1.0))
     assert len(move(seen, Odometer(Pose2(9.0, 0.0, 0.0), 0.0, 0.0, 1.1)).points_at(1.1)) == 0
-    broken = Odometer(Pose2(math.nan, 0.0, 0.0), 0.0, 0.0, 1.1)
-    assert move(seen, broken) is seen
 
 
 def test_bumper_touches_its_part_of_the_outline_until_it_is_released() -> None:
