@@ -3,6 +3,18 @@
 from collections.abc import Sequence
 import genpy
 
+class FloatingPointRange(genpy.Message):
+    from_value: float
+    to_value: float
+    step: float
+    def __init__(self, from_value: float = ..., to_value: float = ..., step: float = ...) -> None: ...
+
+class IntegerRange(genpy.Message):
+    from_value: int
+    to_value: int
+    step: int
+    def __init__(self, from_value: int = ..., to_value: int = ..., step: int = ...) -> None: ...
+
 class Log(genpy.Message):
     DEBUG: int
     INFO: int
@@ -25,6 +37,27 @@ class Log(genpy.Message):
         file: str = ...,
         function: str = ...,
         line: int = ...,
+    ) -> None: ...
+
+class ParameterDescriptor(genpy.Message):
+    name: str
+    type: int
+    description: str
+    additional_constraints: str
+    read_only: bool
+    dynamic_typing: bool
+    floating_point_range: list[FloatingPointRange]
+    integer_range: list[IntegerRange]
+    def __init__(
+        self,
+        name: str = ...,
+        type: int = ...,
+        description: str = ...,
+        additional_constraints: str = ...,
+        read_only: bool = ...,
+        dynamic_typing: bool = ...,
+        floating_point_range: list[FloatingPointRange] = ...,
+        integer_range: list[IntegerRange] = ...,
     ) -> None: ...
 
 class ParameterValue(genpy.Message):
@@ -51,3 +84,8 @@ class ParameterValue(genpy.Message):
         double_array_value: Sequence[float] = ...,
         string_array_value: Sequence[str] = ...,
     ) -> None: ...
+
+class SetParametersResult(genpy.Message):
+    successful: bool
+    reason: str
+    def __init__(self, successful: bool = ..., reason: str = ...) -> None: ...

@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from typing import Any
 
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from ur_nodes.file_facts import FileFacts, file_of_run
 
 _SET = "parameters"
+_LONGEST = 10_000  # characters of a value that is set while the node runs
 
 
 class RosParameters:
@@ -25,7 +27,8 @@ class RosParameters:
         run = file_of_run()
         self._file = FileFacts(simulated_time=False, file=run.with_name(f"{run.stem}{name.replace('/', '.')}.json"))
         for own, value in self._file.get(_SET, {}).items():
-            node.set_parameters([Parameter(own, value=value)])
+            self._keep(own, value)
+        node.add_on_set_parameters_callback(_judge)
 
     def resolve(self, name: str) -> str:
         return self._prefix + name[1:] if name.startswith("~") else name
@@ -59,17 +62,31 @@ class RosParameters:
             for key, each in value.items():
                 self.set(f"{name}/{key}", each)
         else:
-            self._node.set_parameters([Parameter(own, value=value)])
+            self._keep(own, value)
             self._file.set(_SET, self._file.get(_SET, {}) | {own: value})
 
     def names(self) -> list[str]:
         return sorted(self._prefix + name.replace(".", "/") for name in self._node.get_parameters_by_prefix(""))
+
+    def _keep(self, own: str, value: object) -> None:
+        """Set a parameter. Other programs can set declared ones only, so that they cannot fill the memory."""
+        if not self._node.has_parameter(own):
+            self._node.declare_parameter(own, value, ParameterDescriptor(dynamic_typing=True))
+        self._node.set_parameters([Parameter(own, value=value)])
 
     def _own(self, name: str) -> str | None:
         full = self.resolve(name)
         if not full.startswith(self._prefix):
             return None
         return full.removeprefix(self._prefix).strip("/").replace("/", ".")
+
+
+def _judge(parameters: list[Parameter]) -> SetParametersResult:
+    """Refuse values that are too long to be kept."""
+    for each in parameters:
+        if len(str(each.value)) > _LONGEST:
+            return SetParametersResult(successful=False, reason=f"{each.name}: longer than {_LONGEST} characters")
+    return SetParametersResult(successful=True)
 
 
 def _plain(value: Any) -> object:

@@ -125,7 +125,7 @@ class ReceivingNode(rclpy.node.Node):
         self.reception = Reception(
             rclpy.utilities.get_default_context()
         )  # a node subscribes to the clock when it is made
-        super().__init__(name, automatically_declare_parameters_from_overrides=True, allow_undeclared_parameters=True)
+        super().__init__(name, automatically_declare_parameters_from_overrides=True)
 
     def create_subscription(
         self,
