@@ -5,7 +5,6 @@ from __future__ import annotations
 import runpy
 import socket
 import sys
-import typing
 from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
@@ -13,16 +12,16 @@ from typing import Any
 
 import pytest
 import yaml
+from tests.ur_nodes.odd_values.stranger import SLOWEST, mount_sensors, send_frames
 
 import ur_nodes.run
 from ur.source.foreign.yaml_text import load_yaml
 from ur.source.project import launch_library
-from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
 from ur_nodes.memory.node import MemoryNode
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import StampedTwist, Transform, Twist
+from ur_nodes.ports.values import StampedTwist, Twist
 
 SRC = Path(__file__).parents[3] / "src"
 OTHERS = ("start_node.py", "replay_node.py", "map_saver_node.py")
@@ -55,7 +54,6 @@ ARGUMENTS: dict[str, list[str]] = {
     "republish": ["compressed", "raw"],
     "map_server": [str(launch_library() / "n_map_server/maps/maze.yaml")],
 }
-SLOWEST = 1e-4  # m/s, rad/s: less is rounding
 SOCKETS = {"robot_end": 2, "data_end": 1, "assistant_end": 1, "viewer_end": 1, "graph_report": 1}
 
 
@@ -65,13 +63,10 @@ class StartedNode:
     def __init__(self, module: str, patch: pytest.MonkeyPatch) -> None:
         self.bus = Bus()
         self.bus.facts |= {"base_name": "stage", "variant": ""}
-        name = module.rpartition(".")[2].removesuffix("_node")
+        name = name_of(module)
         self.world = self.bus.node("world")
-        self.frames = self.world.transforms
-        for frame in ("laser", "base_link", "imu", "sonar", "camera"):
-            pose = Pose2(0.1, 0.0, 0.0).in_space()
-            self.frames.send(Transform(self.bus.now, "base_footprint", frame, pose, fixed=True))
-        self.world.every(0.05, self._turn)
+        mount_sensors(self.world)
+        self.world.every(0.05, lambda: send_frames(self.world))
         self.bus.load_parameters("/odd", PARAMETERS.get(name, {}))
         self.node: MemoryNode = self.bus.node("odd")
         self.sockets = [socket.socketpair() for _ in range(SOCKETS.get(name, 0))]
@@ -93,17 +88,21 @@ class StartedNode:
         """The kinds of the node's services."""
         return {name: each.kind for name, each in self.bus.services.items() if each.node == self.node.name}
 
+    def outputs(self) -> dict[str, Any]:
+        """The kinds of the topics on which the node publishes velocities."""
+        return {
+            topic: offer.kind
+            for topic, entry in self.bus.topics.items()
+            for offer in entry.offers
+            if offer.sender == self.node.name and offer.kind in (Twist, StampedTwist)
+        }
+
     def watch(self) -> None:
         """Note the velocities that the node sends from now on."""
-        for topic, entry in list(self.bus.topics.items()):
-            for offer in entry.offers:
-                if (
-                    offer.sender == self.node.name
-                    and topic not in self._watched
-                    and offer.kind in (Twist, StampedTwist)
-                ):
-                    self._watched.add(topic)
-                    self.world.subscribe(topic, typing.cast("Any", offer.kind), self._note, Quality.EVERY)
+        for topic, kind in self.outputs().items():
+            if topic not in self._watched:
+                self._watched.add(topic)
+                self.world.subscribe(topic, kind, self._note, Quality.EVERY)
 
     def close(self) -> None:
         """End the node, and its sockets."""
@@ -116,13 +115,10 @@ class StartedNode:
         if any(abs(getattr(twist, each.name)) > SLOWEST for each in fields(twist)):
             self.motions.append(twist)
 
-    def _turn(self) -> None:
-        """Send where the robot is, which turns by a small angle at a time."""
-        yaw = (self.bus.now / 1e9) % 6.0 - 3.0
-        self.frames.send(
-            Transform(self.bus.now, "map", "odom", Pose2(0.0, 0.0, 0.0).in_space()),
-            Transform(self.bus.now, "odom", "base_footprint", Pose2(0.0, 0.0, yaw).in_space()),
-        )
+
+def name_of(module: str) -> str:
+    """The last part of a node's module, without `_node`."""
+    return module.rpartition(".")[2].removesuffix("_node")
 
 
 def start_of(module: str, words: list[str], patch: pytest.MonkeyPatch) -> Callable[[Node], object]:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from tests.ur_nodes.odd_values.generator import hints_of, odd_values, usable_value
 from tests.ur_nodes.odd_values.started import MODULES, StartedNode
+from tests.ur_nodes.odd_values.stranger import oddities, usable
 
 from ur.robot.base import load_base
 from ur.source.project import launch_library
@@ -22,21 +23,8 @@ from ur_nodes.motion.writes import Writes
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Odometry, Result, Scan, Twist
 
-FRAMES = {"Scan": "laser", "Imu": "imu", "Range": "sonar", "Odometry": "odom", "Joints": "base_footprint"}
-LEAST = 25
 ASIDE = ("/odd/write",)
 """Of the black box, which answers once another process has written a file."""
-
-
-def usable(started: StartedNode, kind: Any) -> Any:
-    name = "odom" if kind is tuple else FRAMES.get(kind.__name__, "map")
-    return usable_value(kind, started.bus.now, name)
-
-
-def oddities(kind: Any, value: Any) -> list[Any]:
-    """The odd values that differ from a usable one; LEAST of them or more, repeated where its kind has fewer."""
-    found = list(odd_values(kind, value)) or [value]
-    return found * -(-LEAST // len(found))
 
 
 class Trial:
@@ -62,7 +50,7 @@ class Trial:
 
     def refresh(self) -> None:
         for topic, kind in self.started.topics().items():
-            self.send(topic, kind, usable(self.started, kind))
+            self.send(topic, kind, usable(kind, self.bus.now))
         self.run(0.1, "usable values")
 
     def try_topics(self) -> None:
@@ -70,7 +58,7 @@ class Trial:
         while new := {topic: kind for topic, kind in self.started.topics().items() if topic not in tried}:
             tried |= set(new)
             for topic, kind in new.items():
-                for index, value in enumerate(oddities(kind, usable(self.started, kind))):
+                for index, value in enumerate(oddities(kind, usable(kind, self.bus.now))):
                     if index % 10 == 0:
                         self.refresh()
                         self.started.watch()
@@ -82,7 +70,7 @@ class Trial:
             self.refresh()
             if service in ASIDE:
                 continue
-            for value in oddities(kind, usable(self.started, kind)):
+            for value in oddities(kind, usable(kind, self.bus.now)):
                 got: list[Result] = []
                 self.started.world.call(service, value, got.append)
                 what = f"{service}: {value!r}"[:150]
