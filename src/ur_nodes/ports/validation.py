@@ -32,6 +32,7 @@ FARTHEST = 1e6
 UNIT_SLACK = 0.1
 """The greatest difference from 1 of the length of a rotation's quaternion."""
 
+_DRIVER_SLACK = 0.01  # of a program's own; more was misread from a serial line
 _NO_ROTATION = "the orientation is not a unit quaternion, expected one (for no rotation: w = 1)"
 _LARGEST = 1e12
 _WIDEST = 4.0 * math.pi  # rad: the angle of a beam, of a turn that begins at up to a turn
@@ -111,8 +112,8 @@ def _judge_pose3(_name: str, pose: Pose3) -> str:
     return _limit_all("a coordinate", pose[:3]) or _judge_rotation(pose.rotation)
 
 
-def _judge_rotation(rotation: Quaternion) -> str:
-    return "" if abs(math.hypot(*rotation) - 1.0) <= UNIT_SLACK else _NO_ROTATION
+def _judge_rotation(rotation: Quaternion, slack: float = UNIT_SLACK) -> str:
+    return "" if abs(math.hypot(*rotation) - 1.0) <= slack else _NO_ROTATION
 
 
 def _judge_twist(_name: str, twist: values.Twist) -> str:
@@ -120,7 +121,7 @@ def _judge_twist(_name: str, twist: values.Twist) -> str:
 
 
 def _judge_driver_odometry(name: str, odometry: values.DriverOdometry) -> str:
-    return _judge_rotation(odometry.rotation) or _judge_fields(name, odometry)
+    return _judge_rotation(odometry.rotation, _DRIVER_SLACK) or _judge_fields(name, odometry)
 
 
 def _judge_scan(_name: str, scan: values.Scan) -> str:

@@ -101,7 +101,7 @@ def test_command_that_is_not_finite_does_not_drive_and_is_reported(home: Path) -
     driver.wanted = Twist(float("nan"), 0.5)
     assert not any(robot.speeds(1.0))
     (line,) = [text for _, text in robot.mux.lines if "ignored" in text]
-    assert "/key_vel_stamped: message of /a ignored: twist: a velocity is nan" in line
+    assert "/key_vel_stamped: message of /a ignored: a velocity is nan" in line
 
 
 def test_one_client_drives_until_another_takes_over_and_each_is_told(home: Path) -> None:

@@ -134,6 +134,7 @@ def start_of(module: str, words: list[str], patch: pytest.MonkeyPatch) -> Callab
     patch.setattr("ur_nodes.web.server_link.run", take)
     patch.setattr("os.nice", lambda _steps: 0)
     patch.setattr(sys, "argv", [module, *words])
+    patch.delitem(sys.modules, module, raising=False)  # else it is run a second time, with a warning
     with pytest.raises(SystemExit):
         runpy.run_module(module, run_name="__main__")
     (start,) = got

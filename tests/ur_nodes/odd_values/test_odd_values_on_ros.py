@@ -75,7 +75,9 @@ def described(module: str, patch: pytest.MonkeyPatch) -> dict[str, list[tuple[st
 
 
 def by_name(value: object) -> object:
-    """Parameters with lists of mappings as mappings by name, which ROS 2 has too."""
+    """Parameters as ROS 2 has them: lists of mappings as mappings by name, lists of lists as text."""
+    if isinstance(value, list) and value and isinstance(value[0], list):
+        return json.dumps(value)
     if isinstance(value, list) and value and isinstance(value[0], dict):
         return {each["name"]: {key: one for key, one in each.items() if key != "name"} for each in value}
     if isinstance(value, dict):
