@@ -210,8 +210,7 @@ class NavigationTopics:
 
     def _take_estimate(self, estimate: PoseEstimate) -> None:
         variance = float(estimate.covariance[0, 0] + estimate.covariance[1, 1])
-        spread = math.sqrt(max(0.0, variance)) if math.isfinite(variance) else None
-        self._seen = replace(self._seen, spread=spread)
+        self._seen = replace(self._seen, spread=math.sqrt(max(0.0, variance)))
 
     def _take_lost(self, text: str) -> None:
         self._seen = replace(self._seen, lost=one_line(text[:LONGEST_TEXT]))

@@ -18,7 +18,7 @@ from ur_nodes.ports.node import Location, Sender
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.transforms import Transforms
-from ur_nodes.ports.validation import Refusals, problem_of, usable_result
+from ur_nodes.ports.validation import Refusals, problem_of
 from ur_nodes.ports.values import Result, Transform
 
 Value = TypeVar("Value")
@@ -141,8 +141,9 @@ class MemoryNode:
         def give(result: Result) -> None:
             if waiting:
                 waiting.pop()
-                usable = usable_result(result)
-                self._bus.at(self._bus.now, lambda: take(usable) if self.ended is None else None)
+                problem = problem_of(result)
+                used = Result(False, f"{full}: {problem}") if problem else result
+                self._bus.at(self._bus.now, lambda: take(used) if self.ended is None else None)
 
         def ask() -> None:
             serve = self._bus.services.get(full)
@@ -260,19 +261,15 @@ class MemoryNode:
         unreadable: Callable[[str], None] | None = None,
     ) -> MemorySubscription:
         full = self.resolve(topic)
-        refusals = Refusals(full, self.log.error)
-        report = unreadable or refusals.report
+        refusals = Refusals(full, self.log.error, unreadable)
 
         def take(value: Value, sender: str, kept: bool) -> None:
-            problem = problem_of(value) if kind is not object else ""  # raw messages are recorded as they are
-            if not problem:
-                deliver(value, sender, kept)
-            elif unreadable:
-                unreadable(problem)
-            else:
+            if kind is not object and (problem := problem_of(value)):  # raw messages are recorded as they are
                 refusals.report(problem, sender)
+            else:
+                deliver(value, sender, kept)
 
-        listener = self._bus.listen(self.name, full, _runtime(kind), quality, cast("Deliver", take), report)
+        listener = self._bus.listen(self.name, full, _runtime(kind), quality, cast("Deliver", take), refusals.report)
         self._listeners.append((full, listener))
         return MemorySubscription(self._bus, full, listener, lambda: self._listeners.remove((full, listener)))
 

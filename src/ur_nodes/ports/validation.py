@@ -54,22 +54,18 @@ def usable(value: Value) -> Value:
     return value
 
 
-def usable_result(result: values.Result) -> values.Result:
-    """Return a service's result; a failure with the problem where its value has one."""
-    problem = problem_of(result)
-    return values.Result(False, f"the answer is refused: {problem}") if problem else result
-
-
 class Refusals:
-    """Reports that messages of a topic are ignored, once for each publisher, with the function `write`."""
+    """Reports messages of a topic that are ignored: each to `take`, or once for each publisher to `write`."""
 
-    def __init__(self, topic: str, write: Callable[[str], object]) -> None:
-        self._topic, self._write = topic, write
+    def __init__(self, topic: str, write: Callable[[str], object], take: Callable[[str], None] | None = None) -> None:
+        self._topic, self._write, self._take = topic, write, take
         self._reported: set[str] = set()
 
     def report(self, problem: str, publisher: str = "") -> None:
         """Report a message of a publisher, '' for an unknown one."""
-        if publisher not in self._reported and len(self._reported) < _MOST_PUBLISHERS:
+        if self._take is not None:
+            self._take(problem)
+        elif publisher not in self._reported and len(self._reported) < _MOST_PUBLISHERS:
             self._reported.add(publisher)
             source = f" of {publisher}" if publisher else ""
             self._write(f"{self._topic}: message{source} ignored: {problem}; help: correct or stop its publisher")

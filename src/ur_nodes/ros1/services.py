@@ -12,7 +12,7 @@ from ur.source.diagnostic import UserError
 from ur_nodes.codecs import find_offered, find_service
 from ur_nodes.codecs.dialect import ServiceFailureError
 from ur_nodes.loop import Loop, run_aside
-from ur_nodes.ports.validation import usable, usable_result
+from ur_nodes.ports.validation import usable
 from ur_nodes.ports.values import Result
 
 Value = TypeVar("Value")
@@ -83,7 +83,7 @@ def call_service(
             send = find(service, codec.service_class, within)
             if not waiting:
                 return
-            result = usable_result(codec.result_of(send(codec.request(request))))
+            result = usable(codec.result_of(send(codec.request(request))))
         except Exception as problem:  # a server or a master that ends meanwhile fails in many ways
             result = Result(False, str(problem) or type(problem).__name__)
         loop.post(lambda: give(result))

@@ -95,8 +95,7 @@ class RosSubscription(Generic[Value]):
         self.topic = str(rospy.resolve_name(topic))
         self._codec = codec
         self._take = take
-        self._unreadable = unreadable
-        self._refusals = Refusals(self.topic, rospy.logerr)
+        self._refusals = Refusals(self.topic, rospy.logerr, unreadable)
         self._open = True
         depth = most if most is not None and quality is Quality.EVERY else _DEPTHS[quality]
         self._subscriber = rospy.Subscriber(
@@ -121,10 +120,7 @@ class RosSubscription(Generic[Value]):
         try:
             value = usable(self._codec.value_of(unpack(message, self._codec.message_class)))
         except (ValueError, UserError) as problem:
-            if self._unreadable:
-                self._unreadable(str(problem))
-            else:
-                self._refusals.report(str(problem), str(header_of(message).get("callerid", ""))[:256])
+            self._refusals.report(str(problem), str(header_of(message).get("callerid", ""))[:256])
             return
         self._take(value, message)
 

@@ -14,7 +14,7 @@ from ur_nodes.codecs.dialect import ServiceFailureError, parts_of
 from ur_nodes.loop import Loop
 from ur_nodes.ports.log import Log
 from ur_nodes.ports.services import READING
-from ur_nodes.ports.validation import usable, usable_result
+from ur_nodes.ports.validation import usable
 from ur_nodes.ports.values import Result
 from ur_nodes.ros2.names import resolve
 
@@ -83,7 +83,7 @@ class NodeServices:
 
         def take_answer(future: rclpy.Future) -> None:
             try:
-                result = usable_result(codec.result_of(future.result()))
+                result = usable(codec.result_of(future.result()))
             except (UserError, ValueError, RuntimeError) as problem:
                 result = Result(False, str(problem))
             self._loop.post(lambda: give(result))

@@ -81,8 +81,7 @@ class RosSubscription(Generic[Value]):
         self.topic = resolve(node, topic)
         self._codec = codec
         self._take = take
-        self._unreadable = unreadable
-        self._refusals = Refusals(self.topic, node.get_logger().error)
+        self._refusals = Refusals(self.topic, node.get_logger().error, unreadable)
         put = loop.mailbox(_DEPTHS.get(quality, _QUEUE), self._deliver)
         finder = Senders(node, self.topic)
 
@@ -109,9 +108,6 @@ class RosSubscription(Generic[Value]):
         try:
             value = usable(self._codec.value_of(message))
         except (ValueError, UserError) as problem:
-            if self._unreadable:
-                self._unreadable(str(problem))
-            else:
-                self._refusals.report(str(problem), sender.name if sender else "")
+            self._refusals.report(str(problem), sender.name if sender else "")
             return
         self._take(value, sender)
