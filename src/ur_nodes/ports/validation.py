@@ -74,13 +74,17 @@ class Refusals:
 def _judge_fields(name: str, value: object) -> str:
     """Judge the fields of a dataclass; there is nothing to judge in other types."""
     for each in getattr(value, "__dataclass_fields__", ()):
-        if problem := problem_of(getattr(value, each), each):
+        field = getattr(value, each)
+        if problem := _RULES.get(type(field), _judge_fields)(each, field):
             return problem if name == "data" else f"{name}: {problem}"
     return ""
 
 
 def _judge_items(name: str, items: Iterable[object]) -> str:
-    return next(filter(None, (problem_of(each, name) for each in items)), "")
+    for each in items:
+        if problem := problem_of(each, name):
+            return problem
+    return ""
 
 
 def _limit(name: str, value: float, most: float = _LARGEST) -> str:
@@ -88,7 +92,10 @@ def _limit(name: str, value: float, most: float = _LARGEST) -> str:
 
 
 def _limit_all(name: str, numbers: Iterable[float]) -> str:
-    return next(filter(None, (_limit(name, each, FARTHEST) for each in numbers)), "")
+    for each in numbers:
+        if not abs(each) <= FARTHEST:
+            return _limit(name, each, FARTHEST)
+    return ""
 
 
 def _judge_integer(name: str, value: int) -> str:
@@ -96,7 +103,7 @@ def _judge_integer(name: str, value: int) -> str:
 
 
 def _judge_array(name: str, value: NDArray[Any]) -> str:
-    good = value.dtype.kind != "f" or bool((np.abs(value) <= _LARGEST).all())
+    good = value.dtype.kind != "f" or not value.size or bool(np.abs(value).max() <= _LARGEST)
     return "" if good else f"{name} has a number that is not finite or too large"
 
 
@@ -187,5 +194,5 @@ _RULES: dict[type, Callable[[str, Any], str]] = {
     values.Imu: _judge_imu,
     values.Joints: _judge_joints,
     values.Calibration: _judge_calibration,
-    **dict.fromkeys((*_UNMEASURED, *_JUDGED_LATER), _accept),
+    **dict.fromkeys((str, bool, bytes, type(None), *_UNMEASURED, *_JUDGED_LATER), _accept),
 }
