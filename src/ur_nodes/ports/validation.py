@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,7 +102,7 @@ def _judge_integer(name: str, value: int) -> str:
     return "" if abs(value) < 1 << 63 else f"{name} is too large, expected a number of 64 bits"
 
 
-def _judge_array(name: str, value: NDArray[Any]) -> str:
+def _judge_array(name: str, value: NDArray[np.floating]) -> str:
     good = value.dtype.kind != "f" or not value.size or bool(np.abs(value).max() <= _LARGEST)
     return "" if good else f"{name} has a number that is not finite or too large"
 
@@ -179,7 +179,7 @@ def _accept(_name: str, _value: object) -> str:
 
 _UNMEASURED = (values.Battery, values.GeoFix, values.Markers, values.MarkerChanges, values.PointCloud, MappedFiducials)
 _JUDGED_LATER = (values.Transform, Goal, AskPath)
-_RULES: dict[type, Callable[[str, Any], str]] = {
+_RULES: dict[type, Callable[..., str]] = {
     float: _limit,
     int: _judge_integer,
     tuple: _judge_items,

@@ -86,7 +86,7 @@ def by_name(value: object) -> object:
 
 
 @pytest.mark.ros
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.timeout(200)
 @pytest.mark.parametrize("version", [1, 2])
 @pytest.mark.parametrize("module", PROGRAMS)

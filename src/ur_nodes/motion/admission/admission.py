@@ -63,7 +63,7 @@ def admit_stamped(
 ) -> tuple[Admission, float | Refusal]:
     """Return the age (s) of a stamped command, or why it is refused.
 
-    A source that `follows` the lease may send without an id of a client, whoever drives.
+    A source that `follows` the lease may send without an id of a client, also while a client has it.
     """
     if client and not is_client(client):
         return admission, "no client"
