@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 
+from ur.run.host.descendants import become_driver
 from ur_nodes.drivers.base_driver import BaseDriver
 from ur_nodes.drivers.boards import BOARDS, make_board
 from ur_nodes.drivers.health import report_to_file
@@ -19,6 +20,7 @@ def start(node: Node) -> None:
     board = node.parameters.text("board", "") or own
     if board not in BOARDS:
         node.parameters.fail("board", board, f"one of {', '.join(BOARDS)}", BOARDS)
+    become_driver()
     BaseDriver(node, base, make_board(board, base), connect_serial(node, base.driver), report_to_file(node))
 
 

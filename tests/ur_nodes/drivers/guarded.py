@@ -52,16 +52,16 @@ class GuardedBoard(StillPlant):
         self.turned: list[tuple[float, float]] = [(0.0, 0.0)]
         self.firmware: Any = FIRMWARES[name](self)  # type: ignore[arg-type]
         self._terminal = DeviceTerminal(path)
-        self._watchdogs = arduino.WATCHDOG, magni.WATCHDOG
+        self._watchdogs = arduino.WATCHDOG, magni.CLOCK
         self._command = [sys.executable, "-c", PROGRAM, name, str(path)]
 
     def __enter__(self) -> GuardedBoard:
-        arduino.WATCHDOG = magni.WATCHDOG = 1e9
+        arduino.WATCHDOG, magni.CLOCK = 1e9, 1.0
         self.driver = subprocess.Popen(self._command, start_new_session=True)
         return self
 
     def __exit__(self, *_: object) -> None:
-        arduino.WATCHDOG, magni.WATCHDOG = self._watchdogs
+        arduino.WATCHDOG, magni.CLOCK = self._watchdogs
         self.driver.kill()
         self.driver.wait()
         self._terminal.close()

@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from ur.robot.boot.units import FOLDER, MASTER, PREFIX, UnitFile, is_unit_name, master_unit, program_unit
+from ur.robot.boot.units import (
+    FOLDER,
+    GUARD,
+    MASTER,
+    PREFIX,
+    UnitFile,
+    guard_units,
+    is_unit_name,
+    master_unit,
+    program_unit,
+)
 from ur.robot.setup.change import Change
 from ur.robot.setup.engine import apply_states
 from ur.robot.setup.facts import ComputerFacts, FactsRequest
@@ -31,15 +41,20 @@ def install_services(
 ) -> int:
     """Install the master's service, and that of a command line unless it is ""; return the number of changes.
 
-    On ROS 2 there is no master. `report` is called with each change. The shell has to be root's, or has found how to
-    use sudo. Raises UserError.
+    With a command line come the units that guard the motors of its drivers. On ROS 2 there is no master. `report` is
+    called with each change. The shell has to be root's, or has found how to use sudo. Raises UserError.
     """
 
     def make(facts: ComputerFacts) -> list[Wanted]:
         units = [master_unit(user, facts.home)] if master else []
+        wanted: list[Wanted] = []
         if line:
             units.append(program_unit(name, line, user, facts.home, master=master))
-        return [item for unit in units for item in _want(unit)]
+            then = f"systemctl daemon-reload; systemctl try-restart {GUARD}.socket"
+            guards = guard_units(user, facts.home)
+            wanted += [WantedFile(GUARD, path, text, then=then) for path, text in guards.items()]
+            wanted.append(WantedService(f"{GUARD} listens", f"{GUARD}.socket"))
+        return wanted + [item for unit in units for item in _want(unit)]
 
     _, count = apply_states(shell, make, user, FactsRequest(user), root=True, report=report)
     return count
@@ -50,7 +65,9 @@ def remove_services(shell: Shell, names: Sequence[str]) -> tuple[list[str], bool
     patterns = " ".join(f"{FOLDER}/{PREFIX}{name}.service" for name in names or ["*"])
     script = (
         f'for f in {patterns}; do [ -e "$f" ] || continue; u=${{f##*/}}; '
-        'systemctl disable --now "$u" 2>&1; rm -f "$f"; echo "$u: removed"; done; systemctl daemon-reload'
+        'systemctl disable --now "$u" 2>&1; rm -f "$f"; echo "$u: removed"; done; '
+        f"ls {FOLDER}/{PREFIX}*.service >/dev/null 2>&1 || {{ systemctl disable --now {GUARD}.socket 2>&1; "
+        f"rm -f {FOLDER}/{GUARD}.socket {FOLDER}/{GUARD}@.service; }}; systemctl daemon-reload"
     )
     done = shell.run(script, root=True)
     return [line for line in done.out.splitlines() if line.endswith(": removed")], done.code == 0

@@ -11,7 +11,8 @@ class OwnDriver:
     """A driver: `what` describes the hardware; the others are its device file, baud rate and known device.
 
     `sensor` is '' for the driver of a base; `baud` is 0 for the protocol's default, or where there is no serial line.
-    `fastest` are the m/s and rad/s that every robot with this board can drive, where its makers say so.
+    `fastest` are the m/s and rad/s that every robot with this board can drive, where its makers say so. `watchdog` is
+    the time (s) after the last command, at which the board of a base stops its motors by itself; 0.0: never.
     """
 
     what: str
@@ -20,6 +21,12 @@ class OwnDriver:
     baud: int = 0
     hardware: str = ""
     fastest: tuple[float, float] | None = None
+    watchdog: float = 0.0
+
+    @property
+    def drives_on(self) -> bool:
+        """Whether its board keeps the motors turning by the last command when nothing is left to stop them."""
+        return not self.sensor and not self.watchdog
 
     @property
     def node(self) -> str:
@@ -32,14 +39,19 @@ class OwnDriver:
         return _EXECUTABLES[self.sensor]
 
 
+GUARD_SOCKET = "/run/motor-guard"
+"""The socket of the unit that starts a guard of the motors for a driver."""
+
 _EXECUTABLES = {"": "base_driver", "lidar": "lidar_driver", "sonars": "sonar_driver", "imu": "imu_driver"}
 OWN_DRIVERS: Mapping[str, OwnDriver] = {
-    "arduino": OwnDriver("an Arduino with the sketch ur_base", "", "/dev/ttyACM0", 115200),
+    "arduino": OwnDriver("an Arduino with the sketch ur_base", "", "/dev/ttyACM0", 115200, watchdog=0.15),
     "create2": OwnDriver("an iRobot Create 2 or Roomba", "", "/dev/create", 115200, "create"),
     "loki": OwnDriver("the board of a Loki", "", "/dev/ttyAMA0", 115200, "pi-uart"),
-    "magni": OwnDriver("the motor board of a Magni", "", "/dev/ttyAMA0", 38400, "pi-uart"),
-    "neato": OwnDriver("a Neato Botvac or XV-11", "", "/dev/neato", 115200, "neato"),
-    "turtlebot3": OwnDriver("the OpenCR board of a TurtleBot3", "", "/dev/opencr", 1000000, "opencr", (0.22, 1.82)),
+    "magni": OwnDriver("the motor board of a Magni", "", "/dev/ttyAMA0", 38400, "pi-uart", watchdog=0.2),
+    "neato": OwnDriver("a Neato Botvac or XV-11", "", "/dev/neato", 115200, "neato", watchdog=0.35),
+    "turtlebot3": OwnDriver(
+        "the OpenCR board of a TurtleBot3", "", "/dev/opencr", 1000000, "opencr", (0.22, 1.82), watchdog=0.5
+    ),
     "rplidar": OwnDriver("an RPLIDAR, standard scans", "lidar", "/dev/rplidar", 115200, "rplidar"),
     "rplidar_express": OwnDriver("an RPLIDAR, express scans", "lidar", "/dev/rplidar", 115200, "rplidar"),
     "hokuyo": OwnDriver("a Hokuyo URG or UTM", "lidar", "/dev/hokuyo", 115200, "hokuyo"),

@@ -7,11 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ur.robot.base.own_drivers import GUARD_SOCKET
 from ur.robot.robot_file import ROBOT_FILE, Ros2Robot
 from ur.robot.ssh.shell import quote
 from ur.source.project import STATE_FOLDER
 
 PREFIX = "ubiquity-"
+GUARD = "motor-guard"
 MASTER = "master"
 # The number of threads by which a master informs nodes of new publishers. Each waits up to two minutes for a node that
 # the network has lost; with rosmaster's 3, three nodes of a viewer delay all updates of the robot's own nodes.
@@ -75,6 +77,7 @@ ExecStartPre=/bin/sh -c {back_off}
 TimeoutStartSec=infinity
 ExecStart={start}
 {after_start}KillSignal=SIGINT
+KillMode=mixed
 TimeoutStopSec=20
 Restart=always
 RestartSec=2
@@ -82,6 +85,35 @@ RestartSec=2
 [Install]
 WantedBy=multi-user.target
 """
+
+# The guard of a board's motors, which has to outlive the unit of the driver that it guards: a unit for each connection.
+_GUARD_SOCKET = """\
+# Written by ur boot install.
+[Unit]
+Description=Guards of the motors of this robot
+
+[Socket]
+ListenSequentialPacket={path}
+SocketUser={user}
+SocketMode=0600
+Accept=yes
+
+[Install]
+WantedBy=sockets.target
+"""
+_GUARD = """\
+# Written by ur boot install.
+[Unit]
+Description=Stop the motors of this robot when their driver has ended
+CollectMode=inactive-or-failed
+
+[Service]
+User={user}
+ExecStart={start}
+StandardInput=socket
+StandardOutput=journal
+OOMScoreAdjust=-1000
+{limits}"""
 
 # Python of ROS: PyYAML is installed with rospkg. A master that was just started needs a moment until it answers.
 _SET_BASE = """\
@@ -149,6 +181,15 @@ def program_unit(name: str, line: str, user: str, home: str, *, master: bool = T
     return _unit(name, line, user, home, master=f"{PREFIX}{MASTER}.service" if master else "")
 
 
+def guard_units(user: str, home: str) -> dict[str, str]:
+    """Return the texts of the units that start guards of motors for a user's drivers, by path; the socket is last."""
+    start = f"/bin/sh -c {_quote(own_line('-m ur_nodes.drivers.lines.guard_program'))}"
+    return {
+        f"{FOLDER}/{GUARD}@.service": _GUARD.format(user=user, start=start, limits=_limit(user, home)),
+        f"{FOLDER}/{GUARD}.socket": _GUARD_SOCKET.format(path=GUARD_SOCKET, user=user),
+    }
+
+
 def command_line(argv: Sequence[str]) -> str:
     """Return the shell line that replaces the shell by a command."""
     return f"exec {quote(*argv)}"
@@ -202,11 +243,15 @@ def _unit(name: str, line: str, user: str, home: str, *, master: str = "", then:
         user=user,
         wait=_quote(_WAIT),
         back_off=_quote(back_off),
-        limits=_LIMITS.format(home=_quote(f"-{home}")) + _CAPABILITIES["root" if user == "root" else ""],
+        limits=_limit(user, home),
         start=start,
         after_start=f"ExecStartPost=-{after_start}\n" if then else "",
     )
     return UnitFile(service, text)
+
+
+def _limit(user: str, home: str) -> str:
+    return _LIMITS.format(home=_quote(f"-{home}")) + _CAPABILITIES["root" if user == "root" else ""]
 
 
 def _quote(word: str) -> str:

@@ -102,6 +102,15 @@ def find_cgroup(pid: int) -> Cgroup | None:
     return None if parent is None else Cgroup(f"{parent}/{PREFIX}{pid}")
 
 
+def find_group_above() -> str:
+    """Return the folder of the group that the supervisor of this process's run is in; '' if the run has none."""
+    folder = _find_own_folder() or ""
+    above = folder
+    while (name := above.rpartition("/")[2]).startswith(PREFIX) and name.removeprefix(PREFIX).isdigit():
+        above = above.rpartition("/")[0]
+    return "" if above == folder else above
+
+
 def find_folder(own: str, mounts: str) -> str | None:
     """Return the folder of a process's cgroup (v2), from its /proc/PID/cgroup and mountinfo; None without one."""
     path = next((line[3:] for line in own.splitlines() if line.startswith("0::/")), None)

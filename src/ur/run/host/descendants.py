@@ -16,6 +16,12 @@ PR_SET_CHILD_SUBREAPER = 36
 RECORDING_GUARD = b"ur-black-box"
 """The name of processes that only write a file: those that guard the memory of a black box."""
 
+MOTOR_GUARD = b"ur-motor-guard"
+"""The name of processes that stop the motors of a board and end, once the driver of the board has ended."""
+
+DRIVER = b"ur-motor-driver"
+"""The name of drivers that stop their motors when the host is killed; guard.sh spares both names for a moment."""
+
 
 def inherit_orphans() -> None:
     """Make this process the parent of descendants whose own parent ends: a subreaper, prctl(2)."""
@@ -27,8 +33,17 @@ def name_process(name: bytes) -> None:
     ctypes.CDLL(None).prctl(PR_SET_NAME, name, 0, 0, 0)
 
 
-def list_descendants(root: int, spared: bytes = b"") -> list[int]:
-    """Return all descendants of a process, without those of a name, and those that have ended and wait to be reaped."""
+def become_driver() -> None:
+    """Let this process stop its motors when the host is killed: it gets SIGTERM then, not SIGKILL. On the main thread.
+
+    The guard of the motors may have been killed with the host.
+    """
+    name_process(DRIVER)
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM, 0, 0, 0)
+
+
+def list_descendants(root: int, spared: tuple[bytes, ...] = ()) -> list[int]:
+    """Return all descendants of a process, without those of some names, and those that wait to be reaped."""
     children: dict[int, list[int]] = {}
     left_out = set()
     for entry in os.listdir("/proc"):  # noqa: PTH208 - pathlib doubles the start-up time here
@@ -41,7 +56,7 @@ def list_descendants(root: int, spared: bytes = b"") -> list[int]:
             continue
         state, parent = tail.split()[:2]
         children.setdefault(int(parent), []).append(int(entry))
-        if state in (b"Z", b"X") or (spared and head.partition(b"(")[2] == spared):
+        if state in (b"Z", b"X") or head.partition(b"(")[2] in spared:
             left_out.add(int(entry))
     found = []
     queue = list(children.get(root, ()))
@@ -52,8 +67,8 @@ def list_descendants(root: int, spared: bytes = b"") -> list[int]:
     return [pid for pid in found if pid not in left_out]
 
 
-def signal_descendants(signum: int, spared: bytes = b"") -> int:
-    """Signal every process below this one, except those of a name; stopped ones are continued to receive it.
+def signal_descendants(signum: int, spared: tuple[bytes, ...] = (MOTOR_GUARD,)) -> int:
+    """Signal every process below this one, except those of some names; stopped ones are continued to receive it.
 
     Returns their number.
     """
@@ -87,8 +102,8 @@ def signal_group(pid: int, signum: int) -> None:
             return
 
 
-def kill_descendants(limit: float, spared: bytes = b"") -> None:
-    """Kill and reap every process below this one, within a time limit (s); those of a name are only waited for."""
+def kill_descendants(limit: float, spared: tuple[bytes, ...] = (MOTOR_GUARD,)) -> None:
+    """Kill and reap every process below this one, within a time limit (s); those of some names are only waited for."""
     end = time.monotonic() + limit
     while reap_one(0.0) and time.monotonic() < end:
         signal_descendants(signal.SIGKILL, spared)

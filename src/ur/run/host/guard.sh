@@ -3,11 +3,12 @@
 # It is the parent of the host and a subreaper, prctl(2): whatever the host leaves behind becomes its child.
 # A shell, because it does nothing but wait, and takes a twentieth of the memory of a Python that waits.
 
-list_children() { # those that are not just waiting to be reaped
+list_children() { # those that are not just waiting to be reaped; with $1, without processes whose name begins with it
   for folder in /proc/[0-9]*; do
     state=
     while read -r key value _; do
       case $key in
+        Name:) [ -z "$1" ] || [ "$value" = "${value#"$1"}" ] || break ;;
         State:) state=$value ;;
         PPid:)
           [ "$value" != $$ ] || [ "$state" = Z ] || [ "$state" = X ] || echo "${folder#/proc/}"
@@ -25,7 +26,7 @@ kill_children() {
   empty=0
   while [ $rounds -gt 0 ] && [ $empty -lt 2 ]; do
     empty=$((empty + 1))
-    for pid in $(list_children); do
+    for pid in $(list_children "$1"); do
       kill -9 "$pid" && empty=0 # fails for the subshell that has listed them: it is gone
     done 2>/dev/null
     rounds=$((rounds - 1))
@@ -34,6 +35,12 @@ kill_children() {
 
 read -r word # "ended" when the host has ended everything; nothing when it was killed
 if [ "$word" != ended ]; then
+  kill_children ur-motor- # drivers of motors, and their guards, end by themselves once they have stopped the motors
+  tries=20
+  while [ $tries -gt 0 ] && [ -n "$(list_children)" ]; do
+    sleep 0.01
+    tries=$((tries - 1))
+  done
   [ -z "$1" ] || echo 1 >"$1/cgroup.kill"
   kill_children
 fi

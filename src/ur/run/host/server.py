@@ -12,6 +12,7 @@ from _socket import MSG_DONTWAIT
 from _socket import socket as Socket  # noqa: N812 - a class, named as classes are
 
 from ur.run.host.descendants import (
+    MOTOR_GUARD,
     RECORDING_GUARD,
     inherit_orphans,
     kill_descendants,
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
 MOST_WAITING = 200  # processes that are created before any of them runs; each takes half a MB meanwhile
 INTERRUPT_SECONDS = 0.7  # s that processes get to end after the supervisor died
-RECORDING_SECONDS = 10.0  # s more for the guard of a black box, which writes what happened
+RECORDING_SECONDS = 10.0  # s more for the guard of a black box, which writes what happened, and for those of motors
 KILL_SECONDS = 3.0  # s that they get after SIGKILL
 
 
@@ -101,8 +102,8 @@ class _Host:
             signal_descendants(signal.SIGINT)
         while time.monotonic() < limit and reap_one(0.02):
             pass
-        kill_descendants(RECORDING_SECONDS, RECORDING_GUARD)
-        kill_descendants(KILL_SECONDS)
+        kill_descendants(RECORDING_SECONDS, (RECORDING_GUARD, MOTOR_GUARD))
+        kill_descendants(KILL_SECONDS, ())
         if self._terminal is not None:
             restore_terminal(*self._terminal[1:], reset=True)
 

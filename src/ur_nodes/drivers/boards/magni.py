@@ -3,7 +3,8 @@
 Packets of 8 bytes: 7E, protocol 3 and the kind, a register, 32 bits of data (big-endian), and a checksum that makes the
 low byte of the sum without the 7E FF. The units are those of ubiquity_motor's motor_hardware.cc. Speeds are quarters of
 a count in 100 ms, of counts half as fine as those of the odometry; the left one is in the upper half. A report of the
-odometry has the counts since the last one; boards send it by themselves.
+odometry has the counts since the last one; boards send it by themselves. The dead-man timer stops the motors when no
+packet arrives for so many clock ticks, says ubiquity_motor's README.md.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ SPEED_PER_RADIAN = COUNTS_PER_RADIAN / 2.0 * 4.0 / 10.0  # 8.2 for 1 rad/s
 OLDEST_FIRMWARE = 35  # the first one whose encoders have 6 states
 VOLTS = 0.05127  # for each unit of the register; ubiquity_motor, battery_voltage_multiplier
 _READ, _WRITE, _RESPONSE = 0x3A, 0x3B, 0x3C
-_FIRMWARE, _BATTERY, _SPEEDS, _ODOMETRY, _MOTOR_POWER, _OPTIONS = 0x22, 0x23, 0x2A, 0x30, 0x32, 0x38
+_DEAD_MAN, _FIRMWARE, _BATTERY, _SPEEDS, _ODOMETRY, _MOTOR_POWER, _OPTIONS = 0x0D, 0x22, 0x23, 0x2A, 0x30, 0x32, 0x38
+_DEAD_MAN_TICKS = 9_600_000  # 0.2 s at 48 MHz, a guess; from 24 to 80 MHz it is 0.12 to 0.4 s, three beats or more
 _SIX_STATES, _THIN_WHEELS = 1, 2  # options
 _PACKET = struct.Struct(">BBBi")
 _SIZE = 8
@@ -50,8 +52,9 @@ class Magni:
         return self._frames.rejected
 
     def greet(self) -> bytes:
-        """Ask for the firmware's version and the options of the board."""
-        return make_packet(_READ, _FIRMWARE) + make_packet(_READ, _OPTIONS)
+        """Start its dead-man timer, and ask for the firmware's version and the options of the board."""
+        watchdog = make_packet(_WRITE, _DEAD_MAN, _DEAD_MAN_TICKS)
+        return watchdog + make_packet(_READ, _FIRMWARE) + make_packet(_READ, _OPTIONS)
 
     def drive(self, left: float, right: float) -> bytes:
         self._beats += 1

@@ -3,22 +3,30 @@
 from __future__ import annotations
 
 import os
+import socket
 import subprocess
 import sys
+import time
 from collections.abc import Callable
-from functools import partial
+from contextlib import suppress
 from importlib.resources import files
 
+from ur.robot.base.own_drivers import GUARD_SOCKET
+from ur.run.host.cgroup import find_group_above
+
 StartGuard = Callable[[int, bytes, bytes], int]
+
+_SOON = 2.0  # s in which a guard that systemd has started does not end unless it cannot run
 
 
 def start_guard(device: int, stop: bytes, leave: bytes) -> int:
     """Start the process that watches over the motors; returns the end of the pipe to write its `m` and `r` to."""
     theirs, ours = os.pipe()
     program = (files(__package__) / "guard_program.py").read_text(encoding="utf-8")
+    words = [str(theirs), str(device), stop.hex(), leave.hex(), find_group_above()]
     try:
         subprocess.Popen(
-            [sys.executable, "-I", "-S", "-c", program, str(theirs), str(device), stop.hex(), leave.hex()],
+            [sys.executable, "-I", "-S", "-c", program, *words],
             pass_fds=(theirs, device),
             start_new_session=True,  # it outlives what ends this process and its group
             stdin=subprocess.DEVNULL,
@@ -31,13 +39,23 @@ def start_guard(device: int, stop: bytes, leave: bytes) -> int:
     return ours
 
 
+def request_guard(device: int, stop: bytes, leave: bytes) -> int:
+    """Have systemd start it in the unit that `ur boot install` has set up; see `start_guard`. Raises OSError."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as link:
+        link.setblocking(False)
+        link.connect(GUARD_SOCKET)
+        socket.send_fds(link, [f"{stop.hex()},{leave.hex()}".encode()], [device])
+        return link.detach()
+
+
 class MotorGuard:
     """The guard of an open device; `stop` and `leave` as those of LineSettings."""
 
     def __init__(self, device: int, stop: bytes, leave: bytes, start: StartGuard = start_guard) -> None:
-        """Start it. Raises OSError."""
-        self._start = partial(start, device, stop, leave)
-        self._pipe = self._start()
+        """Start it; `start` does so where systemd has no unit for it. Raises OSError."""
+        self._given, self._start = (device, stop, leave), start
+        self._requested = -_SOON
+        self._pipe = self._begin()
 
     def report(self, *, moving: bool) -> None:
         """Report a command before it is sent, so that motors never turn without a guard. Raises OSError."""
@@ -46,11 +64,18 @@ class MotorGuard:
             os.write(self._pipe, data)
         except BlockingIOError:
             return  # it has more to read than it needs
-        except BrokenPipeError:  # it was killed
-            started = self._start()
+        except ConnectionError:  # it was killed
+            started = self._begin()
             self.close()
             self._pipe = started
             os.write(started, data)
+
+    def _begin(self) -> int:
+        before, self._requested = self._requested, time.monotonic()
+        if self._requested - before >= _SOON:
+            with suppress(OSError):
+                return request_guard(*self._given)
+        return self._start(*self._given)
 
     def close(self) -> None:
         """Let it stop the motors, leave the device and end."""

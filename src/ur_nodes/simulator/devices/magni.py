@@ -10,7 +10,7 @@ import math
 
 from ur_nodes.simulator.devices.plant import Plant
 
-WATCHDOG = 0.5  # s; a guess: what the register of its dead-man timer means is not documented
+CLOCK = 48e6  # ticks/s of its dead-man timer; a guess: the unit is documented as clock ticks of the microcontroller
 ODOMETRY_PERIOD = 0.05  # s
 COUNTS_PER_TURN = 257.64  # 41.004 a radian
 SPEED_PER_TURN = 51.528  # for 1 turn a second
@@ -27,7 +27,8 @@ class MagniFirmware:
         self._scale = COUNTS_PER_TURN / (2.0 * math.pi * plant.base.wheels.radius)
         self._read = [0, 0]  # counts that were reported
         self._bytes = b""
-        self._commanded, self._reported = -1.0, plant.time
+        self._heard, self._reported = plant.time, plant.time
+        self._dead_man = 0  # ticks; off until a driver has set it
         self.power = True
 
     def take(self, data: bytes) -> bytes:
@@ -39,14 +40,14 @@ class MagniFirmware:
                 self._bytes = self._bytes[1:]
                 continue
             self._bytes = self._bytes[8:]
+            self._heard = self._plant.time
             answer += self._obey(packet[1] % 16, packet[2], packet[3:7])
         return answer
 
     def tick(self) -> bytes:
         now = self._plant.time
-        if self._commanded >= 0.0 and (now - self._commanded > WATCHDOG or not self.power):
+        if not self.power or (self._dead_man and now - self._heard > self._dead_man / CLOCK):
             self._plant.turn_wheels(0.0, 0.0)
-            self._commanded = -1.0
         if not self._reports or now - self._reported < ODOMETRY_PERIOD - 1e-6:
             return b""
         self._reported = now
@@ -58,6 +59,8 @@ class MagniFirmware:
             self._commanded = self._plant.time
             rim = 2.0 * math.pi * self._plant.base.wheels.radius / SPEED_PER_TURN
             self._plant.turn_wheels(*(max(-FASTEST, min(FASTEST, each)) * rim for each in (left, right)))
+        if kind == 0xB and register == 0x0D:
+            self._dead_man = int.from_bytes(data, "big", signed=True)
         if kind != 0xA:
             return b""
         values = {
