@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 
+from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.run.host.descendants import become_driver
 from ur_nodes.drivers.base_driver import BaseDriver
 from ur_nodes.drivers.boards import BOARDS, make_board
@@ -21,7 +22,8 @@ def start(node: Node) -> None:
     if board not in BOARDS:
         node.parameters.fail("board", board, f"one of {', '.join(BOARDS)}", BOARDS)
     become_driver()
-    BaseDriver(node, base, make_board(board, base), connect_serial(node, base.driver), report_to_file(node))
+    report = report_to_file(node, drives_on=OWN_DRIVERS[board].drives_on)
+    BaseDriver(node, base, make_board(board, base), connect_serial(node, base.driver), report)
 
 
 if __name__ == "__main__":

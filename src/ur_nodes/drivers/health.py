@@ -49,13 +49,13 @@ class HealthMeter:
         self._report(self._state)
 
 
-def report_to_file(node: Node) -> Report:
-    """Make a report that writes the file of this node, which is removed at its end."""
+def report_to_file(node: Node, *, drives_on: bool = False) -> Report:
+    """Make a report that writes the file of this node, which is removed at its end; `drives_on` is of DriverHealth."""
     path = health_file(node.name)
     node.on_end(lambda: path.unlink(missing_ok=True))
 
     def report(health: DriverHealth) -> None:
-        node.work(partial(write_health, path, health), take, "health")
+        node.work(partial(write_health, path, replace(health, drives_on=drives_on)), take, "health")
 
     def take(problem: str) -> None:
         if problem:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from ur.launchfile.plan.load import load_plan
@@ -42,15 +42,16 @@ def explain_name(
     arguments: Sequence[str],
     world: World,
     parsed: dict[str, LaunchFile] | None = None,
+    describe: Callable[[NodeSpec, Plan], str] = lambda _node, _plan: "",
 ) -> tuple[ExplanationStep, ...]:
     """Return everything with this name in launch files: parameters, arguments, remaps and nodes, with their layers.
 
-    A name without its namespace is enough: `rate` finds `/talker/rate`. `parsed` is that of `load_plan`. Raises
-    UserError when nothing has this name.
+    A name without its namespace is enough: `rate` finds `/talker/rate`. `parsed` is that of `load_plan`.
+    `describe` returns what else is to be known about a node, or ''. Raises UserError when nothing has this name.
     """
     trace: list[TraceStep] = []
     plan = load_plan(files, arguments, world, trace, parsed=parsed)
-    layers = tuple(_Explainer(plan, trace, read_assignments(arguments)[0], world).explain(name))
+    layers = tuple(_Explainer(plan, trace, read_assignments(arguments)[0], world, describe).explain(name))
     if layers:
         return layers
     errors = [found for found in plan.diagnostics if found.severity is Severity.ERROR]
@@ -97,8 +98,15 @@ def _names_of(step: TraceStep) -> tuple[str, ...]:
 
 
 class _Explainer:
-    def __init__(self, plan: Plan, trace: list[TraceStep], given: Collection[str], world: World) -> None:
-        self.plan = plan
+    def __init__(
+        self,
+        plan: Plan,
+        trace: list[TraceStep],
+        given: Collection[str],
+        world: World,
+        describe: Callable[[NodeSpec, Plan], str],
+    ) -> None:
+        self.plan, self.describe = plan, describe
         self.given = given
         self.world = world
         arguments = [step for step in trace if isinstance(step, ArgumentStep)]
@@ -125,7 +133,9 @@ class _Explainer:
 
     def explain_node(self, node: NodeSpec) -> ExplanationStep:
         text = f"node {node.full_name} runs {node.type} of package {node.package}"
-        return ExplanationStep(text, None, (self.tag_layer(node.origin), *self.includes(node.origin)))
+        more = self.describe(node, self.plan)
+        below = (*((ExplanationStep(more),) if more else ()), self.tag_layer(node.origin), *self.includes(node.origin))
+        return ExplanationStep(text, None, below)
 
     def explain_param(self, steps: list[ParamSpec]) -> ExplanationStep:
         *earlier, last = steps

@@ -1,13 +1,14 @@
-"""Driver packages of a real base: missing ones, and their installation, before anything starts."""
+"""Drivers of a real base: missing packages and their installation, before anything starts, and boards to know about."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from ur.launchfile.plan.specs import NodeSpec
+from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.request.bases.base_argument import FileBase
-from ur.robot.base import Base, UpstreamDriver
+from ur.robot.base import Base, UpstreamDriver, load_base
+from ur.robot.base.own_drivers import NO_WATCHDOG, OWN_DRIVERS
 from ur.source.diagnostic import Diagnostic, UserError, error
 
 
@@ -20,6 +21,24 @@ def check_drivers(bases: Iterable[FileBase], nodes: Sequence[NodeSpec], world: W
     missing = [found for package in sorted(unique) for found in _missing(unique[package], nodes, world)]
     if missing:
         raise UserError(*missing)
+
+
+def describe_board(node: NodeSpec, plan: Plan) -> str:
+    """Return a warning about the board that a node drives with a driver of this project; '' for other nodes."""
+    if node.type != "base_driver":
+        return ""
+    own = {
+        each.name.rpartition("/")[2]: str(each.value)
+        for each in plan.params
+        if each.name.startswith(f"{node.full_name}/")
+    }
+    protocol = own.get("board", "")
+    try:
+        driver = load_base(own.get("package", ""), own.get("base", ""), own.get("variant", "")).driver
+    except UserError:
+        driver = None
+    known = OWN_DRIVERS.get(protocol or (driver.protocol if driver else ""))
+    return f"{known.what} has {NO_WATCHDOG}" if known and known.drives_on else ""
 
 
 def _missing(base: Base, nodes: Sequence[NodeSpec], world: World) -> Iterator[Diagnostic]:

@@ -25,7 +25,7 @@ class OwnDriver:
 
     @property
     def drives_on(self) -> bool:
-        """Whether its board keeps the motors turning by the last command when nothing is left to stop them."""
+        """Whether the board of a base has no watchdog, and so goes on with the last command that it got."""
         return not self.sensor and not self.watchdog
 
     @property
@@ -41,6 +41,9 @@ class OwnDriver:
 
 GUARD_SOCKET = "/run/motor-guard"
 """The socket of the unit that starts a guard of the motors for a driver."""
+
+NO_WATCHDOG = "no watchdog: with driver and guard killed at once it drives on with its last command"
+"""A warning about a board that `drives_on`."""
 
 _EXECUTABLES = {"": "base_driver", "lidar": "lidar_driver", "sonars": "sonar_driver", "imu": "imu_driver"}
 OWN_DRIVERS: Mapping[str, OwnDriver] = {

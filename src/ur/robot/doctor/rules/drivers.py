@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ur.devices.driver_health import OBSERVE_DRIVERS, DriverHealth, parse_drivers
+from ur.robot.base.own_drivers import NO_WATCHDOG
 from ur.robot.doctor.findings import Finding, Where
 from ur.robot.doctor.rules.registry import Rule, SideRule
 from ur.robot.doctor.side import Side
@@ -19,12 +20,13 @@ def read_drivers(side: Side) -> tuple[DriverHealth, ...]:
 
 
 def describe_driver(driver: DriverHealth) -> str:
-    """Describe a driver in a line: device, kind, firmware, frames, battery."""
+    """Describe a driver in a line: device, kind, firmware, frames, battery, and a board without a watchdog."""
     rates = (
         f"{driver.frames:.0f} frames/s, {driver.damaged:.1f} damaged" if driver.open else f"not open: {driver.reason}"
     )
     parts = [f"{driver.device}: {driver.kind}", driver.firmware, rates]
-    return ", ".join([part for part in parts if part] + ([f"{driver.voltage:.1f} V"] if driver.voltage else []))
+    parts += [f"{driver.voltage:.1f} V" if driver.voltage else "", NO_WATCHDOG if driver.drives_on else ""]
+    return ", ".join(part for part in parts if part)
 
 
 def check_drivers(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 - of the protocol
