@@ -7,8 +7,9 @@ import pytest
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.world.system import SystemWorld
 from ur.request.bases.base_argument import find_bases
-from ur.request.bases.driver_packages import check_drivers
+from ur.request.bases.driver_packages import check_drivers, describe_board
 from ur.request.launch_request import LaunchFiles
+from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.source.diagnostic import Diagnostic, UserError
 
 LIBRARY = Path(__file__).parents[3] / "ubiquity_launches"
@@ -60,3 +61,15 @@ def test_driver_that_is_installed_is_not_mentioned(tmp_path: Path) -> None:
 
 def test_simulated_base_needs_no_driver() -> None:
     assert not find_problems(make_world(), robot_base="magni")
+
+
+@pytest.mark.parametrize("board", sorted(name for name, driver in OWN_DRIVERS.items() if not driver.sensor))
+def test_explanation_of_a_driver_and_the_page_of_drivers_name_a_board_without_a_watchdog(board: str) -> None:
+    driver = LIBRARY / "n_base_driver" / "launch" / "n_base_driver.launch.xml"
+    plan = load_plan([str(driver)], ["robot_base:=magni", f"board:={board}"], make_world())
+    drives_on = OWN_DRIVERS[board].drives_on
+    assert ("no watchdog" in describe_board(plan.nodes[0], plan)) is drives_on
+    page = (LIBRARY.parent / "docs" / "how-to" / "drivers.md").read_text()
+    [row] = [line for line in page.splitlines() if line.startswith(f"| `{board}` | ")]
+    assert row.endswith("| **never** |") is drives_on
+    assert drives_on or row.endswith(f"| {OWN_DRIVERS[board].watchdog:g} s |")

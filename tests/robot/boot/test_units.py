@@ -13,6 +13,7 @@ import pytest
 
 from ur.robot.boot.units import (
     command_line,
+    guard_units,
     is_unit_name,
     launch_line,
     master_unit,
@@ -36,6 +37,25 @@ def test_program_of_a_robot_with_ros2_waits_for_no_master() -> None:
     text = program_unit("drive", "exec true", "ros", "/home/ros", master=False).text
     assert "After=network-online.target avahi-daemon.service\n" in text
     assert MASTER_UNIT not in text
+
+
+def test_stop_of_a_unit_leaves_the_order_in_which_its_processes_end_to_the_program() -> None:
+    assert "\nKillMode=mixed\n" in program_unit("drive", "exec roslaunch p f", "ros", "/home/ros").text
+
+
+@pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is not installed")
+def test_guards_of_motors_are_units_that_systemd_reads_and_that_the_oom_killer_spares(tmp_path: Path) -> None:
+    texts = guard_units("root", "/root")
+    for path, text in texts.items():
+        (tmp_path / Path(path).name).write_text(text)
+    for name in (Path(path).name for path in texts):
+        done = subprocess.run(
+            ["systemd-analyze", "verify", str(tmp_path / name)], capture_output=True, text=True, check=False
+        )
+        assert "motor-guard" not in done.stderr
+    service, socket = texts.values()
+    assert "\nOOMScoreAdjust=-1000\n" in service
+    assert "\nSocketMode=0600\n" in socket
 
 
 @pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is not installed")

@@ -62,6 +62,22 @@ def test_guard_believes_a_host_that_has_ended_all(tmp_path: Path) -> None:
     os.close(writer)
 
 
+def test_guard_lets_drivers_of_motors_end_by_themselves(tmp_path: Path) -> None:
+    finish = "printf ur-motor-driver >/proc/$$/comm; touch ready; read -r _ <ended; touch at_rest"
+    guard, writer = start_guard(tmp_path, f"mkfifo ended; (setsid sh -c '{finish}' &); exec sleep 600")
+    end = time.monotonic() + 60
+    while not (tmp_path / "ready").exists():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    await_sleepers(tmp_path, 1)
+    [host] = find_sleepers(tmp_path)
+    os.close(writer)
+    host.wait(60)
+    (tmp_path / "ended").write_text("\n")
+    assert guard.wait(60) == 0
+    assert (tmp_path / "at_rest").exists()
+
+
 @pytest.mark.parametrize("word", [b"", b"nonsense\n"])
 def test_guard_without_anything_left_just_ends(tmp_path: Path, word: bytes) -> None:
     guard, writer = start_guard(tmp_path, "exit 0")

@@ -18,6 +18,7 @@ from typing import Any
 
 from tests.ur_nodes.drivers.mutations import StillPlant
 
+from ur.run.host.cgroup import Cgroup
 from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.simulator.devices import arduino, magni
 from ur_nodes.simulator.devices.bench import FIRMWARES
@@ -45,19 +46,20 @@ while True:
 
 
 class GuardedBoard(StillPlant):
-    """A context: the driver runs in it. `turned` are the speeds that the motors got, m/s."""
+    """A context: the driver runs in it. `turned` are the speeds that the motors got, m/s; `group` gets the driver."""
 
-    def __init__(self, name: str, path: Path) -> None:
+    def __init__(self, name: str, path: Path, group: Cgroup | None = None) -> None:
         super().__init__()
         self.turned: list[tuple[float, float]] = [(0.0, 0.0)]
         self.firmware: Any = FIRMWARES[name](self)  # type: ignore[arg-type]
         self._terminal = DeviceTerminal(path)
+        self._join = (lambda: group.take(os.getpid())) if group else None
         self._watchdogs = arduino.WATCHDOG, magni.CLOCK
         self._command = [sys.executable, "-c", PROGRAM, name, str(path)]
 
     def __enter__(self) -> GuardedBoard:
         arduino.WATCHDOG, magni.CLOCK = 1e9, 1.0
-        self.driver = subprocess.Popen(self._command, start_new_session=True)
+        self.driver = subprocess.Popen(self._command, start_new_session=True, preexec_fn=self._join)
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -7,11 +7,15 @@ import signal
 import threading
 from pathlib import Path
 
+import psutil
 import pytest
 from tests.ur_nodes.drivers.guarded import GuardedBoard
 from tests.ur_nodes.drivers.rig import one_of
 from tests.ur_nodes.drivers.threads import ThreadedNode
 
+from ur.robot.base.own_drivers import OWN_DRIVERS
+from ur.run.host.cgroup import Cgroup, make_cgroup
+from ur.run.host.descendants import MOTOR_GUARD
 from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.lines import guard_program
 from ur_nodes.drivers.lines.line import LineSettings, LineUser
@@ -38,6 +42,64 @@ def test_neato_leaves_test_mode_when_its_driver_is_killed(tmp_path: Path) -> Non
         assert board.firmware.test_mode
         board.driver.kill()
         board.run_until(lambda: not board.firmware.test_mode)
+
+
+def find_guard(board: GuardedBoard) -> psutil.Process:
+    """The guard of a board that drives, once it has its name."""
+    found: list[psutil.Process] = []
+
+    def is_ready() -> bool:
+        found[:] = [each for each in psutil.Process(board.driver.pid).children() if each.name() == MOTOR_GUARD.decode()]
+        return bool(found)
+
+    board.run_until(is_ready)
+    return found[0]
+
+
+def test_guard_ignores_what_ends_a_driver_and_ends_with_it_after_the_motors_rest(tmp_path: Path) -> None:
+    with GuardedBoard("create2", tmp_path / "device") as board:
+        board.run_until(lambda: len(board.turned) > 10)
+        guard = find_guard(board)
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+            guard.send_signal(number)
+        board.driver.kill()
+        board.run_until(lambda: board.rests)
+        board.run_until(lambda: not guard.is_running() or guard.status() == psutil.STATUS_ZOMBIE)
+
+
+def test_oom_killer_chooses_a_driver_before_its_guard(tmp_path: Path) -> None:
+    with GuardedBoard("create2", tmp_path / "device") as board:
+        guard = find_guard(board)
+
+        def is_lower() -> bool:
+            scores = [int(Path(f"/proc/{pid}/oom_score_adj").read_text()) for pid in (guard.pid, board.driver.pid)]
+            return scores[0] < scores[1] and scores[0] <= 0
+
+        board.run_until(is_lower)
+
+
+def test_guard_outlives_the_control_group_of_its_run(tmp_path: Path) -> None:
+    run = make_cgroup(os.getpid())
+    if run is None:
+        pytest.skip("no cgroup (v2) can be made here")
+    try:
+        with GuardedBoard("create2", tmp_path / "device", group=run) as board:
+            board.run_until(lambda: len(board.turned) > 10)
+            guard = find_guard(board)
+            if board.driver.pid not in run.list_processes():
+                pytest.skip("processes may not be moved here")
+            board.run_until(lambda: guard.pid not in run.list_processes())
+            run.kill()
+            board.run_until(lambda: board.rests)
+    finally:
+        run.kill()
+        assert Cgroup(run.path).remove(60)
+
+
+def test_each_board_of_a_base_has_a_watchdog_or_is_known_to_drive_on() -> None:
+    bases = {name for name, driver in OWN_DRIVERS.items() if not driver.sensor}
+    assert bases == set(BOARDS)
+    assert {name for name in bases if OWN_DRIVERS[name].drives_on} == {"create2", "loki"}
 
 
 def test_guard_stops_the_motors_when_speeds_stay_away_and_when_the_pipe_ends() -> None:

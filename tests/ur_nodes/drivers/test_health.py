@@ -10,11 +10,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace as replace_fields
 from tests.robot.doctor.pairs import ROBOT
 from tests.ur_nodes.drivers.rig import one_of
 from tests.ur_nodes.drivers.test_base_driver import make_rig
 
 from ur.devices.driver_health import OBSERVE_DRIVERS, DriverHealth, health_file, parse_drivers, write_health
+from ur.robot.base.own_drivers import NO_WATCHDOG
 from ur.robot.doctor.rules import diagnose_alone
 from ur.robot.doctor.rules.drivers import describe_driver
 from ur.source.foreign.json_values import write_json
@@ -80,6 +82,7 @@ def test_doctor_reads_the_files_of_drivers_that_run(tmp_path: Path) -> None:
     done = subprocess.run(["sh", "-c", OBSERVE_DRIVERS], env=environment, capture_output=True, text=True, check=True)
     assert parse_drivers(done.stdout) == (health,)
     assert describe_driver(health) == "/dev/create: iRobot Create 2, streams, 66 frames/s, 0.0 damaged, 16.4 V"
+    assert describe_driver(replace_fields(health, drives_on=True)).endswith(f"16.4 V, {NO_WATCHDOG}")
     side = replace(ROBOT, observed={"drivers": done.stdout})
     assert [each.rule for each in diagnose_alone(side)] == [each.rule for each in diagnose_alone(ROBOT)]
 

@@ -9,6 +9,7 @@ import pytest
 from tests.base_contract import load
 from tests.ur_nodes.drivers.mutations import StillPlant
 
+from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.robot.base.wiring import Wiring
 from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.boards.arduino import make_line
@@ -17,6 +18,7 @@ from ur_nodes.drivers.boards.magni import make_packet
 from ur_nodes.drivers.boards.opencr import make_packet as opencr_packet
 from ur_nodes.drivers.boards.rewired import RewiredBoard
 from ur_nodes.drivers.readings import NOT_MEASURED, Contacts, Counts, DeviceIdentity, MeasuredBeams, Motors, Power
+from ur_nodes.simulator.devices.magni import MagniFirmware
 from ur_nodes.simulator.devices.opencr import OpenCrFirmware
 
 
@@ -77,6 +79,25 @@ def test_magni_gets_the_speeds_that_ubiquity_motor_sends() -> None:
 def test_magni_with_other_encoders_or_wheels_is_refused(options: int, fits: bool) -> None:
     (identity,) = make("magni").take(make_packet(0x3C, 0x38, options))
     assert bool(identity.problem) is not fits
+
+
+@pytest.mark.parametrize("started", [True, False])
+def test_magni_stops_by_its_dead_man_timer_where_the_driver_has_started_it(started: bool) -> None:
+    class Plant(StillPlant):
+        speeds = (0.0, 0.0)
+
+        def turn_wheels(self, left: float, right: float) -> None:
+            self.speeds = left, right
+
+    plant, board = Plant(), make("magni")
+    firmware = MagniFirmware(plant)  # type: ignore[arg-type]
+    firmware.take((board.greet() if started else b"") + board.drive(0.2, 0.2))
+    plant.time = OWN_DRIVERS["magni"].watchdog - 0.01
+    firmware.tick()
+    assert plant.speeds != (0.0, 0.0)
+    plant.time += 0.02
+    firmware.tick()
+    assert (plant.speeds == (0.0, 0.0)) is started
 
 
 def test_magni_adds_up_the_counts_of_its_reports() -> None:

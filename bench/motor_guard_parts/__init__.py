@@ -1,0 +1,1 @@
+"""What ends on a booted computer while its boards drive, and how soon the boards get zeros."""
