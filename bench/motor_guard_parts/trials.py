@@ -29,6 +29,13 @@ UNIT, GROUPS = "ubiquity-drive", Path("/sys/fs/cgroup")
 LIMIT = 3.0  # s in which a board has to rest
 COMMAND = "rostopic pub -r 50 /cmd_vel geometry_msgs/Twist '{linear: {x: 0.2}}'"
 PROJECT = project_folder()
+# The package dbus-user-session, which the computers of the bench lack.
+USER_BUS = {
+    "dbus.socket": "[Socket]\nListenStream=%t/bus\n",
+    "dbus.service": "[Unit]\nRequires=dbus.socket\n[Service]\nType=notify\n"
+    "ExecStart=/usr/bin/dbus-daemon --session --address=systemd: --nofork --nopidfile --systemd-activation\n",
+    "sockets.target.wants/dbus.socket": "[Socket]\nListenStream=%t/bus\n",
+}
 PYTHON = f"{PROJECT}/.venv/bin/python"
 
 
@@ -88,9 +95,12 @@ def set_up(user: str, starter: str) -> None:
         Path(path).write_text("\n".join(lines) + "\n")
     run("systemctl", "daemon-reload")
     run("systemctl", "restart" if starter == "socket" else "stop", "motor-guard.socket")
-    uid = str(pwd.getpwnam(user).pw_uid)
     if user != "root":
-        run("systemctl", "start" if starter == "manager" else "stop", f"user@{uid}.service")
+        for name, text in USER_BUS.items():
+            path = Path("/etc/systemd/user", name)
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(text)
+        run("systemctl", "restart" if starter == "manager" else "stop", f"user@{pwd.getpwnam(user).pw_uid}.service")
     os.environ["PYTHONPATH"] = f"{PROJECT}/src:{PROJECT}"
     begin("boards", PYTHON, "-m", "bench.motor_guard_parts.boards", str(FOLDER), str(NOTES))
     begin("master", "roscore")
