@@ -97,11 +97,12 @@ def set_up(user: str, starter: str) -> None:
     run("systemctl", "restart" if starter == "socket" else "stop", "motor-guard.socket")
     if user != "root":
         for name, text in USER_BUS.items():
-            path = Path("/etc/systemd/user", name)
-            path.parent.mkdir(exist_ok=True)
-            path.write_text(text)
+            file = Path("/etc/systemd/user", name)
+            file.parent.mkdir(exist_ok=True)
+            file.write_text(text)
         run("systemctl", "restart" if starter == "manager" else "stop", f"user@{pwd.getpwnam(user).pw_uid}.service")
     os.environ["PYTHONPATH"] = f"{PROJECT}/src:{PROJECT}"
+    NOTES.write_text("")
     begin("boards", PYTHON, "-m", "bench.motor_guard_parts.boards", str(FOLDER), str(NOTES))
     begin("master", "roscore")
     wait(lambda: "/rosout" in run("rosnode", "list"), "a master")
@@ -139,7 +140,7 @@ def try_set(chosen: Sequence[str]) -> dict[str, float | None]:
     drives = lambda: len(found := read_notes()) == len(BOARDS) and all(moves for _, moves in found.values())  # noqa: E731
     wait(drives, f"all boards drive; {read_notes()}")
     wait(lambda: len(find("ur-motor-guard")) == len(BOARDS), "a guard for each board")
-    time.sleep(1.0)  # for their move to a scope
+    time.sleep(2.5)  # for their move to a scope; a guard that ends sooner is taken for one that systemd cannot start
     before = set(find("ur-motor-guard"))
     begun = kill(chosen)
     if tuple(chosen) == ("guard",):  # the drivers go on, and have new ones

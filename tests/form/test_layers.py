@@ -87,6 +87,8 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur.source",
         "ur.devices.driver_health",
         "ur.robot.base",
+        "ur.run.host.cgroup",
+        "ur.run.host.descendants",
         "ur_nodes.geometry",
         "ur_nodes.motion.wheel_drive",
         "ur_nodes.ports",

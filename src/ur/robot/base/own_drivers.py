@@ -25,7 +25,7 @@ class OwnDriver:
 
     @property
     def drives_on(self) -> bool:
-        """Whether the board of a base has no watchdog, and so goes on with the last command that it got."""
+        """Return whether the board of a base has no watchdog, and so goes on with the last command that it got."""
         return not self.sensor and not self.watchdog
 
     @property
