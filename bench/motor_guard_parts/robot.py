@@ -38,7 +38,7 @@ def boot_robot() -> Iterator[Machine]:
     before = os.environ.get(_UNIFIED)
     os.environ[_UNIFIED] = "1"
     try:
-        with boot(("robot",), with_repository=("robot",)) as bench:
+        with boot(("robot",), with_repository=("robot",), programs=True) as bench:
             bench["robot"].write("/etc/sudoers.d/pat", SUDO, mode=0o440)
             yield bench["robot"]
     finally:

@@ -34,7 +34,6 @@ USER_BUS = {
     "dbus.socket": "[Socket]\nListenStream=%t/bus\n",
     "dbus.service": "[Unit]\nRequires=dbus.socket\n[Service]\nType=notify\n"
     "ExecStart=/usr/bin/dbus-daemon --session --address=systemd: --nofork --nopidfile --systemd-activation\n",
-    "sockets.target.wants/dbus.socket": "[Socket]\nListenStream=%t/bus\n",
 }
 PYTHON = f"{PROJECT}/.venv/bin/python"
 
@@ -62,7 +61,7 @@ def wait(condition: Callable[[], bool], what: str, limit: float = 90.0) -> None:
     end = time.monotonic() + limit
     while not condition():
         if time.monotonic() > end:
-            raise TimeoutError(what + "\n" + run("journalctl", "-u", UNIT, "-n", "30", "--no-pager"))
+            raise TimeoutError(what + "\n" + run("journalctl", "-n", "40", "--no-pager"))
         time.sleep(0.02)
 
 
@@ -97,9 +96,8 @@ def set_up(user: str, starter: str) -> None:
     run("systemctl", "restart" if starter == "socket" else "stop", "motor-guard.socket")
     if user != "root":
         for name, text in USER_BUS.items():
-            file = Path("/etc/systemd/user", name)
-            file.parent.mkdir(exist_ok=True)
-            file.write_text(text)
+            Path("/etc/systemd/user", name).write_text(text)
+        run("systemctl", "--global", "add-wants", "sockets.target", "dbus.socket")
         run("systemctl", "restart" if starter == "manager" else "stop", f"user@{pwd.getpwnam(user).pw_uid}.service")
     os.environ["PYTHONPATH"] = f"{PROJECT}/src:{PROJECT}"
     NOTES.write_text("")
@@ -112,7 +110,7 @@ def set_up(user: str, starter: str) -> None:
 def begin(name: str, *words: str) -> None:
     """Run a command as a unit."""
     run("systemctl", "stop", f"{name}.service")
-    setting = f"--setenv=PYTHONPATH={os.environ['PYTHONPATH']}:/usr/lib/python3/dist-packages"
+    setting = f"--setenv=PYTHONPATH={os.environ['PYTHONPATH']}"
     run("systemd-run", f"--unit={name}", f"--working-directory={PROJECT}", setting, "--setenv=HOME=/root", *words)
 
 
@@ -140,7 +138,8 @@ def try_set(chosen: Sequence[str]) -> dict[str, float | None]:
     drives = lambda: len(found := read_notes()) == len(BOARDS) and all(moves for _, moves in found.values())  # noqa: E731
     wait(drives, f"all boards drive; {read_notes()}")
     wait(lambda: len(find("ur-motor-guard")) == len(BOARDS), "a guard for each board")
-    time.sleep(2.5)  # for their move to a scope; a guard that ends sooner is taken for one that systemd cannot start
+    # They move to a scope; and one that ends within 2 s is taken for one that systemd cannot start.
+    time.sleep(2.5 if tuple(chosen) == ("guard",) else 1.0)
     before = set(find("ur-motor-guard"))
     begun = kill(chosen)
     if tuple(chosen) == ("guard",):  # the drivers go on, and have new ones

@@ -39,10 +39,6 @@ def test_program_of_a_robot_with_ros2_waits_for_no_master() -> None:
     assert MASTER_UNIT not in text
 
 
-def test_stop_of_a_unit_leaves_the_order_in_which_its_processes_end_to_the_program() -> None:
-    assert "\nKillMode=mixed\n" in program_unit("drive", "exec roslaunch p f", "ros", "/home/ros").text
-
-
 @pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is not installed")
 def test_guards_of_motors_are_units_that_systemd_reads_and_that_the_oom_killer_spares(tmp_path: Path) -> None:
     texts = guard_units("root", "/root")

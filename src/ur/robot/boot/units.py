@@ -77,7 +77,6 @@ ExecStartPre=/bin/sh -c {back_off}
 TimeoutStartSec=infinity
 ExecStart={start}
 {after_start}KillSignal=SIGINT
-KillMode=mixed
 TimeoutStopSec=20
 Restart=always
 RestartSec=2

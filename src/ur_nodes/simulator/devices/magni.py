@@ -27,7 +27,7 @@ class MagniFirmware:
         self._scale = COUNTS_PER_TURN / (2.0 * math.pi * plant.base.wheels.radius)
         self._read = [0, 0]  # counts that were reported
         self._bytes = b""
-        self._heard, self._reported = plant.time, plant.time
+        self._last_packet, self._reported = plant.time, plant.time
         self._dead_man = 0  # ticks; off until a driver has set it
         self.power = True
 
@@ -40,13 +40,13 @@ class MagniFirmware:
                 self._bytes = self._bytes[1:]
                 continue
             self._bytes = self._bytes[8:]
-            self._heard = self._plant.time
+            self._last_packet = self._plant.time
             answer += self._obey(packet[1] % 16, packet[2], packet[3:7])
         return answer
 
     def tick(self) -> bytes:
         now = self._plant.time
-        if not self.power or (self._dead_man and now - self._heard > self._dead_man / CLOCK):
+        if not self.power or (self._dead_man and now - self._last_packet > self._dead_man / CLOCK):
             self._plant.turn_wheels(0.0, 0.0)
         if not self._reports or now - self._reported < ODOMETRY_PERIOD - 1e-6:
             return b""
