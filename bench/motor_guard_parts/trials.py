@@ -87,11 +87,9 @@ def set_up(user: str, starter: str) -> None:
     override = Path(f"{unit.path}.d/run.conf")
     override.parent.mkdir(exist_ok=True)
     override.write_text("[Service]\nDelegate=yes\n")  # so that the run of an ordinary user has a control group, too
-    guards = guard_units(user, home)
-    for path, text in guards.items():
-        start = f"ExecStart={PYTHON} -I -m ur_nodes.drivers.lines.guard_program"
-        lines = [start if each.startswith("ExecStart=") else each for each in text.splitlines()]
-        Path(path).write_text("\n".join(lines) + "\n")
+    for path, text in guard_units(user, home).items():
+        Path(path).write_text(text)
+    run("ln", "-sfn", str(PROJECT), f"{home}/ubiquity_launches")  # where units look for this project
     run("systemctl", "daemon-reload")
     run("systemctl", "restart" if starter == "socket" else "stop", "motor-guard.socket")
     if user != "root":

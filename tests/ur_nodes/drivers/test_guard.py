@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
+import subprocess
+import sys
 import threading
+from collections.abc import Iterator
 from pathlib import Path
 
 import psutil
@@ -17,8 +21,9 @@ from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.run.host.cgroup import Cgroup, make_cgroup
 from ur.run.host.descendants import MOTOR_GUARD
 from ur_nodes.drivers.boards import BOARDS
-from ur_nodes.drivers.lines import guard_program
+from ur_nodes.drivers.lines import guard_program, motor_guard
 from ur_nodes.drivers.lines.line import LineSettings, LineUser
+from ur_nodes.drivers.lines.motor_guard import MotorGuard
 from ur_nodes.drivers.lines.serial_line import SerialLine
 from ur_nodes.simulator.devices.terminal import DeviceTerminal
 
@@ -114,6 +119,45 @@ def test_guard_stops_the_motors_when_speeds_stay_away_and_when_the_pipe_ends() -
     guard.join(20.0)
     assert not guard.is_alive()
     for each in (theirs, out, device):
+        os.close(each)
+
+
+@pytest.fixture
+def unit_socket(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[socket.socket]:
+    """What systemd does for the socket of `ur boot install`: it listens."""
+    monkeypatch.setattr(motor_guard, "GUARD_SOCKET", str(tmp_path / "guard"))
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as listener:
+        listener.bind(str(tmp_path / "guard"))
+        listener.listen()
+        yield listener
+
+
+def test_guard_in_a_unit_of_its_own_stops_the_motors_of_the_driver_that_connects(unit_socket: socket.socket) -> None:
+    def start(*_: object) -> int:
+        raise AssertionError
+
+    out, device = os.pipe()
+    guard = MotorGuard(device, b"STOP", b"LEAVE", start)
+    connection, _ = unit_socket.accept()
+    with subprocess.Popen([sys.executable, guard_program.__file__], stdin=connection.fileno()) as unit:
+        connection.close()
+        guard.report(moving=True)
+        assert os.read(out, 100) == b"STOP"
+        guard.close()
+        assert os.read(out, 100) == b"STOPLEAVE"
+    assert unit.returncode == 0
+    for each in (out, device):
+        os.close(each)
+
+
+def test_driver_starts_a_guard_itself_where_that_of_the_unit_ends_at_once(unit_socket: socket.socket) -> None:
+    theirs, ours = os.pipe()
+    guard = MotorGuard(ours, b"STOP", b"", lambda *_: os.dup(ours))
+    unit_socket.accept()[0].close()
+    guard.report(moving=True)
+    assert os.read(theirs, 100) == b"m"
+    guard.close()
+    for each in (theirs, ours):
         os.close(each)
 
 
