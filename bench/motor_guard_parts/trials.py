@@ -15,6 +15,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from itertools import combinations
 from pathlib import Path
 
@@ -124,7 +125,8 @@ def kill(chosen: Sequence[str]) -> float:
         raise LookupError("the run has no control group")
     begun = time.monotonic()
     for pid in pids:
-        os.kill(pid, signal.SIGKILL)
+        with suppress(ProcessLookupError):  # it has just ended with another of the set
+            os.kill(pid, signal.SIGKILL)
     for group in groups:
         (group / "cgroup.kill").write_text("1")
     return begun
