@@ -8,7 +8,7 @@ import pytest
 from bench.motor_guard_parts.robot import LIMIT, STARTERS, USERS, boot_robot, run_trials
 from tests.hosts.bench import Machine
 
-SETS = ("host", "guard", "host+guard", "cgroup", "unit", "host+driver+ur+cgroup+unit")
+SETS = ("host", "guard", "host+guard", "guard+ur", "cgroup", "unit", "host+driver+ur+cgroup+unit")
 _ATTEMPTS = 3  # where this computer is too busy to measure
 
 

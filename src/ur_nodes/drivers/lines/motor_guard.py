@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import socket
 import subprocess
 import sys
@@ -24,6 +25,8 @@ def start_guard(device: int, stop: bytes, leave: bytes) -> int:
     theirs, ours = os.pipe()
     program = (files(__package__) / "guard_program.py").read_text(encoding="utf-8")
     words = [str(theirs), str(device), stop.hex(), leave.hex(), find_group_above()]
+    # Until the guard ignores what ends its driver: a new process has blocked what is blocked here.
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM, signal.SIGHUP))
     try:
         subprocess.Popen(
             [sys.executable, "-I", "-S", "-c", program, *words],
@@ -34,6 +37,7 @@ def start_guard(device: int, stop: bytes, leave: bytes) -> int:
             stderr=subprocess.DEVNULL,
         )
     finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
         os.close(theirs)
     os.set_blocking(ours, False)
     return ours

@@ -67,9 +67,11 @@ class SerialLine:
         if self._port is None or not data:
             return
         with contextlib.suppress(OSError, termios.error):  # unplugged: what reads it reports that
-            if self._guard:
-                self._guard.report(moving=moving)
-            os.write(self._port.fileno(), data)
+            if self._guard and moving:
+                self._guard.report(moving=True)
+            os.write(self._port.fileno(), data)  # what stops motors waits for no guard that has to be started again
+            if self._guard and not moving:
+                self._guard.report(moving=False)
 
     def close(self) -> None:
         self._closed = True

@@ -94,3 +94,25 @@ def test_guard_that_was_killed_is_started_again(tmp_path: Path) -> None:
     assert len(started) == 2
     line.close()
     terminal.close()
+
+
+def test_what_stops_the_motors_is_sent_where_no_guard_can_be_started(tmp_path: Path) -> None:
+    pipes: list[int] = []
+
+    def start_guard(_device: int, _stop: bytes, _leave: bytes) -> int:
+        """One that was killed at once, and none after it."""
+        if pipes:
+            raise OSError
+        theirs, ours = os.pipe()
+        os.close(theirs)
+        pipes.append(ours)
+        return ours
+
+    terminal, record = DeviceTerminal(tmp_path / "device"), Record()
+    line = SerialLine(ThreadedNode(), str(terminal.path), record.user(), LineSettings(115200, b"STOP"), start_guard)  # type: ignore[arg-type]
+    record.wait(lambda events: events == ["open"])
+    line.write(b"go", moving=True)
+    line.write(b"stop")
+    line.close()
+    assert terminal.read() == b"stop"
+    terminal.close()
