@@ -21,7 +21,7 @@ from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.run.host.cgroup import Cgroup, make_cgroup
 from ur.run.host.descendants import MOTOR_GUARD
 from ur_nodes.drivers.boards import BOARDS
-from ur_nodes.drivers.lines import guard_program, motor_guard
+from ur_nodes.drivers.lines import guard_program
 from ur_nodes.drivers.lines.line import LineSettings, LineUser
 from ur_nodes.drivers.lines.motor_guard import MotorGuard
 from ur_nodes.drivers.lines.serial_line import SerialLine
@@ -123,9 +123,8 @@ def test_guard_stops_the_motors_when_speeds_stay_away_and_when_the_pipe_ends() -
 
 
 @pytest.fixture
-def unit_socket(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[socket.socket]:
+def unit_socket(tmp_path: Path) -> Iterator[socket.socket]:
     """What systemd does for the socket of `ur boot install`: it listens."""
-    monkeypatch.setattr(motor_guard, "GUARD_SOCKET", str(tmp_path / "guard"))
     with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as listener:
         listener.bind(str(tmp_path / "guard"))
         listener.listen()
@@ -137,7 +136,7 @@ def test_guard_in_a_unit_of_its_own_stops_the_motors_of_the_driver_that_connects
         raise AssertionError
 
     out, device = os.pipe()
-    guard = MotorGuard(device, b"STOP", b"LEAVE", start)
+    guard = MotorGuard(device, b"STOP", b"LEAVE", start, unit_socket.getsockname())
     connection, _ = unit_socket.accept()
     with subprocess.Popen([sys.executable, guard_program.__file__], stdin=connection.fileno()) as unit:
         connection.close()
@@ -152,7 +151,7 @@ def test_guard_in_a_unit_of_its_own_stops_the_motors_of_the_driver_that_connects
 
 def test_driver_starts_a_guard_itself_where_that_of_the_unit_ends_at_once(unit_socket: socket.socket) -> None:
     theirs, ours = os.pipe()
-    guard = MotorGuard(ours, b"STOP", b"", lambda *_: os.dup(ours))
+    guard = MotorGuard(ours, b"STOP", b"", lambda *_: os.dup(ours), unit_socket.getsockname())
     unit_socket.accept()[0].close()
     guard.report(moving=True)
     assert os.read(theirs, 100) == b"m"

@@ -43,11 +43,11 @@ def start_guard(device: int, stop: bytes, leave: bytes) -> int:
     return ours
 
 
-def request_guard(device: int, stop: bytes, leave: bytes) -> int:
-    """Have systemd start it in the unit that `ur boot install` has set up; see `start_guard`. Raises OSError."""
+def request_guard(path: str, device: int, stop: bytes, leave: bytes) -> int:
+    """Have systemd start it in the unit whose socket has this path; see `start_guard`. Raises OSError."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as link:
         link.setblocking(False)
-        link.connect(GUARD_SOCKET)
+        link.connect(path)
         socket.send_fds(link, [f"{stop.hex()},{leave.hex()}".encode()], [device])
         return link.detach()
 
@@ -55,9 +55,11 @@ def request_guard(device: int, stop: bytes, leave: bytes) -> int:
 class MotorGuard:
     """The guard of an open device; `stop` and `leave` as those of LineSettings."""
 
-    def __init__(self, device: int, stop: bytes, leave: bytes, start: StartGuard = start_guard) -> None:
-        """Start it; `start` does so where systemd has no unit for it. Raises OSError."""
-        self._given, self._start = (device, stop, leave), start
+    def __init__(
+        self, device: int, stop: bytes, leave: bytes, start: StartGuard = start_guard, unit: str = GUARD_SOCKET
+    ) -> None:
+        """Start it; `start` does so where systemd has no unit for it, whose socket is `unit`. Raises OSError."""
+        self._unit, self._given, self._start = unit, (device, stop, leave), start
         self._requested = -_SOON
         self._pipe = self._begin()
 
@@ -78,7 +80,7 @@ class MotorGuard:
         before, self._requested = self._requested, time.monotonic()
         if self._requested - before >= _SOON:
             with suppress(OSError):
-                return request_guard(*self._given)
+                return request_guard(self._unit, *self._given)
         return self._start(*self._given)
 
     def close(self) -> None:
