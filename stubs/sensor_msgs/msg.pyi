@@ -192,44 +192,6 @@ class LaserScan(genpy.Message):
         intensities: Sequence[float] = ...,
     ) -> None: ...
 
-class NavSatFix(genpy.Message):
-    COVARIANCE_TYPE_UNKNOWN: int
-    COVARIANCE_TYPE_APPROXIMATED: int
-    COVARIANCE_TYPE_DIAGONAL_KNOWN: int
-    COVARIANCE_TYPE_KNOWN: int
-    header: std_msgs.msg.Header
-    status: NavSatStatus
-    latitude: float
-    longitude: float
-    altitude: float
-    position_covariance: MutableSequence[float]
-    position_covariance_type: int
-    def __init__(
-        self,
-        header: std_msgs.msg.Header = ...,
-        status: NavSatStatus = ...,
-        latitude: float = ...,
-        longitude: float = ...,
-        altitude: float = ...,
-        position_covariance: MutableSequence[float] = ...,
-        position_covariance_type: int = ...,
-    ) -> None: ...
-
-class NavSatStatus(genpy.Message):
-    STATUS_NO_FIX: int
-    STATUS_FIX: int
-    STATUS_SBAS_FIX: int
-    STATUS_GBAS_FIX: int
-    SERVICE_GPS: int
-    SERVICE_GLONASS: int
-    SERVICE_COMPASS: int
-    SERVICE_GALILEO: int
-    STATUS_UNKNOWN: int
-    SERVICE_UNKNOWN: int
-    status: int
-    service: int
-    def __init__(self, status: int = ..., service: int = ...) -> None: ...
-
 class PointCloud2(genpy.Message):
     header: std_msgs.msg.Header
     height: int

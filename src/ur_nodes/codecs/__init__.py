@@ -19,7 +19,7 @@ _MODULES = {
     "ur_nodes.codecs.motion": ("Twist", "StampedTwist", "Odometry", "DriverOdometry", "Joints", "Joystick"),
     "ur_nodes.codecs.places": ("PlacedPose", "PoseEstimate", "Poses", "Path", "Outline", "AskPath"),
     "ur_nodes.codecs.goals": ("Goal", "GoalId", "GoalState", "GoalStates"),
-    "ur_nodes.codecs.sensors": ("Scan", "Range", "Imu", "Battery", "GeoFix"),
+    "ur_nodes.codecs.sensors": ("Scan", "Range", "Imu", "Battery"),
     "ur_nodes.codecs.maps": ("Map", "MapInfo", "MapUpdate", "AskMap", "UseMap", "Place"),
     "ur_nodes.codecs.vision.markers": ("Markers", "MarkerChange", "MarkerChanges"),
     "ur_nodes.codecs.vision.clouds": ("PointCloud",),

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from sensor_msgs.msg import BatteryState, NavSatFix
+from sensor_msgs.msg import BatteryState
 from sensor_msgs.msg import Imu as ImuMessage
 from sensor_msgs.msg import Range as RangeMessage
 
 from ur_nodes.codecs.codec import Codec, fill_header, frame_of
 from ur_nodes.codecs.dialect import ScanMessage, array_of, field_of, stamp_of
-from ur_nodes.ports.values import Battery, GeoFix, Imu, Range, Scan
+from ur_nodes.ports.values import Battery, Imu, Range, Scan
 
 # sensor_msgs/BatteryState knows no lead.
 _TECHNOLOGIES = {
@@ -120,34 +120,9 @@ def _battery_of(message: BatteryState) -> Battery:
     )
 
 
-def _fill_fix(message: NavSatFix, value: GeoFix) -> None:
-    fill_header(message, value.stamp, value.frame)
-    message.latitude, message.longitude, message.altitude = value.latitude, value.longitude, value.altitude
-    status = message.status
-    fixed = status.STATUS_GBAS_FIX if value.corrected else status.STATUS_FIX
-    status.status, status.service = (fixed if value.fixed else status.STATUS_NO_FIX), status.SERVICE_GPS
-    ground, height = value.variances
-    message.position_covariance = [ground, 0.0, 0.0, 0.0, ground, 0.0, 0.0, 0.0, height]
-    message.position_covariance_type = message.COVARIANCE_TYPE_DIAGONAL_KNOWN
-
-
-def _fix_of(message: NavSatFix) -> GeoFix:
-    return GeoFix(
-        stamp_of(message.header.stamp),
-        frame_of(message),
-        message.latitude,
-        message.longitude,
-        message.altitude,
-        (message.position_covariance[0], message.position_covariance[8]),
-        message.status.status >= message.status.STATUS_FIX,
-        message.status.status > message.status.STATUS_FIX,
-    )
-
-
 CODECS = {
     Scan: Codec(ScanMessage, _fill_scan, _scan_of),
     Range: Codec(RangeMessage, _fill_range, _range_of),
     Imu: Codec(ImuMessage, _fill_imu, _imu_of),
-    GeoFix: Codec(NavSatFix, _fill_fix, _fix_of),
     Battery: Codec(BatteryState, _fill_battery, _battery_of),
 }

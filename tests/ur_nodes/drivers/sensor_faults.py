@@ -12,7 +12,6 @@ import sys
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from tests.ur_nodes.drivers.gnss.test_gnss_driver import DrivenReceiver
 from tests.ur_nodes.drivers.imus.test_imu_driver import DrivenUnit
 from tests.ur_nodes.drivers.sonars.test_sonar_driver import AT, Sonars
 
@@ -38,12 +37,6 @@ def _wrong_unit(rig: Any, _: random.Random) -> None:
     rig.unit.plugged = True
 
 
-def _wrong_receiver(rig: Any, _: random.Random) -> None:
-    rig.kept = rig.receiver.take, rig.receiver.tick
-    rig.receiver.take = lambda data: b"AT+OK\r\n" if data else b""
-    rig.receiver.tick = lambda: b"\xa5\x5a\x14"
-
-
 def _lose_power(rig: Any, _: random.Random) -> None:
     rig.unit.lose_power()
 
@@ -52,15 +45,11 @@ def _repair(rig: Any) -> None:
     """All is sound again, and plugged in."""
     if isinstance(rig, Sonars):
         rig.board.plugged, rig.board.noise, rig.board.cut, rig.board.silent = True, 0.0, 0.0, frozenset()
-    elif isinstance(rig, DrivenUnit):
+    else:
         rig.unit.plugged = False
         rig.bus.run(0.1)
         rig.unit.plugged, rig.unit.noise = True, 0.0
         rig.unit.lose_power()
-    else:
-        if hasattr(rig, "kept"):
-            rig.receiver.take, rig.receiver.tick = rig.kept
-        rig.cable.plugged, rig.cable.noise, rig.cable.cut, rig.cable.late = True, 0.0, 0.0, 0.0
 
 
 UNIT_FAULTS = {
@@ -77,39 +66,26 @@ FAULTS: dict[str, dict[str, tuple[Fault, str]]] = {
     },
     "bno055": {**UNIT_FAULTS, "noise": (_set("unit", noise=0.001), "")},
     "mpu6050": UNIT_FAULTS,
-    "ublox": {
-        "unplugged for 5 s": (_set("cable", plugged=False), "unplugged; expected a u-blox receiver"),
-        "wrong device": (_wrong_receiver, "no message of a u-blox receiver"),
-        "noise": (_set("cable", noise=0.001), ""),
-        "half frames": (_set("cable", cut=0.2), ""),
-        "late answers": (_set("cable", late=4.5), "no message of a u-blox receiver"),
-    },
 }
 MAKE: dict[str, Callable[[], Any]] = {
     "sonars": Sonars,
     "bno055": lambda: DrivenUnit("bno055"),
     "mpu6050": lambda: DrivenUnit("mpu6050"),
-    "ublox": DrivenReceiver,
 }
 
 
 def readings_of(rig: Any) -> list[Any]:
     """What the driver has published."""
-    readings: list[Any] = (
-        rig.ranges if isinstance(rig, Sonars) else rig.readings if isinstance(rig, DrivenUnit) else rig.fixes
-    )
+    readings: list[Any] = rig.ranges if isinstance(rig, Sonars) else rig.readings
     return readings
 
 
 def find_wrong(rig: Any) -> Iterator[str]:
     """Yield each reading that is not what was measured; noise on an I2C bus has no checksum to find it by."""
-    for each in readings_of(rig):
-        if isinstance(rig, Sonars):
-            distance = dict(zip((f"sonar_{n}" for n in range(5)), AT.values(), strict=True))[each.frame]
-            if each.frame != "sonar_4" and abs(each.range - distance) > 0.06:
-                yield f"{each.frame} at {each.range:.2f} m"
-        elif isinstance(rig, DrivenReceiver) and abs(each.latitude - rig.receiver.latitude) > 1e-6:
-            yield f"latitude {each.latitude}"
+    distances = dict(zip((f"sonar_{n}" for n in range(5)), AT.values(), strict=True))
+    for each in rig.ranges if isinstance(rig, Sonars) else ():
+        if each.frame != "sonar_4" and abs(each.range - distances[each.frame]) > 0.06:
+            yield f"{each.frame} at {each.range:.2f} m"
 
 
 def try_fault(sensor: str, name: str, seed: int) -> list[str]:

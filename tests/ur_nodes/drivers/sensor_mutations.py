@@ -1,7 +1,6 @@
 """Mutated data for readers of sensors without a scan: python -m tests.ur_nodes.drivers.sensor_mutations COUNT [SEED].
 
-Messages of a receiver, edges of echo pins and registers of inertial units are damaged. No reader may raise, keep more
-than a little, or take longer than two sound pieces to read again.
+Edges of echo pins and registers of inertial units are damaged. No reader may raise, nor fail to read again.
 """
 
 from __future__ import annotations
@@ -11,28 +10,13 @@ import sys
 import time
 from collections.abc import Callable
 
-from tests.ur_nodes.drivers.gnss.receiver import Receiver
 from tests.ur_nodes.drivers.imus.units import BoschUnit, InvenSenseUnit, Unit
-from tests.ur_nodes.drivers.mutations import BATCH, GROWTH, count_kept, mutate
+from tests.ur_nodes.drivers.mutations import BATCH
 
-from ur_nodes.drivers.gnss.ublox import Ublox
 from ur_nodes.drivers.imus.bno055 import Bno055
 from ur_nodes.drivers.imus.imu import InertialDevice
 from ur_nodes.drivers.imus.mpu6050 import STILL, Mpu6050
 from ur_nodes.drivers.sonars.echoes import PinEdge, find_echo
-
-
-def attack_receiver(count: int, source: random.Random) -> None:
-    """Damage the messages of a receiver."""
-    parser, receiver = Ublox(), Receiver()
-    pieces = [receiver.take(parser.greet()), *(receiver.tick() for _ in range(30))]
-    damaged = mutate(pieces, source)
-    for number in range(count):
-        list(parser.take(next(damaged)))
-        if number % BATCH == 0:
-            again = [place for piece in (pieces[-1],) * 3 for place in parser.take(piece)]
-            assert again[-1].latitude == receiver.latitude, f"nothing is read after damage {number}"
-            assert count_kept(parser) < GROWTH
 
 
 def attack_echoes(count: int, source: random.Random) -> None:
@@ -64,7 +48,6 @@ def attack_unit(count: int, source: random.Random, unit: Unit, device: InertialD
 
 
 ATTACKS: dict[str, Callable[[int, random.Random], None]] = {
-    "ublox": attack_receiver,
     "echoes": attack_echoes,
     "bno055": lambda count, source: attack_unit(count, source, BoschUnit(), Bno055(lambda _: None)),
     "mpu6050": lambda count, source: attack_unit(count, source, InvenSenseUnit(), Mpu6050(lambda _: None)),

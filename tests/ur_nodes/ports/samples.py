@@ -40,8 +40,6 @@ VALUES: tuple[object, ...] = (
     values.Scan(STAMP, "laser", -1.5, 0.25, 0.125, 8.0, np.array([1.0, np.inf, np.nan], np.float32)),
     values.Range(STAMP, "sonar", 1.5, 0.25, 0.125, 4.0),
     values.Imu(STAMP, "imu", (0.0, 0.0, 0.0, 1.0), (0.5, 0.0, 0.0), (0.0, 0.0, 9.75), 0.5, 0.25, 0.125),
-    values.GeoFix(STAMP, "gps", 48.5, -122.25, 31.5, (1.5, 4.0), corrected=True),
-    values.GeoFix(STAMP, "gps", 48.5, -122.25, 31.5, (1.5, 4.0), fixed=False),
     values.Battery(STAMP, 12.5, -1.5, 2.5, 4.0, 0.625, technology="nimh"),
     values.Joints(STAMP, ("left", "right"), (0.5, -0.5), (1.0, 2.0)),
     values.Joystick(STAMP, (0.5, -1.0), (0, 1)),

@@ -51,9 +51,6 @@ LIBRARY_NODES: dict[str, Interface] = {
         subscribes="fiducial_vertices camera_info tf initialpose",
         services="clear_map save_map global_localization",
     ),
-    "gnss_driver": make_interface(
-        publishes="fix",
-    ),
     "republish": make_interface(
         publishes="out",
         subscribes="in",

@@ -20,7 +20,7 @@ from ur_nodes.ports.values.places import (
     Poses,
     Transform,
 )
-from ur_nodes.ports.values.sensors import Battery, GeoFix, Imu, Range, Scan
+from ur_nodes.ports.values.sensors import Battery, Imu, Range, Scan
 from ur_nodes.ports.values.shapes import Marker, MarkerChange, MarkerChanges, Markers, PointCloud, Shape
 
 __all__ = [
@@ -29,7 +29,6 @@ __all__ = [
     "Calibration",
     "ClockTime",
     "DriverOdometry",
-    "GeoFix",
     "Imu",
     "Joints",
     "Joystick",

@@ -72,20 +72,3 @@ class Battery:
     charging: bool = False
     technology: str = ""
     """lifepo4, lithium-ion, lithium-polymer, nicd, nimh, or '' for any other."""
-
-
-@dataclass(frozen=True, slots=True)
-class GeoFix:
-    """A place on the Earth (WGS84): degrees, m above the ellipsoid; variances along the ground and of height, m^2.
-
-    `fixed` is False while the receiver knows no place; `corrected`: by a base station or satellites.
-    """
-
-    stamp: int
-    frame: str
-    latitude: float
-    longitude: float
-    altitude: float
-    variances: tuple[float, float]
-    fixed: bool = True
-    corrected: bool = False

@@ -1,1 +1,0 @@
-"""Receivers of satellite navigation."""
