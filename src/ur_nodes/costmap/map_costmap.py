@@ -37,7 +37,7 @@ class MapCostmap:
         self, grid: Grid, reach: UsedRanges, inflation: Inflation, *, lethal: int, track_unknown: bool
     ) -> None:
         self._reach = reach
-        self._inflation = inflation
+        self.inflation = inflation
         costs = costs_of_grid(grid, lethal=lethal, track_unknown=track_unknown)
         plain, self._costs = sparse_twins(inflate(costs, grid.resolution, inflation))
         self._plain = Costmap(plain, grid.resolution, grid.origin)
@@ -50,6 +50,18 @@ class MapCostmap:
         self._known: NDArray[np.int8] = sparse_zeros(costs.shape, np.int8)  # of `_is_known`: 1 and -1, 0 not looked at
         self._changed: Box | None = None
         self.changes = 0
+
+    def grid(self) -> Grid:
+        """Return a map with the same obstacles and unknown cells."""
+        costs = self._plain.costs
+        values = np.where(costs == LETHAL, 100, np.where(costs == UNKNOWN, -1, 0)).astype(np.int8)
+        return Grid(values, self._plain.resolution, self._plain.origin)
+
+    def mark_like(self, other: MapCostmap) -> None:
+        """Mark what the scan has seen on another costmap of the same map."""
+        self._occupied, self._marked = other._occupied, other._marked
+        if self._marked is not None:
+            self._refresh(self._marked)
 
     @property
     def static(self) -> Costmap:
@@ -110,7 +122,7 @@ class MapCostmap:
                 zones[part][mask.values_at(self._plain.points_of_cells(cells), outside=0) == _FORBIDDEN] = LETHAL
             self._zones, self._zone_box = Costmap(zones, self._plain.resolution, self._plain.origin), box
             static = self._plain.costs.copy()
-            inflate_window(static, self._fixed, self._plain.resolution, self._inflation, box)
+            inflate_window(static, self._fixed, self._plain.resolution, self.inflation, box)
             self._static = Costmap(static, self._plain.resolution, self._plain.origin)
         for changed in (before, box):
             if changed is not None:
@@ -136,7 +148,7 @@ class MapCostmap:
         self._refresh(box)
 
     def _refresh(self, box: Box) -> None:
-        changed = inflate_window(self._costs, self._merged, self._plain.resolution, self._inflation, box)
+        changed = inflate_window(self._costs, self._merged, self._plain.resolution, self.inflation, box)
         self._changed = joined(self._changed, changed)
         self.changes += 1
 

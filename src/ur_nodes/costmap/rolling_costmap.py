@@ -23,7 +23,7 @@ class RollingCostmap:
         cells = max(4, round(side / resolution))
         self._resolution = resolution
         self._reach = reach
-        self._inflation = inflation
+        self.inflation = inflation
         self._behind = behind
         self._occupied = np.zeros((cells, cells), bool)
         self._mapped = np.zeros((cells, cells), bool)
@@ -66,7 +66,7 @@ class RollingCostmap:
     def inflated(self) -> Costmap:
         """The window with inflated obstacles, for display."""
         plain = self.occupied()
-        return Costmap(inflate(plain.costs, plain.resolution, self._inflation), plain.resolution, plain.origin)
+        return Costmap(inflate(plain.costs, plain.resolution, self.inflation), plain.resolution, plain.origin)
 
     def _roll(self, robot: Pose2) -> None:
         half = self._occupied.shape[0] // 2

@@ -9,7 +9,7 @@ from ur_nodes.exploration.explorer_step import ExplorerInputs, ExplorerOutputs
 from ur_nodes.exploration.map_saver import MapSaveClient
 from ur_nodes.exploration.navigation import ExplorationNavigation
 from ur_nodes.exploration.obstacles import Obstacles
-from ur_nodes.exploration.settings import read_settings
+from ur_nodes.exploration.settings import ExploreSettings, read_settings
 from ur_nodes.exploration.status_output import StatusOutput
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.ports.node import SECOND, Node
@@ -24,7 +24,7 @@ class ExploreNode:
     """Connects an Explorer to topics. At its end the last status stays published."""
 
     def __init__(self, node: Node) -> None:
-        self._node, self._settings = node, read_settings(node.parameters)
+        self._node, self._settings = node, node.parameters.follow(read_settings, self._change)
         self._explorer = Explorer(self._settings.explorer)
         self._grid: Grid | None = None
         self._version, self._due, self._paused, self._busy = 0, 0.0, "", False
@@ -34,6 +34,10 @@ class ExploreNode:
         self._obstacles = Obstacles(node, self._settings.costmap, self._settings.costmap_updates)
         node.subscribe("map", Map, self._take_map, Quality.LATCHED)
         self._poll = node.every(_POLL, self._look)
+
+    def _change(self, settings: ExploreSettings) -> None:
+        self._settings = settings
+        self._explorer.settings = settings.explorer
 
     def _look(self) -> None:
         settings, now = self._settings, self._node.now() / SECOND

@@ -36,10 +36,10 @@ class _Pursuit:
 
 
 class Explorer:
-    """Explores one map by repeated calls of `step`; deterministic."""
+    """Explores one map by repeated calls of `step`; deterministic. `settings` may be replaced between two of them."""
 
     def __init__(self, settings: ExplorerSettings) -> None:
-        self._settings = settings
+        self.settings = settings
         self._memory = AttemptMemory()
         self._pursuit: _Pursuit | None = None
         self._survey: Survey | None = None
@@ -112,9 +112,9 @@ class Explorer:
         if left < pursuit.nearest - _PROGRESS:
             self._pursuit = replace(pursuit, nearest=left, progressed=inputs.now)
             return False
-        if inputs.now - pursuit.progressed < self._settings.progress_timeout:
+        if inputs.now - pursuit.progressed < self.settings.progress_timeout:
             return False
-        self._end_pursuit(GoalEnd(reached=False, text=f"no progress for {self._settings.progress_timeout:g} s"))
+        self._end_pursuit(GoalEnd(reached=False, text=f"no progress for {self.settings.progress_timeout:g} s"))
         return True
 
     def _distance_left(self, viewpoint: Viewpoint) -> float:
@@ -128,7 +128,7 @@ class Explorer:
     # -- the map ---------------------------------------------------------------------------------------------------
 
     def _survey_map(self, inputs: ExplorerInputs) -> None:
-        settings = self._settings
+        settings = self.settings
         self._version = inputs.version
         floor = read_floor(inputs.grid, inputs.robot, settings.radius, inputs.obstacles)
         self._memory = self._memory.refresh(floor)
@@ -148,7 +148,7 @@ class Explorer:
         pursuit = self._pursuit
         kept = pursuit.viewpoint.frontier.place if pursuit else None
         places = self._places(survey)
-        weights = self._settings.weights
+        weights = self.settings.weights
         best = choose_viewpoint(
             survey.floor, places.now, replace(weights, keep=weights.keep + self._idle_distance), kept
         )
@@ -170,7 +170,7 @@ class Explorer:
 
     def _places(self, survey: Survey) -> Viewpoints:
         kept = self._pursuit.viewpoint.frontier.place if self._pursuit else None
-        return sort_corners(survey.viewpoints, survey.floor.known, self._settings.corners, kept, self._idle_distance)
+        return sort_corners(survey.viewpoints, survey.floor.known, self.settings.corners, kept, self._idle_distance)
 
     @property
     def _idle_distance(self) -> float:
@@ -190,12 +190,12 @@ class Explorer:
         retriable = [reason for _, reason in survey.blocked if reason.kind in ("failed", "obstacle")]
         left_out = (each.frontier for each in self._places(survey).left_out)
         blocked = (*(frontier for frontier, _ in survey.blocked), *left_out)
-        if waited < (self._settings.patience if retriable else self._settings.settle):
+        if waited < (self.settings.patience if retriable else self.settings.settle):
             status = self._status("exploring", inputs.now)
-            clear = bool(retriable) and not self._cleared and waited > self._settings.settle
+            clear = bool(retriable) and not self._cleared and waited > self.settings.settle
             self._cleared = self._cleared or clear
             return ExplorerOutputs(status, cancel=cancel, clear=clear, blocked=blocked)
-        again = self._memory.retry(self._settings.attempts)
+        again = self._memory.retry(self.settings.attempts)
         if again != self._memory:
             self._memory, self._version, self._empty_since = again, -1, None
             return ExplorerOutputs(self._status("exploring", inputs.now), cancel=cancel, blocked=blocked)
@@ -210,7 +210,7 @@ class Explorer:
         waited = inputs.now - self._enclosed_since
         where = at((inputs.robot.x, inputs.robot.y))
         reason = f"the robot at {where} is too near to an obstacle, no free place is within {ESCAPE:g} m"
-        if waited < self._settings.patience:
+        if waited < self.settings.patience:
             return ExplorerOutputs(
                 self._status("starting", inputs.now, reason=reason), cancel=cancel, clear=waited == 0.0
             )

@@ -69,6 +69,12 @@ class Amcl:
             localiser.place(self._settings.initial_pose, self._settings.initial_covariance)
         self._log.info(f"map of {grid.width} x {grid.height} cells of {grid.resolution:g} m")
 
+    def use(self, settings: AmclSettings) -> None:
+        """Use changed settings of the filter and limits of the laser from the next scan on."""
+        self._settings = settings
+        if self._localiser:
+            self._localiser.settings = settings.filter
+
     def place(self, given: PoseEstimate, moved: Pose2) -> None:
         """Set the pose of the robot; `moved` is its motion since."""
         if given.frame and given.frame != self._settings.map_frame:

@@ -23,7 +23,7 @@ class AmclNode:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._settings = settings = read_settings(node.parameters)
+        self._settings = settings = node.parameters.follow(read_settings, lambda changed: self._amcl.use(changed))
         self._amcl = Amcl(settings, node.log)
         self._outputs = AmclOutputs(node, settings)
         node.transforms.ignore((settings.odom_frame,))

@@ -72,11 +72,11 @@ class ClusterEstimate:
 
 
 class ParticleLocaliser:
-    """A particle filter on one map. Deterministic for the same generator, calls and arguments."""
+    """A particle filter on one map. Deterministic for the same generator, `settings`, calls and arguments."""
 
     def __init__(self, field: LikelihoodField, settings: FilterSettings, rng: np.random.Generator) -> None:
+        self.settings = settings
         self._field = field
-        self._settings = settings
         self._rng = rng
         self._match = MatchSettings()
         self._particles = even_particles(np.zeros((1, 3)))
@@ -111,14 +111,14 @@ class ParticleLocaliser:
 
     def place(self, pose: Pose2, covariance: NDArray[np.float64]) -> None:
         """Restart around a pose, with a covariance (3, 3)."""
-        self._restart(draw_gaussian(pose, covariance, self._settings.size.maximum, self._rng))
+        self._restart(draw_gaussian(pose, covariance, self.settings.size.maximum, self._rng))
         self._lost = False
 
     def scatter(self) -> bool:
         """Restart with particles on all free cells, for a global localisation. False if the map has none."""
         if not self._field.free_count:
             return False
-        self._restart(draw_free_poses(self._field, self._settings.size.maximum, self._rng))
+        self._restart(draw_free_poses(self._field, self.settings.size.maximum, self._rng))
         self._search = SEARCH_UPDATES
         return True
 
@@ -134,7 +134,7 @@ class ParticleLocaliser:
         """
         if not self._is_due(odometry):
             return None
-        settings = self._settings
+        settings = self.settings
         particles = self._moved(odometry)
         novelty = self._novelty(odometry)
         chosen = points[_evenly(len(points), settings.max_beams)]
@@ -176,7 +176,7 @@ class ParticleLocaliser:
         self._forced = self._lost or fit.is_contradicted  # it may stand still
 
     def _restart(self, poses: NDArray[np.float64]) -> None:
-        self._particles = even_particles(keep_needed(poses, self._settings.size))
+        self._particles = even_particles(keep_needed(poses, self.settings.size))
         self._odometry = None
         self._updates = self._search = self._ambiguous = self._found = 0
         self._doubt = 0.0
@@ -188,17 +188,17 @@ class ParticleLocaliser:
             return True
         moved = math.hypot(odometry.x - last.x, odometry.y - last.y)
         turned = abs(wrap_angle(odometry.yaw - last.yaw))
-        return moved >= self._settings.update_min_d or turned >= self._settings.update_min_a
+        return moved >= self.settings.update_min_d or turned >= self.settings.update_min_a
 
     def _moved(self, odometry: Pose2) -> Particles:
         old = self._particles
         if self._odometry is None:
             return old
-        poses = move_poses(old.poses, self._odometry, odometry, self._settings.motion, self._rng)
+        poses = move_poses(old.poses, self._odometry, odometry, self.settings.motion, self._rng)
         return Particles(poses, old.weights)
 
     def _average(self, likelihood: float) -> None:
-        settings = self._settings
+        settings = self.settings
         if not self._slow:
             self._slow = self._fast = likelihood
         self._slow += settings.recovery_alpha_slow * (likelihood - self._slow)
@@ -206,7 +206,7 @@ class ParticleLocaliser:
 
     def _refined(self, cluster: Cluster, points: NDArray[np.float64]) -> ClusterEstimate:
         raw = ClusterEstimate(cluster.pose, cluster.covariance, cluster.share)
-        if not self._settings.refine or len(points) < LEAST_BEAMS:
+        if not self.settings.refine or len(points) < LEAST_BEAMS:
             return raw
         match = match_scan(self._field, cluster.pose, cluster.covariance, points, self._match)
         far = math.hypot(match.pose.x - cluster.pose.x, match.pose.y - cluster.pose.y)
@@ -224,7 +224,7 @@ class ParticleLocaliser:
         return min(1.0, max(0.1, moved / INDEPENDENT_STEP))
 
     def _resampled(self, particles: Particles, points: NDArray[np.float64]) -> Particles:
-        settings = self._settings
+        settings = self.settings
         if self._updates % settings.resample_interval:
             return particles
         if settings.selective_resampling and effective_size(particles.weights) > 0.5 * len(particles):

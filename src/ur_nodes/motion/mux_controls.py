@@ -7,7 +7,7 @@ from functools import partial
 
 from ur_nodes.motion.mux_events import EmergencyReleased, EmergencyStopped, Event, Source, SpeedLimited
 from ur_nodes.motion.mux_runner import MuxRunner
-from ur_nodes.motion.mux_settings import LEAST_LIMIT, LIMIT, STOPPED, read_share
+from ur_nodes.motion.mux_settings import LEAST_LIMIT, LIMIT, STOPPED, read_limit, read_share
 from ur_nodes.motion.writes import AsideLog, Writes
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
@@ -29,6 +29,7 @@ class MuxControls:
         self._limit = node.publish("~speed_limit_in_force", float, Quality.LATCHED)
         self._limit.send(100.0 * share)
         node.subscribe("~speed_limit", float, self._take_limit)
+        node.parameters.follow(read_limit, self._take_limit)
         node.serve_later("~stop", Trigger, lambda _, give: self._switch(EmergencyStopped(), give, stopped=True))
         node.serve_later("~release", Trigger, lambda _, give: self._switch(EmergencyReleased(), give, stopped=False))
 

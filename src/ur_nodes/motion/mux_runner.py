@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from ur_nodes.motion.base_output import BaseOutput
 from ur_nodes.motion.mux import MuxState, step
-from ur_nodes.motion.mux_events import STILL, Event, Velocity
+from ur_nodes.motion.mux_events import STILL, Event, MuxSettings, Velocity
 from ur_nodes.motion.mux_time import read_mux_time
 from ur_nodes.ports.node import Node, Timer
 
@@ -36,6 +37,10 @@ class MuxRunner:
         self._output = BaseOutput(node, topic, self._greet)
         node.on_end(self._end)
         on_change(state)
+
+    def use(self, settings: MuxSettings) -> None:
+        """Use changed limits from the next output on; the sources are the same."""
+        self._state = replace(self._state, settings=settings)
 
     def handle(self, event: Event | None) -> MuxState:
         """Apply an event now (None: time has passed), and return the new state."""

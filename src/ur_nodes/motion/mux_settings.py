@@ -59,7 +59,7 @@ def read_settings(own: Parameters) -> MuxNodeSettings:
             left=lateral_axis(base.limits),
         ),
         stopped=own.any(STOPPED, False) is True,
-        share=read_share(own.any(LIMIT, 100.0)) or 1.0,
+        share=read_limit(own) / 100.0,
         obstacle_stop=own.boolean("obstacle_stop", False),
         sonars=own.boolean("use_sonars", True),
         challenge_rate=own.number("challenge_rate", 50.0, minimum=20.0, maximum=100.0),
@@ -74,6 +74,11 @@ def _read_foreign(own: Parameters, sources: tuple[Source, ...]) -> tuple[Source,
     if topic in (source.topic for source in sources) or FOREIGN in (source.name for source in sources):
         own.fail("takes_over", topic, f"a topic that is none of the sources, and no source named {FOREIGN}")
     return (Source(FOREIGN, topic, _FOREIGN_PRIORITY, _FOREIGN_TIMEOUT, foreign=True),) if topic else ()
+
+
+def read_limit(own: Parameters) -> float:
+    """Return the percentage of the base's speeds that is allowed. Raises UserError."""
+    return own.number(LIMIT, 100.0, minimum=LEAST_LIMIT, maximum=100.0, live="share of the base's speeds, percent")
 
 
 def read_share(percent: object) -> float | None:

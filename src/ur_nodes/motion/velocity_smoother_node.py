@@ -19,19 +19,15 @@ from ur_nodes.ports.values import Twist
 from ur_nodes.run import run
 
 _TIMEOUT = 0.5  # s, as upstream at its longest
+_SOURCE = Source("raw_cmd_vel", "~raw_cmd_vel", 0, _TIMEOUT, zeros_hold=True)
 _NEVER = 1e9  # s: no limit on the time to stop
 
 
 def start(node: Node) -> None:
     """Read the parameters and connect. Raises UserError."""
-    own = node.parameters
-    braking = own.number("decel_factor", 1.0, minimum=0.01)
-    forward, turn = (_read_axis(own, letter, braking) for letter in ("v", "w"))
-    period = 1.0 / own.number("frequency", 20.0, minimum=1.0, maximum=200.0)
-    if own.integer("robot_feedback", 0) != 0:
+    if node.parameters.integer("robot_feedback", 0) != 0:
         node.log.warn("robot_feedback is not used here: ramps begin at the velocity that was last sent")
-    source = Source("raw_cmd_vel", "~raw_cmd_vel", 0, _TIMEOUT, zeros_hold=True)
-    settings = MuxSettings((source,), forward, turn, period=period, brake_period=period, stop_time=_NEVER, lag=0.0)
+    settings = node.parameters.follow(_read_settings, lambda changed: runner.use(changed))
     runner = MuxRunner(node, start_mux(settings), "~smooth_cmd_vel")
 
     rhythm = Probation(_TIMEOUT)
@@ -43,12 +39,20 @@ def start(node: Node) -> None:
         if rhythm.accepted or velocity.still:
             runner.handle(VelocityCommand(0, velocity))
 
-    node.subscribe(source.topic, Twist, take, Quality.EVERY)  # a cluster of commands has to be seen as one
+    node.subscribe(_SOURCE.topic, Twist, take, Quality.EVERY)  # a cluster of commands has to be seen as one
 
 
-def _read_axis(own: Parameters, letter: str, braking: float) -> Axis:
+def _read_settings(own: Parameters) -> MuxSettings:
+    braking = own.number("decel_factor", 1.0, minimum=0.01)
+    forward, turn = _read_axis(own, "v", "m/s", braking), _read_axis(own, "w", "rad/s", braking)
+    period = 1.0 / own.number("frequency", 20.0, minimum=1.0, maximum=200.0)
+    return MuxSettings((_SOURCE,), forward, turn, period=period, brake_period=period, stop_time=_NEVER, lag=0.0)
+
+
+def _read_axis(own: Parameters, letter: str, unit: str, braking: float) -> Axis:
     growth = own.number(f"accel_lim_{letter}", minimum=0.001)
-    return Axis(own.number(f"speed_lim_{letter}", minimum=0.001), growth, growth * braking)
+    speed = own.limit(f"speed_lim_{letter}", minimum=0.001, live=f"greatest velocity, {unit}")
+    return Axis(speed, growth, growth * braking)
 
 
 def main() -> int:

@@ -64,6 +64,12 @@ class MoveBase:
         self._output = VelocityOutput(self._watch.link, settings.mux, stamped=settings.stamped)
         node.after(_NO_MUX, self._offer_goals, steady=True)
 
+    def use(self, settings: MoveBaseSettings) -> None:
+        """Use changed settings from the next period on."""
+        self._settings = settings
+        self._navigator.use(settings.navigator, settings.limits)
+        self._world.use(settings)
+
     def beat(self) -> None:
         """Step the navigator, or repeat the last command, which the mux would otherwise time out."""
         self._beats += 1

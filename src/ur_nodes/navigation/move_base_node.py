@@ -16,7 +16,7 @@ from ur_nodes.run import run
 
 def start(node: Node) -> None:
     """Accept goals, and step periodically."""
-    settings = read_settings(node.parameters)
+    settings = node.parameters.follow(read_settings, lambda changed: move_base.use(changed))
     move_base = MoveBase(node, settings, read_watch_settings(node.parameters, settings.mux))
     stopped = f"{settings.mux}/stopped"
     node.subscribe(stopped, bool, move_base.take_stop, Quality.LATCHED_EVERY)  # one that ended counts, too

@@ -1,4 +1,4 @@
-"""The parameters of `move_base`, under upstream's names, read once and checked."""
+"""The parameters of `move_base`, under upstream's names, checked. Those that are `live` may be set while it runs."""
 
 from __future__ import annotations
 
@@ -110,10 +110,12 @@ def read_settings(top: Parameters) -> MoveBaseSettings:
 
 def _costmap(part: Parameters, frame: str, footprint: Footprint) -> CostmapSettings:
     slopes = part.below("inflation_layer")
+    radius = part.number("inflation_radius", 0.55, minimum=0.0)
+    scaling = part.number("cost_scaling_factor", 10.0, minimum=0.1)
     inflation = Inflation(
         footprint.inscribed,
-        slopes.number("inflation_radius", part.number("inflation_radius", 0.55, minimum=0.0), minimum=0.0),
-        slopes.number("cost_scaling_factor", part.number("cost_scaling_factor", 10.0, minimum=0.1), minimum=0.1),
+        slopes.number("inflation_radius", radius, minimum=0.0, live="distance up to which obstacles add costs, m"),
+        slopes.number("cost_scaling_factor", scaling, minimum=0.1, live="decrease of costs with distance, 1/m"),
     )
     return CostmapSettings(
         part.text("global_frame", frame),
@@ -146,28 +148,31 @@ def _scan(obstacles: Parameters) -> ScanSource | None:
 
 def _navigator(top: Parameters) -> NavigatorSettings:
     dwa = top.below("DWAPlannerROS")
-    planner_frequency = top.number("planner_frequency", 0.0, minimum=0.0)
+    planner_frequency = top.number("planner_frequency", 0.0, minimum=0.0, live="plans, Hz; 0: when one is needed")
     return NavigatorSettings(
         period=1.0 / top.number("controller_frequency", 10.0, minimum=4.0, maximum=100.0),
-        xy_tolerance=dwa.number("xy_goal_tolerance", 0.1, minimum=0.02),
-        yaw_tolerance=dwa.number("yaw_goal_tolerance", 0.05, minimum=0.01),
+        xy_tolerance=dwa.number("xy_goal_tolerance", 0.1, minimum=0.02, live="accepted distance from the goal, m"),
+        yaw_tolerance=dwa.number("yaw_goal_tolerance", 0.05, minimum=0.01, live="accepted error of the heading, rad"),
         planner_period=1.0 / planner_frequency if planner_frequency > 0.0 else 0.0,
-        planner_patience=top.number("planner_patience", 5.0, minimum=0.1),
-        controller_patience=top.number("controller_patience", 5.0, minimum=0.1),
-        people_patience=top.number("people_patience", 30.0, minimum=1.0),
-        recovery_enabled=top.boolean("recovery_behavior_enabled", True),
-        progress_timeout=top.number("oscillation_timeout", 10.0, minimum=0.0) or 10.0,
-        progress_distance=top.number("oscillation_distance", 0.5, minimum=0.05),
+        planner_patience=top.number("planner_patience", 5.0, minimum=0.1, live="s without a plan until a recovery"),
+        controller_patience=top.number("controller_patience", 5.0, minimum=0.1, live="s blocked until a recovery"),
+        people_patience=top.number("people_patience", 30.0, minimum=1.0, live="s that people may be in the way"),
+        recovery_enabled=top.boolean("recovery_behavior_enabled", True, live="try recoveries before a goal fails"),
+        progress_timeout=top.number("oscillation_timeout", 10.0, minimum=0.0, live="s at rest until a recovery")
+        or 10.0,
+        progress_distance=top.number(
+            "oscillation_distance", 0.5, minimum=0.05, live="m until recoveries are forgotten"
+        ),
     )
 
 
 def _planner(top: Parameters, footprint: Footprint, resolution: float) -> PlanSettings:
     navfn, weights = top.below("NavfnROS"), top.below("GlobalPlanner")
     return PlanSettings(
-        neutral=weights.number("neutral_cost", 50.0, minimum=1.0),
-        factor=weights.number("cost_factor", 0.3, minimum=0.0),
-        allow_unknown=navfn.boolean("allow_unknown", True),
-        tolerance=navfn.number("default_tolerance", 0.0, minimum=0.0),
+        neutral=weights.number("neutral_cost", 50.0, minimum=1.0, live="cost of a free cell for planning"),
+        factor=weights.number("cost_factor", 0.3, minimum=0.0, live="weight of the costs round obstacles for planning"),
+        allow_unknown=navfn.boolean("allow_unknown", True, live="plan through unknown space"),
+        tolerance=navfn.number("default_tolerance", 0.0, minimum=0.0, live="distance of a path's end from the goal, m"),
         nudge=0.5 * top.below("DWAPlannerROS").number("xy_goal_tolerance", 0.1, minimum=0.02),
         room=footprint.circumscribed + resolution,
     )
@@ -175,10 +180,10 @@ def _planner(top: Parameters, footprint: Footprint, resolution: float) -> PlanSe
 
 def _limits(dwa: Parameters, teb: Parameters) -> SpeedLimits:
     return SpeedLimits(
-        speed=dwa.number("max_vel_x", 0.5, minimum=0.01),
-        turn=dwa.number("max_vel_theta", 1.0, minimum=0.01),
+        speed=dwa.limit("max_vel_x", 0.5, minimum=0.01, live="greatest speed ahead, m/s"),
+        turn=dwa.limit("max_vel_theta", 1.0, minimum=0.01, live="greatest turn, rad/s"),
         acceleration=dwa.number("acc_lim_x", 1.0, minimum=0.01),
         turn_acceleration=dwa.number("acc_lim_theta", 3.0, minimum=0.01),
-        lateral=dwa.number("max_vel_y", 0.0, minimum=0.0),
+        lateral=dwa.limit("max_vel_y", 0.0, minimum=0.0, live="greatest speed to the side, m/s"),
         radius=teb.number("min_turning_radius", 0.0, minimum=0.0, maximum=20.0),
     )

@@ -47,13 +47,17 @@ class Navigator:
     def __init__(
         self, settings: NavigatorSettings, limits: SpeedLimits, follow: FollowSettings, footprint: Footprint
     ) -> None:
-        self._settings = settings
-        self._limits = self._highest = limits
-        self._share = 1.0
+        self.use(settings, limits)
         self._follow = follow
         self._footprint = footprint
         self._track = DrivenTrack()
         self._run: GoalPursuit | None = None
+
+    def use(self, settings: NavigatorSettings, limits: SpeedLimits) -> None:
+        """Use other settings from the next step on, for the present goal too."""
+        self._settings = settings
+        self._limits = self._highest = limits
+        self._share = 1.0
 
     @property
     def phase(self) -> NavigatorPhase:

@@ -41,6 +41,9 @@ LOCALISER_SILENCE = 3.0
 
 _NOTHING = Costmap(np.zeros((1, 1), np.uint8), 1.0, Pose2(0.0, 0.0, 0.0))
 
+_MapRequest = tuple[Grid | MapCostmap, Grid | None]
+"""A map, or the costmap of one whose slopes change, and its keep-out zones."""
+
 
 class _Place(NamedTuple):
     """The robot's newest pose in the odometry frame, and its poses in odometry frame and map at the time of a scan."""
@@ -74,13 +77,21 @@ class WorldView:
         self._used: int | None = None  # the stamp of the last scan that was worked in, ns
         self._laid = False
         self.zones = ZoneMasks(node, settings.keep_out_topic, settings.speed_topic, self._forbid)
-        self._new_maps = NewestWork(node, "maps", self._make_costmap, self._use_costmap)
+        self._new_maps: NewestWork[_MapRequest, MapCostmap] = NewestWork(
+            node, "maps", self._make_costmap, self._use_costmap
+        )
         node.subscribe(settings.map_topic, Map, self._take_map, Quality.LATCHED, unreadable=self._refuse_map)
         self._ranges: deque[Range] = deque(maxlen=_WAITING)
         if settings.local.scan:
             node.subscribe(settings.local.scan.topic, Scan, self._take_scan)
         for topic in () if settings.local.scan else settings.local.sonars:
             node.subscribe(topic, Range, self._ranges.append, Quality.EVERY)
+
+    def use(self, settings: MoveBaseSettings) -> None:
+        """Use changed settings."""
+        self._settings = settings
+        self.local_costmap.inflation = settings.local.inflation
+        self._inflate_again()
 
     def update(self) -> None:
         """Update the costmaps with the newest scan, or the ranges since the last update."""
@@ -272,12 +283,12 @@ class WorldView:
         self._new_maps.drop()
         self.global_costmap, self.map_problem = None, reason
 
-    def _make_costmap(self, request: tuple[Grid, Grid | None]) -> MapCostmap:
+    def _make_costmap(self, request: _MapRequest) -> MapCostmap:
         """Work out the costs of a map and of keep-out zones: for a large one the control loop would miss periods."""
-        grid, keep_out = request
+        given, keep_out = request
         settings = self._settings
         costmap = MapCostmap(
-            grid,
+            given.grid() if isinstance(given, MapCostmap) else given,
             settings.world.reach,
             settings.world.inflation,
             lethal=settings.lethal,
@@ -287,12 +298,21 @@ class WorldView:
             costmap.forbid(keep_out)
         return costmap
 
-    def _use_costmap(self, request: tuple[Grid, Grid | None], costmap: MapCostmap) -> None:
+    def _use_costmap(self, request: _MapRequest, costmap: MapCostmap) -> None:
+        if isinstance(request[0], MapCostmap):
+            costmap.mark_like(request[0])
         self.global_costmap = costmap
         self.maps += 1
         self._laid = self._laid or costmap.zones is not None
         if request[1] is not self.zones.keep_out:  # they changed in the meantime
             self._forbid()
+        self._inflate_again()
+
+    def _inflate_again(self) -> None:
+        """Work the costs of the map out again if their slopes are not those of the settings."""
+        costmap = self.global_costmap
+        if costmap is not None and costmap.inflation != self._settings.world.inflation and not self._new_maps.busy:
+            self._new_maps.ask((costmap, self.zones.keep_out))
 
     def _take_scan(self, scan: Scan) -> None:
         self._scan = scan

@@ -24,6 +24,11 @@ class NewestWork(Generic[Request, Outcome]):
         self._busy = self._wanted = False
         self._waiting: Request | None = None
 
+    @property
+    def busy(self) -> bool:
+        """Return True while a job runs."""
+        return self._busy
+
     def ask(self, request: Request) -> None:
         """Add a request; it replaces one that waits."""
         if self._busy:

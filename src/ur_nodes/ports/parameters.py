@@ -4,14 +4,25 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterable, Mapping
-from typing import NoReturn, Protocol, TypeGuard
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from math import inf
+from typing import NoReturn, Protocol, TypeGuard, TypeVar
 
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.yaml_text import load_yaml
 from ur.source.suggest import did_you_mean
 
+Limits = tuple[float, float]
+Value = TypeVar("Value")
+
+READ_ONLY = "read at the start only"
+
 _REQUIRED: object = object()
+_ABSENT: object = object()
+_ANY = (-inf, inf)
+_MOST = 2**31 - 1  # of an integer in a message
 
 
 class ParameterStore(Protocol):
@@ -33,20 +44,74 @@ class ParameterStore(Protocol):
         """The full names of all parameters of the run."""
 
 
+@dataclass(frozen=True, slots=True)
+class Declaration:
+    """A parameter that a node has read: the `value` in use, what is expected, and the limits of a number.
+
+    `live` describes one that may be set while the node runs, with its unit; it is '' for one that may not.
+    """
+
+    value: object
+    expected: str
+    limits: Limits
+    live: str
+
+
+@dataclass(slots=True)
+class _Reads:
+    """The reads of a node, by full names: the values `given` by the user, and the readers that follow changes."""
+
+    given: dict[str, object] = field(default_factory=dict)
+    declared: dict[str, Declaration] = field(default_factory=dict)
+    readers: list[Callable[[Parameters], Callable[[], None]]] = field(default_factory=list)
+    again: bool = False  # these are read again: what was given before counts, whatever the store has now
+
+
 class Parameters:
     """Reads parameters below `namespace` ('~' is the node itself). Raises UserError."""
 
-    def __init__(self, store: ParameterStore, namespace: str = "~") -> None:
+    def __init__(self, store: ParameterStore, namespace: str = "~", reads: _Reads | None = None) -> None:
         self._store = store
         self._namespace = namespace
+        self._reads = reads or _Reads()
 
     def below(self, name: str) -> Parameters:
         """Return the parameters of a sub-namespace."""
-        return Parameters(self._store, f"{self._namespace}{name}/")
+        return Parameters(self._store, f"{self._namespace}{name}/", self._reads)
 
     def of(self, node: str) -> Parameters:
         """Return the parameters of another node, by its name."""
         return Parameters(self._store, f"{node}/")
+
+    def follow(self, read: Callable[[Parameters], Value], apply: Callable[[Value], None]) -> Value:
+        """Read settings now, and again whenever a `live` parameter is changed; `apply` gets them then."""
+        self._reads.readers.append(lambda again: partial(apply, read(again)))
+        return read(self)
+
+    def change(self, values: Mapping[str, object]) -> str:
+        """Apply what a user sets while the node runs, all of it or nothing. Return '' or the reason of a refusal.
+
+        Names are as for `ParameterStore`. To be called on the node's thread.
+        """
+        reads, changed = self._reads, {self._store.resolve(name): value for name, value in values.items()}
+        fresh = _Reads({**reads.given, **changed}, dict(reads.declared), again=True)
+        for name in changed:
+            if name not in reads.declared:
+                return f"parameter {name} is not one that the node reads"
+            if not reads.declared[name].live:
+                return f"parameter {name} is {READ_ONLY}; set it in the launch file"
+        try:
+            calls = [read(Parameters(self._store, self._namespace, fresh)) for read in reads.readers]
+        except UserError as problem:
+            return str(problem)
+        reads.given, reads.declared = fresh.given, fresh.declared
+        for call in calls:
+            call()
+        return ""
+
+    def declared(self) -> Mapping[str, Declaration]:
+        """Return the parameters that the node has read so far, by their full names; for any thread."""
+        return dict(self._reads.declared)
 
     def has(self, name: str) -> bool:
         """Return True when the parameter is set."""
@@ -54,14 +119,12 @@ class Parameters:
 
     def any(self, name: str, default: object = None) -> object:
         """Return the unchecked value; `default` if it is not set."""
-        try:
-            return self._store.get(self._namespace + name)
-        except KeyError:
-            return default
+        return self._declare(name, self._get(name, default, ""), "any value")
 
     def keep(self, name: str, value: object) -> None:
         """Set a parameter, which the node reads when it is restarted."""
         self._store.set(self._namespace + name, value)
+        self._reads.given[self.name(name)] = value
 
     def keep_all(self, values: Mapping[str, object]) -> None:
         """Set parameters, unless the store has ended."""
@@ -78,55 +141,63 @@ class Parameters:
         return self._store.resolve(self._namespace + name)
 
     def number(
-        self, name: str, default: object = _REQUIRED, *, minimum: float = -math.inf, maximum: float = math.inf
+        self, name: str, default: object = _REQUIRED, *, minimum: float = -inf, maximum: float = inf, live: str = ""
     ) -> float:
-        """Return a finite number within limits (inclusive)."""
+        """Return a finite number within limits (inclusive). For `live` see `Declaration`."""
+        limits = (minimum, maximum)
+        expected = "a number" if limits == _ANY else f"a number from {minimum:g} to {maximum:g}"
         value = self._get(name, default, "a number")
         if not _is_number(value) or not minimum <= value <= maximum:
-            limits = "" if (minimum, maximum) == (-math.inf, math.inf) else f" from {minimum:g} to {maximum:g}"
-            self.fail(name, value, f"a number{limits}")
-        return float(value)
+            self.fail(name, value, expected)
+        return self._declare(name, float(value), expected, limits, live)
 
-    def integer(self, name: str, default: object = _REQUIRED, *, minimum: int | None = None) -> int:
-        """Return an integer of at least `minimum`."""
+    def limit(self, name: str, default: object = _REQUIRED, *, minimum: float, live: str) -> float:
+        """Return a limit of the base, a number that cannot be raised above its first value while the node runs."""
+        if self._reads.again:
+            maximum = self._reads.declared[self.name(name)].limits[1]
+            return self.number(name, default, minimum=minimum, maximum=maximum, live=live)
+        value = self.number(name, default, minimum=minimum)
+        return self._declare(name, value, f"a number from {minimum:g} to {value:g}", (minimum, value), live)
+
+    def integer(self, name: str, default: object = _REQUIRED, *, minimum: int | None = None, live: str = "") -> int:
+        """Return an integer of at least `minimum`. For `live` see `Declaration`."""
+        expected = "a whole number" + ("" if minimum is None else f" of at least {minimum}")
         value = self._get(name, default, "a whole number")
         if not isinstance(value, int) or isinstance(value, bool) or (minimum is not None and value < minimum):
-            at_least = "" if minimum is None else f" of at least {minimum}"
-            self.fail(name, value, f"a whole number{at_least}")
-        return int(value)
+            self.fail(name, value, expected)
+        return self._declare(name, int(value), expected, (-_MOST if minimum is None else minimum, _MOST), live)
 
     def text(self, name: str, default: object = _REQUIRED, *, choices: Iterable[str] = ()) -> str:
         """Return a string; with `choices`, one of them."""
-        value = self._get(name, default, "a text")
         allowed = list(choices)
+        expected = f"one of {', '.join(allowed)}" if allowed else "a text"
+        value = self._get(name, default, "a text")
         if not isinstance(value, str) or (allowed and value not in allowed):
-            self.fail(name, value, f"one of {', '.join(allowed)}" if allowed else "a text", allowed)
-        return str(value)
+            self.fail(name, value, expected, allowed)
+        return self._declare(name, str(value), expected)
 
-    def boolean(self, name: str, default: object = _REQUIRED) -> bool:
-        """Return a boolean."""
+    def boolean(self, name: str, default: object = _REQUIRED, *, live: str = "") -> bool:
+        """Return a boolean. For `live` see `Declaration`."""
         value = self._get(name, default, "true or false")
         if not isinstance(value, bool):
             self.fail(name, value, "true or false")
-        return bool(value)
+        return self._declare(name, bool(value), "true or false", (False, True), live)
 
     def texts(self, name: str, default: object = _REQUIRED) -> tuple[str, ...]:
         """Return a list of strings."""
         value = self._get(name, default, "a list of texts")
         if not isinstance(value, (list, tuple)) or not all(isinstance(each, str) for each in value):
             self.fail(name, value, "a list of texts")
-        return tuple(value)
+        return self._declare(name, tuple(value), "a list of texts")
 
     def points(self, name: str, default: object = _REQUIRED) -> tuple[tuple[float, float], ...]:
         """Return a list of [x, y] points, which may be given as text (move_base's footprints may be either)."""
         value = self._get(name, default, "a list of [x, y] points")
         try:
-            listed = load_yaml(value) if isinstance(value, str) else value
-            if not listed:
-                return ()
+            listed = (load_yaml(value) if isinstance(value, str) else value) or ()
             if not isinstance(listed, Iterable):
                 raise TypeError
-            return tuple((float(x), float(y)) for x, y in listed)
+            return self._declare(name, tuple((float(x), float(y)) for x, y in listed), "a list of [x, y] points")
         except (TypeError, ValueError):
             self.fail(name, value, "a list of [x, y] points")
 
@@ -142,12 +213,24 @@ class Parameters:
         )
 
     def _get(self, name: str, default: object, expected: str) -> object:
-        try:
-            return self._store.get(self._namespace + name)
-        except KeyError:
-            if default is not _REQUIRED:
-                return default
-        raise UserError(error(f"parameter {self.name(name)} is not set, expected {expected}", rule="missing-parameter"))
+        """Return what the user has given; while it is read again, what he had given at the start or has changed."""
+        given, full = self._reads.given, self.name(name)
+        if not (self._reads.again and full in given):
+            try:
+                given[full] = self._store.get(self._namespace + name)
+            except KeyError:
+                given[full] = _ABSENT
+        if given[full] is not _ABSENT:
+            return given[full]
+        if default is _REQUIRED:
+            raise UserError(error(f"parameter {full} is not set, expected {expected}", rule="missing-parameter"))
+        return default
+
+    def _declare(self, name: str, value: Value, expected: str, limits: Limits = _ANY, live: str = "") -> Value:
+        full, declared = self.name(name), self._reads.declared
+        if live or full not in declared or not declared[full].live:  # a second read does not end that it is live
+            declared[full] = Declaration(value, expected, limits, live)
+        return value
 
 
 def _is_number(value: object) -> TypeGuard[float]:

@@ -83,12 +83,12 @@ class _Leg:
 
 
 class ScanMapper:
-    """Builds a map from successive scans. The same scans give the same map."""
+    """Builds a map from successive scans. The same scans give the same map; `settings` may be replaced between two."""
 
     def __init__(self, settings: MapperSettings | None = None, *, cautious: bool = False, first: int = 0) -> None:
         """`cautious`: a scan that contradicts the map does not become part of it. `first` numbers the first scan."""
         self._cautious = cautious
-        self._settings = settings or MapperSettings()
+        self.settings = settings or MapperSettings()
         self._graph = PoseGraph()
         self.scans: list[MapScan] = []  # of the keyframes
         self._trail = Trail()
@@ -247,8 +247,8 @@ class ScanMapper:
 
     def _is_far(self, relative: Pose2) -> bool:
         moved = self._leg.start.inverse().compose(relative)
-        far = math.hypot(moved.x, moved.y) >= self._settings.distance
-        return far or abs(wrap_angle(moved.yaw)) >= self._settings.turn
+        far = math.hypot(moved.x, moved.y) >= self.settings.distance
+        return far or abs(wrap_angle(moved.yaw)) >= self.settings.turn
 
     def _return_to_keyframe(self, scan: MapScan, match: ScanMatch, odometry: Pose2 | None) -> bool:
         """Continue from a nearby old keyframe of this drive; False if a new one is needed.

@@ -32,7 +32,7 @@ class OccupancyMap:
     def __init__(self, resolution: float = 0.05, threshold: float = 0.25, reach: float = math.inf) -> None:
         """`reach` (m) is how far beams are drawn; cells beyond are neither free nor occupied."""
         self._resolution = resolution
-        self._threshold = threshold
+        self.threshold = threshold
         self._reach = reach
         self._corner = np.zeros(2, np.intp)  # column and row, in cells from the origin of the map, of the arrays' first
         self._hits = np.zeros((0, 0), np.int32)
@@ -74,7 +74,7 @@ class OccupancyMap:
     def grid(self) -> Grid:
         """The map as it is drawn: occupied, free and unknown cells."""
         seen = self._hits + self._passes
-        walls = self._hits >= np.maximum(1.0, self._threshold * seen)
+        walls = self._hits >= np.maximum(1.0, self.threshold * seen)
         values = np.where(seen > 0, np.where(walls, OCCUPIED, FREE), UNKNOWN).astype(np.int8)
         low = self._corner * self._resolution
         return Grid(values, self._resolution, Pose2(float(low[0]), float(low[1]), 0.0))

@@ -14,7 +14,7 @@ from ur_nodes.run import run
 from ur_nodes.slam.gmapping.lidars import Lidars
 from ur_nodes.slam.gmapping.map_output import SCANS, GridMapOutput
 from ur_nodes.slam.gmapping.reports import SlamReports
-from ur_nodes.slam.gmapping.settings import read_settings
+from ur_nodes.slam.gmapping.settings import GmappingSettings, read_settings
 from ur_nodes.slam.gmapping.slam import Slam, SlamStep, entropy
 from ur_nodes.slam.gyro import Headings
 from ur_nodes.slam.storage.map_storage import MapStorage, read_storage_settings
@@ -25,7 +25,7 @@ class SlamGmappingNode:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._settings = settings = read_settings(node.parameters)
+        self._settings = settings = node.parameters.follow(read_settings, self._change)
         stored = read_storage_settings(node.parameters)
         self._slam = Slam(settings)
         self._headings = Headings()
@@ -42,6 +42,11 @@ class SlamGmappingNode:
         node.subscribe("imu", Imu, self._take_imu, Quality.EVERY)
         if settings.transform_publish_period > 0.0:
             node.every(settings.transform_publish_period, self._send_transform)
+
+    def _change(self, settings: GmappingSettings) -> None:
+        self._settings = settings
+        self._output.use(settings)
+        self._node.work(lambda: self._slam.use(settings), lambda _done: None, SCANS)
 
     def _use_scan(self, scan: Scan, odometry: Pose2 | None) -> None:
         readings = [] if self._output.requests.paused else self._lidars.readings(scan, odometry)

@@ -37,6 +37,13 @@ class MapTracker:
         self._expected: Pose2 | None = None  # the place of the small map, unless the robot was carried
         self._count = 0  # of scans
 
+    def use(self, settings: MapperSettings) -> None:
+        """Use changed settings from the next scan on."""
+        self._settings = settings
+        for mapper in (self._mapper, self._apart):
+            if mapper:
+                mapper.settings = settings
+
     @property
     def keyframes(self) -> list[Pose2]:
         """The poses of all keyframes of the map; those of `scans`."""

@@ -62,7 +62,11 @@ class SlamStage:
         for name, value in ({"base_frame": "base_footprint"} | parameters).items():
             self.bus.parameters[f"/slam_gmapping/{name}"] = value
         self.node = self.bus.node("slam_gmapping")
-        SlamGmappingNode(self.node)
+        self._wired = SlamGmappingNode(self.node)
+
+    def keyframes(self) -> int:
+        """Their number so far."""
+        return len(self._wired._slam.state().scans)
 
     def drive(self, linear: float, angular: float, seconds: float) -> float:
         """Drive; the distance (m) between the true pose and the published one at the end."""

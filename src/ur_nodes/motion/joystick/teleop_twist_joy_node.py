@@ -7,6 +7,7 @@ Turns each `joy` into at most one command: it never repeats a command without a 
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from functools import partial
 
 from ur_nodes.motion.joystick.device import JoystickState
@@ -26,8 +27,12 @@ def start(node: Node) -> None:
     """Read the parameters and connect. Raises UserError."""
     mux = node.parameters.text("mux", "cmd_vel_mux")
     origin = JoyOrigin(node, remote=node.parameters.boolean("remote_joy", False))
-    state = JoyTeleopState(read_settings(node.parameters))
+    state = node.parameters.follow(lambda own: JoyTeleopState(read_settings(own)), lambda fresh: use(fresh))
     commander = make_joy_commander(node, mux)
+
+    def use(fresh: JoyTeleopState) -> None:
+        nonlocal state
+        state = replace(state, settings=fresh.settings)
 
     def take(joystick: Joystick, sender: Sender | None) -> None:
         nonlocal state

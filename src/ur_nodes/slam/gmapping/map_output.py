@@ -39,7 +39,15 @@ class GridMapOutput:
         self._info = node.publish("map_metadata", MapInfo, Quality.LATCHED)
         node.serve_later("dynamic_map", AskMap, self._answer)
         self.requests = SlamRequests(node)
-        node.every(settings.map_update_interval, self.publish)
+        self._timer = node.every(settings.map_update_interval, self.publish)
+
+    def use(self, settings: GmappingSettings) -> None:
+        """Use changed settings, and publish at once."""
+        self._settings = settings
+        self._drawn.threshold = settings.occ_thresh
+        self._timer.cancel()
+        self._timer = self._node.every(settings.map_update_interval, self.publish)
+        self.publish()
 
     def publish(self) -> None:
         """Draw the changes, and publish the map; nothing is published before the first keyframe."""

@@ -46,18 +46,18 @@ def read_settings(parameters: Parameters) -> GmappingSettings:
     period = p.number("transform_publish_period", 0.05, minimum=0.0)
     return GmappingSettings(
         mapper=MapperSettings(
-            distance=p.number("linearUpdate", 0.4, minimum=0.05, maximum=1.0),
-            turn=p.number("angularUpdate", 0.5, minimum=0.05, maximum=math.pi),
+            distance=p.number("linearUpdate", 0.4, minimum=0.05, maximum=1.0, live="way to the next keyframe, m"),
+            turn=p.number("angularUpdate", 0.5, minimum=0.05, maximum=math.pi, live="turn to the next keyframe, rad"),
         ),
         base_frame=_frame(p, "base_frame", "base_link"),
         map_frame=_frame(p, "map_frame", "map"),
         odom_frame=_frame(p, "odom_frame", "odom"),
         throttle_scans=p.integer("throttle_scans", 1, minimum=1),
-        map_update_interval=p.number("map_update_interval", 5.0, minimum=0.1),
-        max_range=p.number("maxRange", 0.0, minimum=0.0),
+        map_update_interval=p.number("map_update_interval", 5.0, minimum=0.1, live="time between two maps, s"),
+        max_range=p.number("maxRange", 0.0, minimum=0.0, live="range of the lidar that is used, m; 0: all of it"),
         max_usable=p.number("maxUrange", 0.0, minimum=0.0),
         delta=p.number("delta", 0.05, minimum=0.01, maximum=1.0),
-        occ_thresh=p.number("occ_thresh", 0.25, minimum=0.0, maximum=1.0),
+        occ_thresh=p.number("occ_thresh", 0.25, minimum=0.0, maximum=1.0, live="share of hits that makes a wall"),
         edges=_edges(p),
         transform_publish_period=period,
         tf_delay=p.number("tf_delay", period, minimum=0.0),

@@ -41,6 +41,11 @@ class Slam:
         self._settings = settings
         self._mapper = MapTracker(settings.mapper)
 
+    def use(self, settings: GmappingSettings) -> None:
+        """Use changed settings from the next scan on."""
+        self._settings = settings
+        self._mapper.use(settings.mapper)
+
     def restore(self, stored: MapState) -> None:
         """Start with an existing map."""
         self._mapper.restore(stored.poses, stored.edges, stored.scans)

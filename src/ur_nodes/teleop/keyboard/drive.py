@@ -116,6 +116,12 @@ def start_drive(settings: DriveSettings) -> DriveState:
     )
 
 
+def use_settings(state: DriveState, settings: DriveSettings) -> DriveState:
+    """Return the state with changed settings and their speeds, in place of those that keys have chosen."""
+    fresh = start_drive(settings)
+    return replace(state, settings=settings, speed=fresh.speed, turn=fresh.turn)
+
+
 def step_drive(state: DriveState, event: KeyEvent | None, now: float) -> tuple[DriveState, KeyVelocity | None]:
     """Return the state after `event` (None: time has passed), and the velocity to publish, None for none.
 
@@ -207,11 +213,11 @@ def _change_speeds(state: DriveState, speed_factor: float, turn_factor: float) -
 
 def read_settings(parameters: Parameters) -> tuple[DriveSettings, float]:
     """Read the settings of a node, and its commands per second. Raises UserError."""
-    speed_limit = parameters.number("speed_limit", 1000.0, minimum=0.0)
-    turn_limit = parameters.number("turn_limit", 1000.0, minimum=0.0)
+    speed_limit = parameters.limit("speed_limit", 1000.0, minimum=0.0, live="greatest speed, m/s")
+    turn_limit = parameters.limit("turn_limit", 1000.0, minimum=0.0, live="greatest turn, rad/s")
     settings = DriveSettings(
-        speed=parameters.number("speed", min(0.5, speed_limit), minimum=0.0),
-        turn=parameters.number("turn", min(1.0, turn_limit), minimum=0.0),
+        speed=parameters.number("speed", min(0.5, speed_limit), minimum=0.0, live="speed of a key, m/s"),
+        turn=parameters.number("turn", min(1.0, turn_limit), minimum=0.0, live="turn of a key, rad/s"),
         speed_limit=speed_limit,
         turn_limit=turn_limit,
         key_timeout=parameters.number("key_timeout", 0.0, minimum=0.0, maximum=10.0),

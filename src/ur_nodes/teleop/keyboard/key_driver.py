@@ -10,7 +10,7 @@ from ur_nodes.client.mux import EmergencyStop, MuxView
 from ur_nodes.client.saving import MapSaving, Saving
 from ur_nodes.ports.node import Node
 from ur_nodes.teleop.keyboard.commander import Commander
-from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, DriveState, start_drive, step_drive
+from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, DriveState, start_drive, step_drive, use_settings
 from ur_nodes.teleop.keyboard.drive_screen import CommandTopic
 from ur_nodes.teleop.terminal.keys import FocusLost, KeyEvent
 from ur_nodes.teleop.terminal.request_keys import (
@@ -72,6 +72,10 @@ class KeyDriver:
         commander.watch(self._answer)
         node.every(1.0 / rate, self._step, steady=True)
         node.on_end(self._end)
+
+    def use(self, settings: DriveSettings) -> None:
+        """Use changed settings from the next command on."""
+        self._state = use_settings(self._state, settings)
 
     def press(self, events: Iterable[KeyEvent]) -> None:
         """Apply keys in their order."""

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from ur_nodes.ports.node import Node
 from ur_nodes.teleop.keyboard.commander import Commander, explain_refusal
-from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, start_drive, step_drive
+from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, start_drive, step_drive, use_settings
 from ur_nodes.teleop.terminal.keys import Key, KeyEvent, decode_keys
 
 _HOLD = 0.5  # s: how long each key drives
@@ -40,6 +40,10 @@ class PipeDriver:
         commander.watch(self._answer)
         node.every(1.0 / rate, self._step, steady=True)
         node.on_end(self._end)
+
+    def use(self, settings: DriveSettings) -> None:
+        """Use changed settings from the next command on."""
+        self._state = use_settings(self._state, replace(settings, key_timeout=_HOLD))
 
     @property
     def busy(self) -> bool:

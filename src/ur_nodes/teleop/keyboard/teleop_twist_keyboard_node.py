@@ -29,19 +29,21 @@ Wired = PipeDriver | tuple[KeyDriver, MapFeed | None]
 def start(node: Node) -> Wired:
     """Read the parameters, and wire up what drives."""
     own = node.parameters
-    settings, rate = read_settings(own)
+    driver: PipeDriver | KeyDriver
+    settings, rate = own.follow(read_settings, lambda changed: driver.use(changed[0]))
     mux, service = own.text("mux", "cmd_vel_mux"), own.text("save_service", "")
     commander = make_commander(node, mux, _PROGRAM)
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
-        return PipeDriver(node, settings, rate, commander)
+        driver = piped = PipeDriver(node, settings, rate, commander)
+        return piped
     saving = MapSaving(node, service) if service else None
-    driver = KeyDriver(
+    driver = keys = KeyDriver(
         node, settings, rate, commander, MuxLink(node, mux), save_recordings(node), saving, make_watch(os.environ)
     )
     if is_plain(os.environ) or not own.boolean("show_map", False):
-        return driver, None
+        return keys, None
     frames = own.text("map_frame", "map"), own.text("base_frame", "base_footprint")
-    return driver, MapFeed(node, *frames, colour=allows_colour(os.environ))
+    return keys, MapFeed(node, *frames, colour=allows_colour(os.environ))
 
 
 def drive(wired: Wired, ended: threading.Event) -> int:

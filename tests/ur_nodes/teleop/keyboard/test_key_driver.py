@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from tests.fakes.mux import FakeMux
 from tests.ur_nodes.motion.mux_robot import LeaseDriver, MuxRobot
-from tests.ur_nodes.teleop.keyboard.rig import AHEAD, RATE, STILL, Driving
+from tests.ur_nodes.teleop.keyboard.rig import AHEAD, RATE, SETTINGS, STILL, Driving
 from tests.ur_nodes.teleop.recordings import SAVED, serve_recordings
 
 from ur_nodes.client.mux import MuxLink
 from ur_nodes.client.saving import MapSaving, save_recordings
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.services import Trigger
-from ur_nodes.ports.values import Result, StampedTwist, Time
+from ur_nodes.ports.values import Result, StampedTwist, Time, Twist
 from ur_nodes.teleop.keyboard.key_driver import KeyDriver
 
 pytestmark = pytest.mark.usefixtures("home")
@@ -208,3 +209,11 @@ def test_keys_drive_only_while_the_terminal_is_connected() -> None:
     rig.press(b"", 1.0)
     rig.press(UP, 0.2)
     assert rig.changes == [AHEAD, STILL, AHEAD]
+
+
+def test_changed_settings_count_for_a_key_that_is_held() -> None:
+    rig = Driving()
+    rig.press(KITTY + UP, 0.2)
+    rig.driver.use(replace(SETTINGS, speed=0.1))
+    rig.press(KITTY, 0.2)
+    assert rig.changes == [AHEAD, Twist(0.1, 0.0)]
