@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import queue
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TypeVar
 
 from ur_nodes.loop import Beat, Lanes, Loop, steady_time
 from ur_nodes.ports.log import Log
+from ur_nodes.ports.parameters import Parameters
 
 Value = TypeVar("Value")
 
+_CHANGE_LIMIT = 5.0  # s
 _END_LIMIT = 3.0  # s, besides the time that the jobs of the end have
 
 
 class LoopNode:
     """See `ports.node.Node` for the methods. `failed`: a call of the end has failed."""
 
-    def __init__(self, loop: Loop, log: Log) -> None:
+    def __init__(self, loop: Loop, log: Log, parameters: Parameters) -> None:
         self.log = log
+        self.parameters = parameters
         self.failed = False
         self._loop = loop
         self._lanes = Lanes()
@@ -49,6 +52,19 @@ class LoopNode:
     def on_end(self, call: Callable[[], None], within: float = 2.0) -> None:
         self._at_end.append(call)
         self._end_limit = max(self._end_limit, within)
+
+    def change(self, values: Mapping[str, object]) -> str:
+        """Change parameters of the node on its thread, for another one. Return '' or the reason of a refusal."""
+        answers: list[str] = []
+
+        def apply() -> None:
+            if not answers:
+                answers.append(self.parameters.change(values))
+
+        self._loop.ask(apply, _CHANGE_LIMIT)
+        if not answers:
+            answers.append(f"the node has not answered within {_CHANGE_LIMIT:g} s")
+        return answers[0]
 
     def finish(self, leave: Callable[[], None]) -> None:
         """Make the calls of the end on the node's thread; after them `leave`, which lets what was sent last leave."""

@@ -39,6 +39,11 @@ class Log(genpy.Message):
         line: int = ...,
     ) -> None: ...
 
+class Parameter(genpy.Message):
+    name: str
+    value: ParameterValue
+    def __init__(self, name: str = ..., value: ParameterValue = ...) -> None: ...
+
 class ParameterDescriptor(genpy.Message):
     name: str
     type: int

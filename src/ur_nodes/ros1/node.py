@@ -26,6 +26,7 @@ from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import ClockTime, Result
 from ur_nodes.ros1.facts import RosFacts, RosParameters, make_log
+from ur_nodes.ros1.reconfigure import offer_changes
 from ur_nodes.ros1.repairs.own_clock import follow_clock
 from ur_nodes.ros1.repairs.sending import wait_until_sent
 from ur_nodes.ros1.services import call_service, serve_service
@@ -44,9 +45,9 @@ class RosNode(LoopNode):
     def __init__(self) -> None:
         self.name: str = rospy.get_name()
         self.facts = RosFacts()
-        self.parameters = Parameters(RosParameters())
         simulated = self.facts.simulated_time
-        super().__init__(Loop(rospy.get_time if simulated else time.monotonic, steady=not simulated), make_log())
+        loop = Loop(rospy.get_time if simulated else time.monotonic, steady=not simulated)
+        super().__init__(loop, make_log(), Parameters(RosParameters()))
         self._transforms: Transforms | None = None
         if simulated:
             follow_clock(self._loop.passed)
@@ -55,6 +56,10 @@ class RosNode(LoopNode):
     def begin(self, on_failure: Callable[[], None] = lambda: None) -> None:
         """Start to run callbacks. When one fails, no more are run and `on_failure` is called."""
         self._loop.start(on_failure)
+        try:
+            offer_changes(self.parameters, self.change)
+        except ImportError:
+            self.log.debug("no package python3-dynamic-reconfigure: parameters are read at the start only")
 
     def ask(self, call: Callable[[], None]) -> None:
         """Call on the node's thread and wait for the result: for code with threads of its own, after `begin`."""

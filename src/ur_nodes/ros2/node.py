@@ -48,7 +48,7 @@ class RosNode(LoopNode):
     def __init__(self, name: str) -> None:
         self._node = ReceivingNode(name)
         self.name = self._node.get_fully_qualified_name()
-        self.parameters = Parameters(RosParameters(self._node))
+        self._stored = RosParameters(self._node)
         self.facts = FileFacts(simulated_time=self._node.get_parameter("use_sim_time").value is True)
         self.replaced = False  # ROS 2 lets nodes share a name
         self.ended: Callable[[str], None] = lambda _reason: None
@@ -59,7 +59,7 @@ class RosNode(LoopNode):
         loop = Loop(self._seconds if self._simulated else time.monotonic, steady=not self._simulated)
         logger = self._node.get_logger()
         log = ThrottledLog(logger.debug, logger.info, logger.warning, logger.error, self._seconds)
-        super().__init__(loop, log)
+        super().__init__(loop, log, Parameters(self._stored))
         self._executor = SingleThreadedExecutor(context=self._node.context)
         self._executor.add_node(self._node)
         self._spinner = threading.Thread(target=self._executor.spin, name="executor", daemon=True)
@@ -70,6 +70,7 @@ class RosNode(LoopNode):
 
     def begin(self, on_failure: Callable[[], None] = lambda: None) -> None:
         """Start callbacks. `on_failure` is called after one of them has failed, after which there are no more."""
+        self._stored.offer(self.parameters, self.change)
         self._loop.start(on_failure)
         self._spinner.start()
         self._node.reception.start()

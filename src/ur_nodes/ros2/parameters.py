@@ -5,43 +5,47 @@ Those that a node sets are in a file of the run, too, and outlive the node: an e
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Callable
 from typing import Any
 
-from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
-from rclpy.node import Node
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
 from rclpy.parameter import Parameter
 
 from ur_nodes.file_facts import FileFacts, file_of_run
+from ur_nodes.ports.parameters import READ_ONLY, Declaration, Parameters
+from ur_nodes.ros2.reception import ReceivingNode
 
 _SET = "parameters"
-_LONGEST = 10_000  # characters of a value that is set while the node runs
+_PLAIN = (bool, int, float, str)
 
 
 class RosParameters:
     """See `ports.parameters.ParameterStore`. '~a/b' and '/name/of/node/a/b' are the parameter 'a.b' of the node."""
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: ReceivingNode) -> None:
         self._node = node
+        self._unset: set[str] = set()  # declared with their defaults, so that they are listed
+        self._keepers: set[int] = set()  # threads that set a parameter of their own node
         name = node.get_fully_qualified_name()
         self._prefix = f"{name}/"
         run = file_of_run()
         self._file = FileFacts(simulated_time=False, file=run.with_name(f"{run.stem}{name.replace('/', '.')}.json"))
         for own, value in self._file.get(_SET, {}).items():
             self._keep(own, value)
-        node.add_on_set_parameters_callback(_judge)
 
     def resolve(self, name: str) -> str:
         return self._prefix + name[1:] if name.startswith("~") else name
 
     def has(self, name: str) -> bool:
         own = self._own(name)
-        return own is not None and bool(self._node.has_parameter(own) or self._node.get_parameters_by_prefix(own))
+        return own is not None and bool(self._is_set(own) or self._below(own))
 
     def get(self, name: str) -> object:
         own = self._own(name)
-        if own is not None and self._node.has_parameter(own):
+        if own is not None and self._is_set(own):
             return _plain(self._node.get_parameter(own).value)
-        below = {} if own is None else self._node.get_parameters_by_prefix(own)
+        below = {} if own is None else self._below(own)
         if not below:
             raise KeyError(name)
         tree: dict[str, Any] = {}
@@ -66,13 +70,47 @@ class RosParameters:
             self._file.set(_SET, self._file.get(_SET, {}) | {own: value})
 
     def names(self) -> list[str]:
-        return sorted(self._prefix + name.replace(".", "/") for name in self._node.get_parameters_by_prefix(""))
+        return sorted(self._full(name) for name in self._node.get_parameters_by_prefix(""))
+
+    def offer(self, parameters: Parameters, change: Callable[[dict[str, object]], str]) -> None:
+        """Let other programs see what the node has read, and set what is live; `change` returns '' or the refusal."""
+        for full, each in parameters.declared().items():
+            own, descriptor = self._own(full), ParameterDescriptor(dynamic_typing=True)
+            if own and self._node.has_parameter(own):  # a number may be given as 1 and set to 0.5
+                self._node.set_descriptor(own, descriptor)
+            elif own and isinstance(each.value, _PLAIN):
+                self._unset.add(own)
+                self._node.declare_parameter(own, each.value, descriptor)
+        self._node.add_on_set_parameters_callback(lambda given: self._judge(given, change))
+        self._node.describe = lambda own: _describe(own, parameters.declared().get(self._full(own)))
 
     def _keep(self, own: str, value: object) -> None:
         """Set a parameter. Other programs can set declared ones only, so that they cannot fill the memory."""
+        self._keepers.add(threading.get_ident())
         if not self._node.has_parameter(own):
             self._node.declare_parameter(own, value, ParameterDescriptor(dynamic_typing=True))
         self._node.set_parameters([Parameter(own, value=value)])
+        self._keepers.discard(threading.get_ident())
+        self._unset.discard(own)
+
+    def _judge(self, parameters: list[Parameter], change: Callable[[dict[str, object]], str]) -> SetParametersResult:
+        """Apply what another program sets, or refuse it."""
+        if threading.get_ident() in self._keepers:
+            return SetParametersResult(successful=True)
+        reason = change({self._full(each.name): _plain(each.value) for each in parameters})
+        if not reason:
+            self._unset.difference_update(each.name for each in parameters)
+        return SetParametersResult(successful=not reason, reason=reason)
+
+    def _is_set(self, own: str) -> bool:
+        return own not in self._unset and self._node.has_parameter(own)
+
+    def _below(self, own: str) -> dict[str, Parameter]:
+        found = self._node.get_parameters_by_prefix(own)
+        return {path: each for path, each in found.items() if each.name not in self._unset}
+
+    def _full(self, own: str) -> str:
+        return self._prefix + own.replace(".", "/")
 
     def _own(self, name: str) -> str | None:
         full = self.resolve(name)
@@ -81,12 +119,23 @@ class RosParameters:
         return full.removeprefix(self._prefix).strip("/").replace("/", ".")
 
 
-def _judge(parameters: list[Parameter]) -> SetParametersResult:
-    """Refuse values that are too long to be kept."""
-    for each in parameters:
-        if len(str(each.value)) > _LONGEST:
-            return SetParametersResult(successful=False, reason=f"{each.name}: longer than {_LONGEST} characters")
-    return SetParametersResult(successful=True)
+def _describe(own: str, declared: Declaration | None) -> ParameterDescriptor | None:
+    """Return the descriptor of a parameter for other programs; None: the node has not read it."""
+    if declared is None:
+        return None
+    descriptor = ParameterDescriptor(
+        name=own,
+        type=Parameter(own, value=declared.value).type_.value if isinstance(declared.value, _PLAIN) else 0,
+        description=declared.live or declared.expected,
+        additional_constraints=declared.expected if declared.live else f"{declared.expected}; {READ_ONLY}",
+        read_only=not declared.live,
+    )
+    low, high = declared.limits
+    if type(declared.value) is float:
+        descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
+    elif type(declared.value) is int:
+        descriptor.integer_range = [IntegerRange(from_value=int(low), to_value=int(high))]
+    return descriptor
 
 
 def _plain(value: Any) -> object:

@@ -22,6 +22,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from ur_nodes.loop import Worker
 
 if TYPE_CHECKING:
+    from rcl_interfaces.msg import ParameterDescriptor
     from rclpy.node import Context, Subscription
     from rclpy.qos import QoSProfile
 
@@ -125,7 +126,12 @@ class ReceivingNode(rclpy.node.Node):
         self.reception = Reception(
             rclpy.utilities.get_default_context()
         )  # a node subscribes to the clock when it is made
+        self.describe: Callable[[str], ParameterDescriptor | None] = lambda _name: None
         super().__init__(name, automatically_declare_parameters_from_overrides=True)
+
+    def describe_parameter(self, name: str) -> ParameterDescriptor:
+        """See rclpy's Node. What `describe` returns is for other programs: rclpy checks by its own."""
+        return self.describe(name) or super().describe_parameter(name)
 
     def create_subscription(
         self,

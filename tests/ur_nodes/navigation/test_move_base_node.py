@@ -96,7 +96,16 @@ def test_move_base_serves_clients_of_upstream(robot: Client) -> None:
 
 def test_move_base_offers_the_topics_of_upstream(robot: Client) -> None:
     topics = {(name, kind) for name, kind in robot.ask("topics") if name.startswith(("/move_base/", "/cmd_vel"))}
+    live = (
+        "",
+        "DWAPlannerROS/",
+        "GlobalPlanner/",
+        "NavfnROS/",
+        *(f"{each}_costmap/inflation_layer/" for each in ("global", "local")),
+    )
     assert topics == {
+        *((f"/move_base/{folder}parameter_updates", "dynamic_reconfigure/Config") for folder in live),
+        *((f"/move_base/{folder}parameter_descriptions", "dynamic_reconfigure/ConfigDescription") for folder in live),
         ("/cmd_vel", "geometry_msgs/Twist"),
         ("/cmd_vel_stamped", "geometry_msgs/TwistStamped"),
         ("/move_base/DWAPlannerROS/global_plan", "nav_msgs/Path"),

@@ -12,6 +12,7 @@ from tests.ur_nodes.ports.stage import STAMP, Stage
 
 from ur.source.diagnostic import UserError
 from ur_nodes.geometry.pose import Pose3
+from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result, Transform, Twist
@@ -145,6 +146,39 @@ def check_parameters_are_typed_and_kept(stage: Stage) -> None:
         own.number("word")
     with pytest.raises(UserError, match="is not set"):
         own.text("absent")
+
+
+def check_live_parameters_are_applied_and_others_refused(stage: Stage) -> None:
+    applied: list[tuple[float, int, bool]] = []
+
+    def read(own: Parameters) -> tuple[float, int, bool]:
+        limits = own.below("limits")
+        return (
+            limits.limit("speed", 0.5, minimum=0.1, live="greatest speed, m/s"),
+            limits.integer("count", 3, minimum=1, live="a number of things"),
+            own.boolean("careful", False, live="drive with care"),
+        )
+
+    own = stage.one.parameters
+    assert own.follow(read, applied.append) == (0.5, 3, False)
+    assert own.text("frame", "map") == "map"
+    stage.begin()
+    assert stage.set_parameter("limits/speed", 0.25) == ""
+    assert stage.set_parameter("careful", True) == ""
+    assert stage.set_parameter("limits/count", 2) == ""
+    assert applied == [(0.25, 3, False), (0.25, 3, True), (0.25, 2, True)]
+    assert "expected a number from 0.1 to 0.5" in stage.set_parameter("limits/speed", 0.6)
+    assert "expected a whole number of at least 1" in stage.set_parameter("limits/count", 0)
+    if not stage.only_live_parameters:
+        assert "read at the start only; set it in the launch file" in stage.set_parameter("frame", "odom")
+    assert stage.set_parameter("limits/other", 1.0)
+    assert len(applied) == 3
+    speed = stage.describe("limits/speed")
+    assert speed.text.startswith("greatest speed, m/s")
+    assert (speed.minimum, speed.maximum, speed.read_only) == (0.1, 0.5, False)
+    assert stage.describe("limits/count").minimum == 1
+    if not stage.only_live_parameters:
+        assert stage.describe("frame").read_only
 
 
 def check_facts_are_known_to_all_nodes(stage: Stage) -> None:

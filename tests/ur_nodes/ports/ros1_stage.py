@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from tests.ur_nodes.ports.contract import CHECKS
-from tests.ur_nodes.ports.stage import GoalClient, Stage
+from tests.ur_nodes.ports.stage import Described, GoalClient, Stage
 
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
@@ -77,6 +77,7 @@ class Ros1Stage:
     moments_known = False
     silent_services_hide_failures = False
     keeps_for_all = True
+    only_live_parameters = True
     string_type = "std_msgs/String"
     wire = b"\x05\x00\x00\x00hello"
 
@@ -99,6 +100,30 @@ class Ros1Stage:
     def spoil(self, topic: str) -> None:
         publisher = self.one.publish(topic, Map, Quality.LATCHED)
         publisher.send(Map(0, "map", Grid(np.zeros((1, 1), np.int8), 0.0, Pose2(0.0, 0.0, 0.0))))
+
+    def set_parameter(self, name: str, value: object) -> str:
+        import rospy
+        from dynamic_reconfigure import encoding
+        from dynamic_reconfigure.srv import Reconfigure
+
+        folder, _, last = self.one.resolve(f"~{name}").rpartition("/")
+        try:
+            answer = rospy.ServiceProxy(f"{folder}/set_parameters", Reconfigure)(encoding.encode_config({last: value}))
+        except rospy.ServiceException as problem:
+            return str(problem)
+        assert encoding.decode_config(answer.config)[last] == value
+        return ""
+
+    def describe(self, name: str) -> Described:
+        import rospy
+        from dynamic_reconfigure import encoding
+        from dynamic_reconfigure.msg import ConfigDescription
+
+        folder, _, last = self.one.resolve(f"~{name}").rpartition("/")
+        message = rospy.wait_for_message(f"{folder}/parameter_descriptions", ConfigDescription, 60.0)
+        found = encoding.decode_description(message)
+        parameter = next(each for each in found["parameters"] if each["name"] == last)
+        return Described(parameter["description"], parameter["min"], parameter["max"], read_only=False)
 
     def client(self, action: str) -> GoalClient:
         return ActionlibClient(action)

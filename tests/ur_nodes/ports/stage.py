@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.actions import Goal, GoalHandle, GoalId, GoalState
@@ -13,6 +13,15 @@ from ur_nodes.ports.values import PlacedPose
 
 STAMP = 1_700_000_000_123_456_789
 TARGET = PlacedPose(STAMP, "map", Pose2(1.0, 2.0, 0.5))
+
+
+class Described(NamedTuple):
+    """A parameter, as another program sees it."""
+
+    text: str
+    minimum: float
+    maximum: float
+    read_only: bool
 
 
 class Stage(Protocol):
@@ -28,6 +37,8 @@ class Stage(Protocol):
     """The answer of a service without a result is the same where it failed."""
     keeps_for_all: bool
     """What a LATCHED topic has kept is given to all subscribers, and a LATCHED subscriber hears all publishers."""
+    only_live_parameters: bool
+    """Other programs see no parameters that are read at the start."""
     string_type: str
     """The middleware's name of the type of a text."""
     wire: bytes
@@ -41,6 +52,12 @@ class Stage(Protocol):
 
     def spoil(self, topic: str) -> None:
         """Send a map that cannot be read, after `begin`, on a topic that has a subscriber."""
+
+    def set_parameter(self, name: str, value: object) -> str:
+        """Set a parameter of `one` from another program, after `begin`; '' or the reason of a refusal."""
+
+    def describe(self, name: str) -> Described:
+        """Describe a parameter of `one` for another program, after `begin`."""
 
     def client(self, action: str) -> GoalClient:
         """A client of goals that is connected, after `begin`."""

@@ -11,7 +11,7 @@ import pytest
 from tests.ros2_session import PYTHON, Ros2Session
 from tests.ros_session import RosSession
 from tests.ur_nodes.ports.contract import CHECKS
-from tests.ur_nodes.ports.stage import GoalClient, TopicGoalClient
+from tests.ur_nodes.ports.stage import Described, GoalClient, TopicGoalClient
 
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.node import Node
@@ -22,6 +22,7 @@ class MemoryStage:
     moments_known = False
     silent_services_hide_failures = False
     keeps_for_all = False
+    only_live_parameters = False
     string_type = "std_msgs/String"
     wire = b"hello"
 
@@ -39,6 +40,13 @@ class MemoryStage:
 
     def spoil(self, topic: str) -> None:
         self._bus.spoil(f"/{topic}", "map with resolution 0, expected 0.0001 to 1000 m")
+
+    def set_parameter(self, name: str, value: object) -> str:
+        return self.one.parameters.change({f"~{name}": value})
+
+    def describe(self, name: str) -> Described:
+        found = self.one.parameters.declared()[self.one.resolve(f"~{name}")]
+        return Described(found.live or found.expected, *found.limits, not found.live)
 
     def client(self, action: str) -> GoalClient:
         return TopicGoalClient(self._bus.node("client"), action, lambda: self._bus.run(0.01))

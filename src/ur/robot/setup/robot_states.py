@@ -33,7 +33,7 @@ PACKAGES = (
 PROGRAM_PACKAGES = (
     *("python3-venv", "ca-certificates", "rosbash", "python3-tf2-ros", "python3-actionlib", "python3-geometry-msgs"),
     *("python3-nav-msgs", "python3-sensor-msgs", "python3-move-base-msgs", "python3-visualization-msgs"),
-    "python3-std-srvs",
+    *("python3-std-srvs", "python3-dynamic-reconfigure|python3-rospy"),
 )
 GROUPS = ("dialout", "video", "plugdev", "input", "gpio", "i2c")
 _OURS = r"(?m)^(?:(?:name|base|variant|ros|ros_[a-z]+)[ \t]*:.*|# .* Written by ur robot setup\.)\n?"

@@ -1,0 +1,1 @@
+"""Made by tools/make_message_stubs.py. Do not edit."""

@@ -1,0 +1,6 @@
+from collections.abc import Callable
+from typing import Any
+
+class Server:
+    def __init__(self, type: object, callback: Callable[[Any, int], Any], namespace: str = ...) -> None: ...
+    def _clamp(self, config: dict[str, object]) -> None: ...
