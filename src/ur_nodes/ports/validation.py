@@ -177,7 +177,7 @@ def _accept(_name: str, _value: object) -> str:
     return ""
 
 
-_UNMEASURED = (values.Battery, values.GeoFix, values.Markers, values.MarkerChanges, values.PointCloud, MappedFiducials)
+_UNMEASURED = (values.Battery, values.Markers, values.MarkerChanges, values.PointCloud, MappedFiducials)
 _JUDGED_LATER = (values.Transform, Goal, AskPath)
 _RULES: dict[type, Callable[..., str]] = {
     float: _limit,
