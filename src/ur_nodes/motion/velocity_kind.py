@@ -10,7 +10,7 @@ from ur_nodes.ports.values import StampedTwist, Twist
 
 NAMES: dict[type, str] = {Twist: "Twist", StampedTwist: "TwistStamped"}
 KINDS = tuple(NAMES)
-_LOOK = 0.25  # s: how often the graph is asked
+_LOOK = 0.125  # s: how often the graph is asked
 
 
 def choose_kind(current: type | None, found: frozenset[type]) -> type | None:
@@ -36,11 +36,16 @@ class KindWatch:
         ask: Callable[[str, tuple[type, ...]], frozenset[type] | None],
         use: Callable[[type], None],
         text: str,
+        silent: Callable[[], bool] = lambda: False,
     ) -> None:
-        """`text` is logged after each change, with NAME in place of the kind's name."""
+        """`text` is logged after each change, with NAME in place of the kind's name.
+
+        A kind that appears beside the one in use replaces that while it is `silent`, as after the death of its program.
+        """
         self._topic, self._full, self._ask, self._use, self._text = topic, node.resolve(topic), ask, use, text
-        self._log = AsideLog(node)
+        self._log, self._silent = AsideLog(node), silent
         self._kind: type | None = None
+        self._found: frozenset[type] = frozenset()
         self._mixed = False
         if ask(topic, KINDS) is None:
             use(Twist)
@@ -50,7 +55,8 @@ class KindWatch:
 
     def _look(self) -> None:
         found = self._ask(self._topic, KINDS) or frozenset()
-        kind = choose_kind(self._kind, found)
+        new, self._found = found - self._found, found
+        kind = choose_kind(self._kind, new if new and self._silent() else found)
         if kind is not None and kind is not self._kind:
             self._kind = kind
             self._use(kind)

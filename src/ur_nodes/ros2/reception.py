@@ -8,6 +8,7 @@ whose messages a subscription does not get.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, cast
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
 
 _MOST_AT_ONCE = 20  # messages of a topic, while others wait
+_RELEASE = 1.0  # s for the thread to leave a subscription
 
 
 class Reception(CallbackGroup):
@@ -37,6 +39,8 @@ class Reception(CallbackGroup):
         self._context = context
         self._guard = GuardCondition(None, None, context=context)
         self._subscriptions: tuple[Subscription, ...] = ()  # replaced by one thread, the node's
+        self._held: tuple[Subscription, ...] = ()  # by the reception's thread
+        self._released = threading.Condition()
         self._changed = self._closed = False
         self._worker = Worker("reception")
 
@@ -57,8 +61,10 @@ class Reception(CallbackGroup):
         self._change((*self._subscriptions, cast("Subscription", entity)))
 
     def drop(self, subscription: Subscription) -> None:
-        """Stop receiving for a subscription."""
+        """Stop receiving for a subscription. While the thread holds it, its topic can have no other type."""
         self._change(tuple(each for each in self._subscriptions if each is not subscription))
+        with self._released:
+            self._released.wait_for(lambda: subscription not in self._held, _RELEASE)
 
     def can_execute(self, entity: object) -> bool:  # noqa: ARG002
         """See CallbackGroup: no executor may."""
@@ -72,19 +78,24 @@ class Reception(CallbackGroup):
         """See CallbackGroup."""
 
     def _change(self, subscriptions: tuple[Subscription, ...]) -> None:
-        self._subscriptions, self._changed = subscriptions, True
+        with self._released:
+            self._subscriptions, self._changed = subscriptions, True
         self._guard.trigger()
 
     def _receive(self) -> None:
         while not self._closed:
             with ExitStack() as held:
                 self._receive_from(self._hold(held), held)
+            with self._released:
+                self._held = ()
+                self._released.notify_all()
 
     def _hold(self, held: ExitStack) -> dict[int, Subscription]:
         """Keep the subscriptions alive; returns the live ones by their addresses."""
-        self._changed = False
+        with self._released:
+            self._changed, self._held = False, self._subscriptions
         found = {}
-        for each in self._subscriptions:
+        for each in self._held:
             try:
                 held.enter_context(each.handle)
             except rclpy_implementation.InvalidHandle:

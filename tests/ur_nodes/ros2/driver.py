@@ -1,4 +1,7 @@
-"""Drives by plain commands as far as it gets, at most 0.3 m, rests, stops all, and prints what it saw as JSON."""
+"""Drives by plain commands as far as it gets, at most 0.3 m, rests, stops all, and prints what it saw as JSON.
+
+The parameter `stamped` has it send TwistStamped on cmd_vel, and not Twist on key_vel.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ import sys
 from ur_nodes.ports.node import Node, Timer
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Trigger
-from ur_nodes.ports.values import Odometry, Result, Twist
+from ur_nodes.ports.values import Odometry, Result, StampedTwist, Twist
 from ur_nodes.run import run
 
 _FAR = 0.3  # m
@@ -25,7 +28,9 @@ class PlainDriver:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._commands = node.publish("key_vel", Twist, Quality.COMMAND)
+        self._stamped = node.parameters.boolean("stamped", False)
+        topic, kind = ("cmd_vel", StampedTwist) if self._stamped else ("key_vel", Twist)
+        self._commands = node.publish(topic, kind, Quality.COMMAND)
         self._stopped: bool | None = None
         self._first: Odometry | None = None
         self._newest: Odometry | None = None
@@ -46,7 +51,8 @@ class PlainDriver:
             return
         longest = _LONG_BLOCKED if self._stopped else _LONG
         if self._moved() < _FAR and self._sent * _PERIOD < longest:
-            self._commands.send(Twist(0.2, 0.0))
+            twist = Twist(0.2, 0.0)
+            self._commands.send(StampedTwist(0, "", twist) if self._stamped else twist)
             self._sent += 1
         elif self._newest is not None and abs(self._newest.twist.forward) < _REST:
             self._timer.cancel()
