@@ -20,7 +20,9 @@ _OWN_SERVICES = (*_OWN, "/list_parameters", "/set_parameters", "/set_parameters_
 _SEVERAL = "several"
 _MOST = 1000  # publishers that are remembered
 _MOST_STREAMS = 32
-_UNKNOWN = "_"  # the first character of the names that the middleware gives to programs that are no nodes
+_UNKNOWN = ("_CREATED_BY_BARE_DDS_APP_", "_NODE_NAME_UNKNOWN_")  # names of programs that are no nodes
+_UNNAMED = "a program that is no node"
+_LONGEST_WAIT = 0.15  # s in which a message waits to be taken; beyond, the clock was set meanwhile
 
 
 def read_graph(node: Node) -> Graph:
@@ -73,6 +75,7 @@ class Senders:
     def __init__(self, node: Node, topic: str) -> None:
         self._node, self._topic = node, topic
         self._names: dict[str, str] = {}
+        self._arrived = 0.0  # the last message; a message has arrived before this thread takes it
         self._id = ""
         self._last = (-1, -1)  # number and stamp of the last message, where they say whether another publisher began
         self._streams: dict[int, tuple[int, int]] = {}  # likewise of each stream, that of the last message last
@@ -80,10 +83,11 @@ class Senders:
 
     def find(self, info: Mapping[str, Any]) -> Sender:
         """Return the sender of a message that was just received."""
-        arrived = time.clock_gettime(time.CLOCK_BOOTTIME)
+        waited = waiting_time(info.get("received_timestamp"), time.time_ns())
+        self._arrived = arrived = max(self._arrived, time.clock_gettime(time.CLOCK_BOOTTIME) - waited)
         sent = int(info["source_timestamp"])
         id = _read_id(info.get("publisher_gid")) or self._infer(info.get("publication_sequence_number"), sent)
-        if id not in self._names:
+        if self._names.get(id, _UNNAMED) == _UNNAMED:  # its name may arrive after its first messages
             self._ask()
             self._names.setdefault(id, "")
         number = info.get("publication_sequence_number")  # Cyclone DDS gives none
@@ -121,7 +125,7 @@ class Senders:
         found = {}
         for each in self._node.get_publishers_info_by_topic(self._topic):
             named = not each.node_name.startswith(_UNKNOWN)
-            name = full_name(each.node_namespace, each.node_name) if named else "a program that is no node"
+            name = full_name(each.node_namespace, each.node_name) if named else _UNNAMED
             found[bytes(each.endpoint_gid).hex()] = name[:256]
         self._names |= found
         while len(self._names) > _MOST:
@@ -131,3 +135,8 @@ class Senders:
 
 def _read_id(gid: Mapping[str, bytes] | None) -> str:
     return bytes(gid["data"]).hex() if gid else ""
+
+
+def waiting_time(received: int | None, now: int) -> float:
+    """Return how long (s) a message waited to be taken, which the middleware received at a time (ns); 0: unknown."""
+    return max(0.0, min((now - received) / 1e9, _LONGEST_WAIT)) if received else 0.0

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, cast
 
+import pytest
+
 from ur_nodes.ports.graph import Topic
-from ur_nodes.ros2.graph import Senders, has_node_between, read_graph
+from ur_nodes.ros2.graph import Senders, has_node_between, read_graph, waiting_time
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -61,8 +64,9 @@ def senders_of(*endpoints: Endpoint) -> tuple[Senders, ReportingNode]:
     return Senders(cast("Node", node), "/cmd_vel"), node
 
 
-def info(sent: int, number: int | None = None, gid: bytes | None = None) -> dict[str, object]:
+def info(sent: int, number: int | None = None, gid: bytes | None = None, received: int = 0) -> dict[str, object]:
     return {
+        "received_timestamp": received,
         "source_timestamp": sent,
         "publication_sequence_number": number,
         "publisher_gid": {"data": gid} if gid else None,
@@ -96,6 +100,30 @@ def test_message_with_the_id_of_its_publisher_has_that_ones_name() -> None:
 def test_sender_that_is_no_node_is_described() -> None:
     senders, _ = senders_of(Endpoint("_NODE_NAME_UNKNOWN_", FIRST))
     assert senders.find(info(5, gid=FIRST)).name == "a program that is no node"
+
+
+def test_name_of_a_node_that_becomes_known_after_its_first_message_is_found() -> None:
+    senders, node = senders_of(Endpoint("_NODE_NAME_UNKNOWN_", FIRST))
+    senders.find(info(5, gid=FIRST))
+    node.endpoints = [Endpoint("_ros2cli_7", FIRST)]
+    assert senders.find(info(6, gid=FIRST)).name == "/_ros2cli_7"
+
+
+@pytest.mark.parametrize(
+    ("received", "waited"),
+    [(10**18 - 90_000_000, 0.09), (10**18 + 1, 0.0), (1, 0.15), (0, 0.0), (None, 0.0)],
+    ids=["before", "clock set back", "clock set ahead", "unknown", "no field"],
+)
+def test_message_arrived_when_the_middleware_received_it_at_any_clock(received: int | None, waited: float) -> None:
+    assert waiting_time(received, 10**18) == pytest.approx(waited)
+
+
+def test_message_never_arrives_before_an_earlier_one() -> None:
+    senders, _ = senders_of(Endpoint("keys", FIRST))
+    first = senders.find(info(5, gid=FIRST)).arrived
+    later = senders.find(info(6, gid=FIRST, received=time.time_ns() - 10**9)).arrived
+    assert first is not None
+    assert later == first
 
 
 def test_sender_that_has_left_the_graph_has_no_name() -> None:
