@@ -297,6 +297,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.motion.challenge": ("ur_nodes.ports",),
     "ur_nodes.motion.lease": ("ur.source", "ur_nodes.ports", "ur_nodes.motion.challenge"),
     "ur_nodes.motion.admission": (
+        "ur.devices.driver_health",
         "ur_nodes.ports",
         "ur_nodes.motion.challenge",
         "ur_nodes.motion.lease",

@@ -1,4 +1,4 @@
-"""The health of a device as its driver sees it, in a file that `ur doctor` reads."""
+"""Files that `ur doctor` reads: the health of a device as its driver sees it, and the commands that a mux refuses."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import os
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 from msgspec import Meta
 
@@ -19,6 +19,7 @@ _LONGEST = 4000
 _MOST_FILES = 20
 
 Text = Annotated[str, Meta(max_length=300)]
+Record = TypeVar("Record", bound=PrintableValue)
 Amount = Annotated[float, Meta(ge=0.0, lt=1e6)]
 
 
@@ -44,6 +45,13 @@ class DriverHealth(PrintableValue, frozen=True):
     drives_on: bool = False
 
 
+class RefusedCommands(PrintableValue, frozen=True):
+    """The commands that a mux refuses now, and what to do."""
+
+    text: Text
+    help: Text
+
+
 OBSERVE_DRIVERS = f"""\
 for f in "${{XDG_RUNTIME_DIR:-/run/user/$(id -u)}}/{FOLDER}"/*.json \
 "${{XDG_STATE_HOME:-$HOME/.local/state}}/{FOLDER}"/*.json; do
@@ -54,13 +62,18 @@ done | head -n {_MOST_FILES}"""
 
 def parse_drivers(text: str) -> tuple[DriverHealth, ...]:
     """Read what the script printed, of drivers that run; what makes no sense is left out."""
+    return parse_records(text, DriverHealth)
+
+
+def parse_records(text: str, kind: type[Record]) -> tuple[Record, ...]:
+    """Likewise for records of a kind."""
     found = []
     for line in text.splitlines()[:_MOST_FILES]:
         age, _, record = line.partition(" ")
         if not age.lstrip("-").isdecimal() or len(age) > 9 or int(age) > OLD:
             continue
         try:
-            found.append(read_json(record, DriverHealth, _LONGEST))
+            found.append(read_json(record, kind, _LONGEST))
         except BadJsonError:
             continue
     return tuple(found)
@@ -72,7 +85,7 @@ def health_file(node: str, environment: Mapping[str, str] = os.environ) -> Path:
     return Path(runtime_folder(environment), FOLDER, f"{name or 'driver'}.json")
 
 
-def write_health(path: Path, health: DriverHealth) -> str:
+def write_health(path: Path, health: PrintableValue) -> str:
     """Write a file in one step; return why that failed, '' where it did not."""
     try:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)

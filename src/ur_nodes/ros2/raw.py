@@ -195,6 +195,8 @@ def _fill(message: genpy.Message, fields: Fields, path: str) -> None:
             setattr(message, own, [_part(known[own], each, f"{path}{name}.") for each in value])
         else:
             try:
+                if known[own] == "octet" and isinstance(value, int):
+                    value = bytes([value])
                 setattr(message, own, float(value) if isinstance(now, float) and type(value) is int else value)
             except (AssertionError, TypeError, OverflowError) as problem:
                 raise ValueError(f"{path}{name}: {problem}") from None

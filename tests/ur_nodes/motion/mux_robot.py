@@ -43,9 +43,16 @@ class LeaseDriver:
 class MuxRobot:
     """A bus with a mux whose clock is a steady one, and what reaches the base: times (ns) and velocities."""
 
-    def __init__(self, home: Path, delay: Callable[[str], int | None] | None = None, **parameters: Any) -> None:
+    def __init__(
+        self,
+        home: Path,
+        delay: Callable[[str], int | None] | None = None,
+        schemas: dict[str, str] | None = None,
+        **parameters: Any,
+    ) -> None:
         self.home = home
         self.bus = Bus(delay)
+        self.bus.schemas |= schemas or {}
         own = {"base": "stage", **SOURCES, **parameters}
         self.bus.parameters |= {f"/cmd_vel_mux/{name}": value for name, value in own.items()}
         self.person = self.bus.node("person")

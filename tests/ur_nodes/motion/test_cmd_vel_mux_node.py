@@ -11,10 +11,13 @@ import numpy as np
 import pytest
 from tests.ur_nodes.motion.mux_robot import AHEAD, STILL, LeaseDriver, MuxRobot
 
+from ur.devices.driver_health import RefusedCommands, health_file, parse_drivers, parse_records
 from ur.source.diagnostic import UserError
 from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.raw import RawMessage
 from ur_nodes.ports.services import Switch, Trigger
 from ur_nodes.ports.values import Result, Scan, StampedTwist, Time, Twist
+from ur_nodes.web.status.diagnostics import KIND
 
 pytestmark = pytest.mark.usefixtures("home")
 
@@ -341,6 +344,47 @@ def test_programs_that_send_to_the_base_itself_drive_through_the_mux_by_either_t
         timer.cancel()
         program.end("its user ended it")
         assert robot.speeds(1.0)[-1] == 0.0
+
+
+def test_program_that_is_too_slow_reads_why_the_robot_does_not_move(home: Path) -> None:
+    robot = MuxRobot(home, takes_over="cmd_vel", schemas={KIND: "DiagnosticStatus[] status"})
+    shown: list[RawMessage] = []
+    robot.person.raw.subscribe("/diagnostics", shown.append, Quality.EVERY)
+    publisher = robot.bus.node("joy_bridge").publish("cmd_vel", Twist)
+    timer = robot.person.every(1.0, lambda: publisher.send(AHEAD))
+    assert not any(robot.speeds(5.0))
+    line = "cmd_vel: /joy_bridge publishes Twist at 1 Hz; the robot drives at 10 Hz or more"
+    help_ = "publish at 10 Hz or more: `ros2 topic pub -r 20 /cmd_vel ...`"
+    assert [text for _, text in robot.mux.lines if "Hz" in text] == [f"{line}; help: {help_}"]
+    (status,) = json.loads(shown[-1].data)["status"]
+    assert status == {"level": 1, "name": "/cmd_vel_mux: commands", "message": f"{line}; {help_}"}
+    file = health_file("/cmd_vel_mux")
+    assert parse_records(f"1 {file.read_text()}", RefusedCommands) == (RefusedCommands(line, help_),)
+    assert parse_drivers(f"1 {file.read_text()}") == ()
+    timer.cancel()
+    robot.bus.run(12.0)
+    assert json.loads(shown[-1].data)["status"][0]["level"] == 0
+    robot.mux.end("its user ended it")
+    assert not file.exists()
+
+
+def test_program_that_answers_no_challenge_reads_why_the_robot_does_not_move(home: Path) -> None:
+    robot = MuxRobot(home)
+    publisher = robot.bus.node("stamper").publish("key_vel_stamped", StampedTwist)
+    robot.person.every(0.05, lambda: publisher.send(StampedTwist(robot.bus.now, "", AHEAD)))
+    assert not any(robot.speeds(2.0))
+    (text, *_) = (text for _, text in robot.mux.lines if "dropped" in text)
+    assert "of /stamper on key_vel_stamped" in text
+    assert text.endswith("help: publish Twist on key_vel at 10 Hz or more")
+
+
+def test_program_of_another_type_drives_though_one_that_was_killed_is_still_in_the_graph(home: Path) -> None:
+    robot = MuxRobot(home, takes_over="cmd_vel")
+    robot.bus.node("killed").publish("cmd_vel", Twist)
+    robot.bus.run(2.0)
+    publisher = robot.bus.node("program").publish("cmd_vel", StampedTwist)
+    robot.person.every(0.05, lambda: publisher.send(StampedTwist(0, "", AHEAD)))
+    assert max(robot.speeds(1.0)) > 0.29
 
 
 def test_mux_does_not_take_over_the_topic_that_it_sends_to(home: Path) -> None:

@@ -104,7 +104,7 @@ def admit_plain(
             return admission, "held back"
         if fell:
             probation = restart_proof(probation)
-    state = step_probation(probation, now, motion=motion)
+    state = step_probation(probation, now if sent is None else sent[1], motion=motion, aged=sent is not None)
     admission = replace(admission, plain=_with(admission.plain, rhythm, state, _MOST_PUBLISHERS))
     if not state.accepted:
         return admission, "on probation"

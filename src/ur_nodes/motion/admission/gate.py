@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 import time
 from collections.abc import Callable, Mapping
@@ -15,22 +16,22 @@ from ur_nodes.motion.admission.admission import (
     admit_stamped,
     challenge,
 )
-from ur_nodes.motion.admission.probation import LockRelease, rate_needed, step_lock_release
-from ur_nodes.motion.admission.reports import DropReports
+from ur_nodes.motion.admission.probation import LockRelease, describe_slow, rate_needed, step_lock_release
+from ur_nodes.motion.admission.reports import DropReports, RefusalReports
 from ur_nodes.motion.challenge.freshness import IssuedChallenges
 from ur_nodes.motion.lease.record import LeaseRecord, start_lease
 from ur_nodes.motion.lease.store import make_store
 from ur_nodes.motion.lease.text import FREE, Lease, read_lease, read_request, write_lease
 from ur_nodes.motion.mux_events import Event, LockMessage, MuxSettings, Velocity, VelocityCommand, slow_to
-from ur_nodes.motion.velocity_kind import KindWatch
+from ur_nodes.motion.velocity_kind import NAMES, KindWatch
 from ur_nodes.motion.writes import AsideLog, Writes, attempt
 from ur_nodes.ports.node import SECOND, Node, Sender, Subscription
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import StampedTwist, Time, Twist
 
 _FACT = "lease"  # mirrors the lease
-_MOST_PUBLISHERS = 256  # of locks, that are remembered
-_ID = "#"  # between the name and the id of a publisher
+_MOST_PUBLISHERS = 256  # that are remembered
+_SILENT = 1.0  # s without a command, after which programs that send another kind are heard
 _MEMORY = 60.0  # s: in which the driver of before a restart of the master may return
 
 
@@ -64,7 +65,9 @@ class AdmissionGate:
             tuple(source.timeout for source in settings.sources),
             freshness,
         )
-        self._reports = DropReports(freshness)
+        self._drops, self._refusals = DropReports(freshness), RefusalReports(node)
+        self._foreign: dict[int, ForeignCommands] = {}
+        self._named: dict[str, str] = {}  # publishers of plain commands
         self._locks: dict[tuple[int, str], LockRelease] = {}
         self._announced: Lease | None = None
         self._saving = False
@@ -75,13 +78,13 @@ class AdmissionGate:
         node.every(1.0 / rate, self._issue, steady=True)
         for index, source in enumerate(settings.sources):
             if source.foreign:
-                ForeignCommands(node, source.topic, partial(self._take_plain, index))
+                self._foreign[index] = ForeignCommands(node, source.topic, partial(self._take_plain, index))
                 continue
             # Every plain command counts: a cluster has to be seen as one.
             node.subscribe_from(source.topic, Twist, partial(self._take_plain, index), Quality.EVERY)
             # Likewise every stamped one: those of a client that may not drive must not replace those of the driver.
             stamped = f"{source.topic}_stamped"
-            node.subscribe(stamped, StampedTwist, partial(self._take_stamped, index), Quality.EVERY)
+            node.subscribe_from(stamped, StampedTwist, partial(self._take_stamped, index), Quality.EVERY)
         for index, lock in enumerate(settings.locks):
             node.subscribe_from(lock.topic, bool, partial(self._take_lock, index), Quality.EVERY)
         node.subscribe_from("~lease_request", str, self._take_request, Quality.EVERY)
@@ -93,14 +96,14 @@ class AdmissionGate:
             return start_lease(stored or read_lease(self._node.facts.get(_FACT)), timeout, unix=time.time())
         return start_lease(stored, timeout, unix=time.time(), forget_at=self._node.steady() + _MEMORY)
 
-    def _take_stamped(self, index: int, command: StampedTwist) -> None:
+    def _take_stamped(self, index: int, command: StampedTwist, sender: Sender | None) -> None:
         velocity, follows = _velocity_of(command.twist), self._settings.sources[index].avoids_obstacles
         now, motion = self._node.steady(), not velocity.still
         stamp = divmod(command.stamp, SECOND)
         self._admission, verdict = admit_stamped(
             self._admission, index, stamp, command.frame, now, time.time(), motion=motion, follows=follows
         )
-        self._pass(index, velocity, now, verdict, stamped=True)
+        self._pass(index, velocity, now, verdict, _name(sender), stamped=True)
         self._announce()
 
     def _take_plain(self, index: int, twist: Twist, sender: Sender | None) -> None:
@@ -110,13 +113,19 @@ class AdmissionGate:
         if sender is not None and sender.sent is not None and sender.arrived is not None:
             sent = (sender.sent, sender.arrived)
         stream = sender.stream if sender else ""
+        publisher = _publisher(sender)
+        self._named[publisher] = _name(sender)
+        while len(self._named) > _MOST_PUBLISHERS:
+            del self._named[next(iter(self._named))]
         self._admission, verdict = admit_plain(
-            self._admission, index, _publisher(sender), now, motion=motion, sent=sent, stream=stream
+            self._admission, index, publisher, now, motion=motion, sent=sent, stream=stream
         )
-        self._pass(index, velocity, now, verdict, stamped=False)
+        self._pass(index, velocity, now, verdict, _name(sender), stamped=False)
 
-    def _pass(self, index: int, velocity: Velocity, now: float, verdict: float | Refusal, *, stamped: bool) -> None:
-        """Pass a command that is admitted at `now` to the mux; count a refused one."""
+    def _pass(
+        self, index: int, velocity: Velocity, now: float, verdict: float | Refusal, name: str, *, stamped: bool
+    ) -> None:
+        """Pass a command of a publisher that is admitted at `now` to the mux; count a refused one."""
         if isinstance(verdict, float):
             terms = self._admission.lease.lease.terms
             if terms is not None:
@@ -124,7 +133,8 @@ class AdmissionGate:
                 velocity = slow_to(velocity, share, self._settings, terms.speed)
             self._handle(VelocityCommand(index, velocity, None if self._node.facts.simulated_time else now - verdict))
         elif not velocity.still:
-            self._reports.count(self._settings.sources[index], verdict, stamped=stamped)
+            self._drops.count(self._settings.sources[index], verdict, name, stamped=stamped)
+            self._refusals.go_on()
 
     def _take_lock(self, index: int, locked: bool, sender: Sender | None) -> None:
         """Accept `true` always, and `false` only if it cannot have been delayed for long: see `step_lock_release`."""
@@ -156,13 +166,17 @@ class AdmissionGate:
         self._admission, stamp, slow = challenge(self._admission, now, time.time())
         self._challenge.send(Time(stamp[0] * SECOND + stamp[1]))
         self._announce()
-        for line in self._reports.lines(now, self._admission.lease.lease):
-            self._log.warn(line)
+        for line, help_ in self._drops.lines(now, self._admission.lease.lease):
+            self._refusals.report(line, help_)
+        tool = "rostopic pub" if self._node.raw.encoding == "ros1" else "ros2 topic pub"
         for index, publisher in slow:
             source = self._settings.sources[index]
-            self._log.warn(
-                f"{source.topic}: {publisher.partition(_ID)[0]} does not drive: plain commands need a steady rate of "
-                f"{rate_needed(source.timeout)} Hz or more, five in a row"
+            kind: type = self._foreign[index].kind if source.foreign else Twist
+            does = describe_slow(self._admission.plain[index, publisher], NAMES[kind])
+            self._refusals.report(
+                f"{source.topic}: {self._named.get(publisher.partition(' ')[0], '')} {does}",
+                f"publish at {rate_needed(source.timeout)} Hz or more: "
+                f"`{tool} -r 20 {self._node.resolve(source.topic)} ...`",
             )
 
     def _announce(self) -> None:
@@ -204,8 +218,8 @@ def _name(sender: Sender | None) -> str:
 
 
 def _publisher(sender: Sender | None) -> str:
-    """The name of a publisher and its id, which distinguishes it from another of that name."""
-    return f"{sender.name}{_ID}{sender.id}" if sender else ""
+    """The id of a publisher, or its name where it has none; a name may become known late."""
+    return sender.id or sender.name if sender else ""
 
 
 class ForeignCommands:
@@ -216,16 +230,22 @@ class ForeignCommands:
 
     def __init__(self, node: Node, topic: str, take: Callable[[Twist, Sender | None], None]) -> None:
         self._node, self._topic, self._take = node, topic, take
-        self._subscription: Subscription | None = None
-        KindWatch(node, topic, node.kinds_sent, self._use, "commands are read as NAME, which programs send")
+        self._received_at = -math.inf
+        self.kind: type = Twist
+        self._subscription = self._subscribe()  # at once: a program's first commands do not wait for the graph
+        text = "commands are read as NAME, which programs send"
+        KindWatch(node, topic, node.kinds_sent, self._use, text, lambda: node.steady() - self._received_at > _SILENT)
 
     def _use(self, kind: type) -> None:
-        if self._subscription is not None:
+        if kind is not self.kind:
+            self.kind = kind
             self._subscription.close()
+            self._subscription = self._subscribe()
+
+    def _subscribe(self) -> Subscription:
         # Every command counts: a cluster has to be seen as one.
-        if kind is Twist:
-            self._subscription = self._node.subscribe_from(self._topic, Twist, self._take, Quality.EVERY)
-        else:
-            self._subscription = self._node.subscribe_from(
-                self._topic, StampedTwist, lambda value, sender: self._take(value.twist, sender), Quality.EVERY
-            )
+        return self._node.subscribe_from(self._topic, self.kind, self._receive, Quality.EVERY)
+
+    def _receive(self, value: Twist | StampedTwist, sender: Sender | None) -> None:
+        self._received_at = self._node.steady()
+        self._take(value.twist if isinstance(value, StampedTwist) else value, sender)

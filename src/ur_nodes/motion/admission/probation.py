@@ -5,7 +5,8 @@ keep arriving one by one:
 
 - A publisher that has been silent for longer than the source's timeout is on *probation*: its commands are ignored
   until `PROOF` of them in a row have arrived, each at least `TOO_CLOSE` and at most the timeout after the one before.
-- Two that arrive closer together than `TOO_CLOSE` begin the probation again.
+- Two that arrive closer together than `TOO_CLOSE` begin the probation again. Where `stamps` show the age of commands,
+  which a thread that pauses may deliver together, the second one takes back one of the row instead.
 - A publisher that drives is put on probation again by a cluster: `CLUSTER` commands within `TOO_CLOSE` after a silence
   of `HELD_BACK` or more.
 
@@ -23,6 +24,10 @@ PROOF = 5
 TOO_CLOSE = 0.005  # s
 CLUSTER = 4
 HELD_BACK = 0.08  # s
+_ADVISED = 10  # Hz, at which a program drives although its commands jitter
+_MOST = round(1.0 / TOO_CLOSE)  # Hz
+_SHORT = 3.0  # s: after a longer gap, commands are counted anew
+_UNSTEADY = 2.0  # s on probation, after which a publisher without gaps is reported
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +35,8 @@ class Probation:
     """A publisher of plain commands to a source whose commands age within `timeout` (s).
 
     `count` is how many have arrived in a row as they should, at most PROOF: then the publisher is accepted.
-    `cluster` is how many have arrived together right after the last silence.
+    `cluster` is how many have arrived together right after the last silence. `seen` have arrived from `began` on,
+    while the publisher was not accepted.
     """
 
     timeout: float
@@ -40,6 +46,13 @@ class Probation:
     cluster: int = 0
     wants_motion: bool = False
     reported: bool = False
+    seen: int = 0
+    began: float = -math.inf
+
+    @property
+    def rate(self) -> float:
+        """Return the rate (Hz) of the commands on probation; 0.0 after a single one."""
+        return (self.seen - 1) / (self.at - self.began) if self.at > self.began else 0.0
 
     @property
     def accepted(self) -> bool:
@@ -47,12 +60,14 @@ class Probation:
         return self.count >= PROOF
 
 
-def step_probation(state: Probation, now: float, *, motion: bool) -> Probation:
-    """Return the state after a command at `now` with or without motion.
+def step_probation(state: Probation, now: float, *, motion: bool, aged: bool = False) -> Probation:
+    """Return the state after a command at `now` with or without motion; `aged`: its age is known.
 
     The command is accepted if `accepted` is set.
     """
     gap = now - state.at
+    again = state.accepted or not 0.0 <= gap <= _SHORT
+    state = replace(state, seen=1 if again else state.seen + 1, began=now if again else state.began)
     if gap < 0.0 or gap > state.timeout:
         return replace(
             state, count=1, at=now, silence_ended_at=now, cluster=1, wants_motion=motion, reported=state.reported
@@ -65,7 +80,7 @@ def step_probation(state: Probation, now: float, *, motion: bool) -> Probation:
     if state.accepted:
         return replace(state, count=0) if cluster >= CLUSTER else state
     if gap < TOO_CLOSE:
-        return replace(state, count=1)
+        return replace(state, count=max(1, state.count - 1) if aged else 1)
     count = state.count + 1
     return replace(state, count=count, reported=state.reported and count < PROOF)
 
@@ -76,15 +91,28 @@ def restart_proof(state: Probation) -> Probation:
 
 
 def too_slow(state: Probation, now: float) -> tuple[Probation, bool]:
-    """Return whether the publisher requested motion and stopped sending on probation; reported once until it drives."""
-    if state.reported or state.accepted or not state.wants_motion or now - state.at <= state.timeout:
+    """Return whether the publisher requests motion and stays on probation; reported once until it drives."""
+    if state.reported or state.accepted or not state.wants_motion:
+        return state, False
+    slow = now - state.at > (state.timeout if state.seen > 1 else _SHORT)
+    if not slow and (state.seen == 1 or now - state.began <= _UNSTEADY):
         return state, False
     return replace(state, reported=True), True
 
 
+def describe_slow(state: Probation, kind: str) -> str:
+    """Describe what a publisher of commands of a kind does, and what would be accepted."""
+    needed = rate_needed(state.timeout)
+    if not state.rate:
+        return f"published a single {kind}; the robot drives at {needed} Hz or more"
+    if state.rate < needed:
+        return f"publishes {kind} at {round(state.rate, 1):g} Hz; the robot drives at {needed} Hz or more"
+    return f"publishes {kind} at {state.rate:.0f} Hz, unsteadily; the robot drives at a steady {needed} to {_MOST} Hz"
+
+
 def rate_needed(timeout: float) -> int:
-    """The lowest whole rate (Hz) at which plain commands drive."""
-    return math.floor(1.0 / timeout) + 1
+    """The lowest whole rate (Hz) at which plain commands that jitter drive."""
+    return max(_ADVISED, math.floor(1.0 / timeout) + 1)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from tests.robot.doctor.pairs import BOB, LAPTOP, NOBODY, PAIR, ROBOT, WIFI
 from tests.robot.doctor.rules.ros2.cases import CASES as ROS2_CASES
 
 from ur.devices.device import Device, DeviceHolder, DeviceSnapshot, Expected
-from ur.devices.driver_health import DriverHealth
+from ur.devices.driver_health import DriverHealth, RefusedCommands
 from ur.robot.doctor.findings import AdvertisedNode, ComputerPair, Owner
 from ur.robot.doctor.messages import Message
 from ur.robot.doctor.rules import KINDS, diagnose, diagnose_alone
@@ -27,6 +27,7 @@ NO_SSH = {**NO_CHRONY, "chrony.service": "active", "ssh.service": "inactive", "s
 DEVICE = Device("/dev/ttyUSB0", "serial", "10c4:ea60", links=("/dev/rplidar",), mode=0o660, group="dialout")
 MASTER = {"ROS_MASTER_URI": "http://bob.local:11311"}
 DRIVER = DriverHealth("/dev/create", "iRobot Create 2 or Roomba", open=True, frames=66.0, voltage=16.0)
+REFUSED = RefusedCommands("cmd_vel: /joy_bridge publishes Twist at 1 Hz", "publish at 10 Hz or more")
 OTHER = {"std_msgs/String.msg": Message("xyz", "/usr/share/std_msgs")}
 
 
@@ -88,6 +89,7 @@ CASES = [
             ("empty-battery", replace_fields(DRIVER, voltage=11.0, empty=True)),
         )
     ),
+    ("refused-commands", remote(observed={"drivers": f"3 {write_json(REFUSED)}\n"})),
     ("failing-boot-service", remote(failing=(FailedUnit("ubiquity-drive.service", 7),))),
     ("failed-service", remote(failing=(FailedUnit("a.service"),))),
     ("missing-package", remote(packages={name: "1" for name in ROBOT.packages if name != "xauth"})),

@@ -317,6 +317,59 @@ def test_no_rhythm_of_late_stamped_commands_moves_the_robot(commands: list[tuple
     assert all(speed == 0.0 for at, speed in robot.outputs if at > began)
 
 
+def first_motion(arrivals: list[tuple[float, float]]) -> float | None:
+    """Return when the robot begins to move, by commands of a new publisher: each was sent, and arrived."""
+    robot = AdmittingRobot()
+    robot.until(0.1)
+    for sent, arrived in arrivals:
+        robot.until(0.1 + arrived)
+        robot.plain("/new", sent=0.1 + sent)
+    return next((at - 0.1 for at, speed in robot.outputs if speed > 0.0), None)
+
+
+jitters = st.lists(st.floats(0.0, 0.012), min_size=20, max_size=20)
+
+
+@given(jitters, st.floats(0.0, 0.4), st.floats(0.05, 0.06))
+@settings(max_examples=150, deadline=None)
+def test_stream_of_20_hz_moves_the_robot_within_half_a_second_though_threads_pause(
+    jitters: list[float], pause: float, length: float
+) -> None:
+    """A thread that receives pauses once: what comes meanwhile arrives together at the end of the pause."""
+    arrivals = []
+    for n, jitter in enumerate(jitters):
+        at = n * 0.05 + jitter
+        arrivals.append((n * 0.05, pause + length + n * 1e-5 if pause <= at < pause + length else at))
+    moved = first_motion(arrivals)
+    assert moved is not None
+    assert moved - arrivals[0][1] <= 0.5
+
+
+@given(
+    st.floats(0.02, 0.1),
+    st.floats(0.5, 5.0),
+    st.lists(st.floats(0.0, 0.004) | st.floats(0.0, 0.6), min_size=4, max_size=60),
+)
+@settings(max_examples=150, deadline=None)
+def test_commands_of_a_new_publisher_that_were_held_back_move_nothing(
+    period: float, held: float, gaps: list[float]
+) -> None:
+    """They arrive in clusters, and between them at most at 0.6 of the period: a queue that empties."""
+    now, arrivals = held, []
+    for n, gap in enumerate(gaps):
+        now += gap if gap <= 0.004 else gap * period
+        if now - n * period < 0.15:
+            break
+        arrivals.append((n * period, now))
+    assert first_motion(arrivals) is None
+
+
+def test_clusters_out_of_a_backlog_that_stays_move_nothing(robot: AdmittingRobot) -> None:
+    for n in range(40):
+        robot.until(0.1 + n // 2 * 0.1 + n % 2 * 0.001)
+        assert robot.plain("/new", sent=n * 0.05 - 2.0) == "on probation"
+
+
 def drive_on_terms(robot: AdmittingRobot, terms: Terms | None, silent_from: float) -> None:
     """Navigation drives for a client that renews the lease on its terms until it falls silent."""
     while robot.now < 2.0:

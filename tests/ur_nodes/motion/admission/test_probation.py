@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -12,6 +14,7 @@ from ur_nodes.motion.admission.probation import (
     TOO_CLOSE,
     LockRelease,
     Probation,
+    describe_slow,
     rate_needed,
     step_lock_release,
     step_probation,
@@ -21,10 +24,12 @@ from ur_nodes.motion.admission.probation import (
 TIMEOUT = 0.15
 
 
-def hear(times: list[float], state: Probation | None = None, *, motion: bool = True) -> tuple[Probation, list[bool]]:
+def hear(
+    times: list[float], state: Probation | None = None, *, motion: bool = True, aged: bool = False
+) -> tuple[Probation, list[bool]]:
     state, accepted = state or Probation(TIMEOUT), []
     for at in times:
-        state = step_probation(state, at, motion=motion)
+        state = step_probation(state, at, motion=motion, aged=aged)
         accepted.append(state.accepted)
     return state, accepted
 
@@ -78,14 +83,32 @@ def test_two_commands_together_do_not_stop_a_publisher_that_drives() -> None:
 
 
 def test_slow_publisher_is_reported_once_until_it_drives() -> None:
-    state, _ = hear([0.0])
-    assert not too_slow(state, 0.1)[1]
-    state, reported = too_slow(state, 0.2)
+    state, _ = hear([0.0, 1.0])
+    assert not too_slow(state, 1.1)[1]
+    state, reported = too_slow(state, 1.2)
     assert reported
-    state, _ = hear([1.0], state)
-    assert not too_slow(state, 1.2)[1]
-    state, _ = hear([*steady(8, begin=2.0), 3.0], state)
-    assert too_slow(state, 3.2)[1]
+    assert describe_slow(state, "Twist") == "publishes Twist at 1 Hz; the robot drives at 10 Hz or more"
+    state, _ = hear([2.0], state)
+    assert not too_slow(state, 2.2)[1]
+    state, _ = hear([*steady(8, begin=3.0), 4.0, 5.0], state)
+    assert too_slow(state, 5.2)[1]
+
+
+def test_single_command_is_reported_once_it_is_clear_that_no_other_follows() -> None:
+    state, _ = hear([0.0])
+    assert not too_slow(state, 2.0)[1]
+    state, reported = too_slow(state, 3.1)
+    assert reported
+    assert describe_slow(state, "Twist") == "published a single Twist; the robot drives at 10 Hz or more"
+
+
+def test_publisher_that_is_too_fast_is_reported() -> None:
+    state, accepted = hear(steady(900, 300.0))
+    assert not any(accepted)
+    state, reported = too_slow(state, 900 / 300.0)
+    assert reported
+    text = "publishes Twist at 300 Hz, unsteadily; the robot drives at a steady 10 to 200 Hz"
+    assert describe_slow(state, "Twist") == text
 
 
 def test_publisher_of_zeros_is_not_reported() -> None:
@@ -100,11 +123,28 @@ def test_needed_rate_drives() -> None:
 
 @given(st.lists(st.floats(0.0, TOO_CLOSE * 0.99) | st.floats(TIMEOUT * 1.01, 10.0), max_size=80))
 def test_no_rhythm_of_gaps_and_bursts_drives(gaps: list[float]) -> None:
-    now, state = 0.0, Probation(TIMEOUT)
-    for gap in gaps:
-        now += gap
-        state = step_probation(state, now, motion=True)
-        assert not state.accepted
+    times = list(accumulate(gaps))
+    assert not any(hear(times)[1])
+    assert not any(hear(times, aged=True)[1])
+
+
+@given(st.lists(st.floats(0.0, TOO_CLOSE) | st.floats(0.01, TIMEOUT), max_size=30))
+def test_publisher_whose_commands_show_their_age_is_accepted_no_later(gaps: list[float]) -> None:
+    times = list(accumulate(gaps))
+    first, first_aged = ([*hear(times, aged=aged)[1], True].index(True) for aged in (False, True))
+    assert first_aged <= first
+
+
+def test_two_commands_that_a_thread_delivers_together_take_back_one() -> None:
+    times = [0.0, 0.05, 0.15, 0.1501, 0.2, 0.25, 0.3, 0.35]
+    assert hear(times, aged=True)[1].index(True) == 6
+    assert hear(times)[1].index(True) == 7
+
+
+def test_pairs_of_commands_never_drive_whether_or_not_they_show_their_age() -> None:
+    times = [n // 2 * 0.1 + n % 2 * 0.001 for n in range(100)]
+    assert not any(hear(times)[1])
+    assert not any(hear(times, aged=True)[1])
 
 
 def test_lock_is_obeyed_at_once_and_its_end_only_from_a_new_publisher_or_repeated() -> None:

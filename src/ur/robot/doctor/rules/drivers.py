@@ -1,10 +1,10 @@
-"""Rules about the drivers of this project that run on a computer: their devices, frames, motors and batteries."""
+"""Rules about the drivers and muxes that run on a computer: devices, frames, motors, batteries, refused commands."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.devices.driver_health import OBSERVE_DRIVERS, DriverHealth, parse_drivers
+from ur.devices.driver_health import OBSERVE_DRIVERS, DriverHealth, RefusedCommands, parse_drivers, parse_records
 from ur.robot.base.own_drivers import NO_WATCHDOG
 from ur.robot.doctor.findings import Finding, Where
 from ur.robot.doctor.rules.registry import Rule, SideRule
@@ -50,6 +50,12 @@ def check_drivers(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG00
             yield Finding("empty-battery", f"{name}: its battery is empty ({driver.voltage:.1f} V)", "charge it")
 
 
+def check_commands(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 - of the protocol
+    """Check for programs whose velocity commands the mux refuses."""
+    for refused in parse_records(side.observed.get("drivers", ""), RefusedCommands):
+        yield Finding("refused-commands", f"{side.name}: {refused.text}", refused.help)
+
+
 _PLUG = "plug it in; what is there: ur devices. It is opened again by itself"
 RULES: tuple[Rule, ...] = (
     SideRule(
@@ -62,6 +68,12 @@ RULES: tuple[Rule, ...] = (
             "empty-battery": "the battery of a board is empty",
         },
         check_drivers,
+        observe={"drivers": OBSERVE_DRIVERS},
+    ),
+    SideRule(
+        {"refused-commands": "the mux refuses the velocity commands of a program, as at a rate below 10 Hz"},
+        check_commands,
+        simulation=True,
         observe={"drivers": OBSERVE_DRIVERS},
     ),
 )
