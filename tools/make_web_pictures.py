@@ -21,7 +21,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from PIL import Image
-from tests.docs.chromium import Chromium, find_chromium
+from tests.chromium import Chromium, find_chromium
 from tests.ros_session import free_port
 
 from ur.mcp.grants import GrantFiles, Request, ServerRecord, grant_files

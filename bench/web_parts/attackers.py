@@ -111,7 +111,7 @@ class Attack:
 
     def site(self) -> None:
         """Open a page of another site in Chromium that asks again and again."""
-        from tests.docs.chromium import Chromium, find_chromium
+        from tests.chromium import Chromium, find_chromium
 
         page = (SITE % self._port).encode()
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import psutil
-from tests.docs.chromium import Chromium
+from tests.chromium import Chromium
 
 FRAMES = 120
 VIEWS = {  # pixels a metre, and what a frame changes

@@ -24,7 +24,7 @@ from bench.web_parts.drawing import Drawing, measure_drawing, percentile
 from geometry_msgs.msg import Twist
 from PIL import Image
 from sensor_msgs.msg import CompressedImage
-from tests.docs.chromium import Chromium, find_chromium
+from tests.chromium import Chromium, find_chromium
 
 from ur.web.server.static_files import load_files
 

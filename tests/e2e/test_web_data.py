@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.docs.chromium import Chromium
+from tests.chromium import Chromium
 from tests.e2e.conftest import PYTHON, ROOT, LaunchedRobot, end
 from tests.e2e.test_web_page import DESK, server
 from tests.e2e.web_page import PROGRAM, BrowserPage

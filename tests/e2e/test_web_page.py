@@ -10,7 +10,7 @@ from pathlib import Path
 
 import psutil
 import pytest
-from tests.docs.chromium import Chromium
+from tests.chromium import Chromium
 from tests.e2e.conftest import LaunchedRobot
 from tests.e2e.web_page import PHONE, PROGRAM, BrowserPage, open_first, open_second, start_server
 

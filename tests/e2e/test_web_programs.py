@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.docs.chromium import Chromium, find_chromium
+from tests.chromium import Chromium, find_chromium
 from tests.e2e.conftest import ROOT, end, make_environment
 from tests.ros_session import free_port
 

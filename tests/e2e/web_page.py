@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from tests.docs.chromium import Chromium, find_chromium
+from tests.chromium import Chromium, find_chromium
 from tests.e2e.conftest import ROOT, end
 from tests.ros_session import free_port
 

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from tests.docs.chromium import Chromium
+from tests.chromium import Chromium
 from tests.e2e.web_page import PHONE, PROGRAM, BrowserPage
 from tests.hosts.bench import REPOSITORY, Bench, Machine
 from tests.hosts.test_ros2_driving import AT_REST, key_held, last_motion, program, set_up_pair

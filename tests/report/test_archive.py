@@ -15,7 +15,7 @@ from mcap.records import SummaryOffset
 from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
 from rosbags.typesys import Stores, get_typestore
-from tests.docs.chromium import Chromium, find_chromium
+from tests.chromium import Chromium, find_chromium
 
 from ur.recordings.place import RecordedMap
 from ur.report.archive import MOST_BYTES, list_run_recordings, write_report

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import pytest
-from tests.docs.chromium import Chromium
+from tests.chromium import Chromium
 from tests.web.static.in_chromium import PROGRAM
 
 if TYPE_CHECKING:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from tests.docs.chromium import find_chromium
+from tests.chromium import find_chromium
 
 PROGRAM = find_chromium()
 MARKS = [

@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 
 import pytest
-from tests.docs.chromium import Chromium
+from tests.chromium import Chromium
 
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 

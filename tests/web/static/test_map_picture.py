@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from tests.docs.chromium import Chromium
+from tests.chromium import Chromium
 
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 

@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
-from tests.docs.chromium import Chromium
+from tests.chromium import Chromium
 from tests.e2e.web_page import PHONE, BrowserPage
 from tests.web.static.in_chromium import MARKS
 
