@@ -34,9 +34,9 @@ packages=(python3 python3-venv ca-certificates "${packages[@]}")
 [[ $profile == test ]] && packages+=(mtools dosfstools fdisk e2fsprogs openssl)
 # What a command opens and starts is compared with what it may.
 [[ $profile == test ]] && packages+=(strace)
-# The site of ur docs is tried in Chromium. Ubuntu has it as a snap only, which tests cannot drive: they are left out.
-site_packages=("chromium-headless-shell|chromium" fonts-dejavu-core)
-[[ $profile == test ]] && grep -qx 'ID=debian' /etc/os-release && packages+=("${site_packages[@]}")
+# The page of ur web is tried in Chromium. Ubuntu has it as a snap only, which tests cannot drive: they are left out.
+browser_packages=("chromium-headless-shell|chromium" fonts-dejavu-core)
+[[ $profile == test ]] && grep -qx 'ID=debian' /etc/os-release && packages+=("${browser_packages[@]}")
 
 say() { printf '%s\n' "$*" >&2; }
 
@@ -172,7 +172,7 @@ bring_debian() {
   log="$PWD/.cache/debian_root.log"
   : >"$log"
   [[ -n "${DISPLAY-}${WAYLAND_DISPLAY-}" ]] && wanted+=(rviz)
-  [[ $profile == test ]] && wanted+=("${site_packages[@]%%|*}")
+  [[ $profile == test ]] && wanted+=("${browser_packages[@]%%|*}")
   mapfile -t packages < <(debian_lacks_tools)
   install_packages
   if ! debian_allowed; then

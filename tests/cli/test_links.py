@@ -63,7 +63,7 @@ def test_format_leaves_them_out(mine: Path, foreign: Path, capsys: pytest.Captur
     assert (foreign / "launch/second.launch").is_symlink()
 
 
-@pytest.mark.parametrize("options", [[], ["--doc-attributes"], ["--site", "site"]])
+@pytest.mark.parametrize("options", [[], ["--doc-attributes"]])
 def test_docs_leave_them_out(mine: Path, foreign: Path, capsys: pytest.CaptureFixture[str], options: list[str]) -> None:
     victim = mine / "launch/mine.launch"
     (foreign / "launches.md").symlink_to(victim)

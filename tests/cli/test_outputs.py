@@ -46,7 +46,6 @@ INPUTS = {
 }
 FOLDERS = {  # of files with new names
     ("convert", "--prefix"),
-    ("docs", "--site"),
     ("mount", "--at"),
     ("new base", "--workspace"),
     ("record", "--to"),

@@ -9,7 +9,6 @@ from tests.docs.helpers import document, document_one, find, walk
 
 from ur.docs.build import build_documents
 from ur.docs.markdown.page import render_markdown
-from ur.docs.site.render import render_site
 from ur.launchfile.world import MemoryWorld, SystemWorld
 from ur.source.diagnostic import UserError
 
@@ -35,7 +34,6 @@ def test_files_that_include_one_another_end() -> None:
     documents = document({"launch/a.launch": text.format("b"), "launch/b.launch": text.format("a")})
     assert [item.kind for item in walk(find(documents, "launch/a.launch").trees[0].root)].count("cycle") == 1
     assert "includes itself" in render_markdown(documents)
-    assert render_site(documents)
 
 
 def test_argument_that_is_not_declared_is_a_problem_of_the_including_file() -> None:
@@ -124,4 +122,3 @@ def test_every_broken_file_of_the_corpus_is_documented(folder: Path) -> None:
     documents = build_documents(str(folder), SystemWorld({}))
     assert sum(len(package.launch_files) for package in documents.packages) > 10
     assert str(folder) not in render_markdown(documents)
-    assert len(render_site(documents)) > 10

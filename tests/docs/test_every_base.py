@@ -42,7 +42,7 @@ def by_default(item: TreeItem) -> Iterator[TreeItem]:
 
 
 @pytest.mark.parametrize("path", ROOTS)
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.key)
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.label)
 def test_tree_of_each_base_is_what_roslaunch_loads(
     path: str, case: BaseCase, documents: Documents, roslaunch: Reference
 ) -> None:
@@ -75,14 +75,14 @@ def test_what_options_turn_on_is_shown_with_the_options(documents: Documents, ro
 def test_every_include_tag_leads_to_a_file_under_the_bases_that_it_is_for(documents: Documents) -> None:
     doc = find(documents, "m_rover/launch/m_rover.launch.xml")
     targets = {
-        (target.path or target.name): {case.key for case in target.cases}
+        (target.path or target.name): {case.label for case in target.cases}
         for include in doc.includes
         for target in include.targets
     }
     assert targets["m_rover/launch/drivers_loki.launch.xml"] == {"loki"}
-    assert targets["m_rover/launch/magni/extra.launch.xml"] == {"magni", "magni:lidar", "magni:arm"}
-    assert targets["n_arm/launch/n_arm.launch.xml"] == {"magni:arm"}
-    assert targets["m_extras/launch/m_extras.launch.xml"] == {"loki", "magni", "magni:lidar", "magni:arm"}
+    assert targets["m_rover/launch/magni/extra.launch.xml"] == {"magni", "magni (lidar)", "magni (arm)"}
+    assert targets["n_arm/launch/n_arm.launch.xml"] == {"magni (arm)"}
+    assert targets["m_extras/launch/m_extras.launch.xml"] == {"loki", "magni", "magni (lidar)", "magni (arm)"}
     assert "$(find somewhere_else)/launch/other.launch" in targets
     assert len(doc.includes) == (ROVER / doc.path).read_text().count("<include ")
 
@@ -100,7 +100,7 @@ def test_page_shows_every_include_below_its_base(documents: Documents) -> None:
 
 def test_file_that_lacks_something_for_a_base_says_what(documents: Documents) -> None:
     doc = find(documents, "n_sonar/launch/n_sonar.launch.xml")
-    missing = {each.case.key: each.missing for each in doc.support}
+    missing = {each.case.label: each.missing for each in doc.support}
     assert missing["loki"] == missing["magni"] == ()
     assert "n_sonar/params/stage.yaml: no such file" in missing["stage"][0]
 

@@ -4,20 +4,51 @@ from __future__ import annotations
 
 import functools
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 from tests.docs.helpers import LIBRARY, ROOT, ROVER, document_folder, walk
-from tests.docs.links import find_dead_markdown_links
 
 from ur.docs.difference import show_difference
 from ur.docs.markdown.page import render_markdown
 
 PAGE = LIBRARY / "launches.md"
+_MARKDOWN_LINK = re.compile(r"(?<!!)\[(?:[^\]\\]|\\.)*\]\(([^)\s]+)\)")
+_CODE = re.compile(r"(`+).*?\1")
+_HEADING = re.compile(r"#{1,6} (.*)")
 
 document = functools.cache(document_folder)
+
+
+def find_dead_links(text: str, files: set[str]) -> list[str]:
+    """The links of a Markdown page that lead neither to a heading, named as GitHub names it, nor to a file."""
+    anchors: dict[str, int] = {}
+    slugs: set[str] = set()
+    prose: list[str] = []
+    fenced = False
+    for line in text.splitlines():
+        if line.lstrip().startswith("```"):
+            fenced = not fenced
+        if fenced:
+            continue
+        heading = _HEADING.match(line)
+        if heading:
+            plain = heading.group(1).replace("\\", "")
+            slug = re.sub(r"[^\w\- ]", "", plain.lower()).replace(" ", "-")
+            number = anchors.get(slug, 0)
+            anchors[slug] = number + 1
+            slugs.add(f"{slug}-{number}" if number else slug)
+        prose.append(_CODE.sub("", line))
+    found = _MARKDOWN_LINK.findall("\n".join(prose))
+    return [
+        link
+        for link in found
+        if "://" not in link and (link[1:] not in slugs if link.startswith("#") else unquote(link) not in files)
+    ]
 
 
 def test_page_is_what_the_launch_files_say() -> None:
@@ -30,7 +61,7 @@ def test_page_is_what_the_launch_files_say() -> None:
 @pytest.mark.parametrize("folder", [LIBRARY, ROVER], ids=lambda path: path.name)
 def test_every_link_of_the_page_leads_somewhere(folder: Path) -> None:
     files = {str(path.relative_to(folder)) for path in folder.rglob("*")}
-    assert find_dead_markdown_links(render_markdown(document(folder)), files) == []
+    assert find_dead_links(render_markdown(document(folder)), files) == []
 
 
 def test_page_is_the_same_whatever_the_computer(tmp_path: Path) -> None:

@@ -59,6 +59,9 @@ _VERBS = (
     ("version", "did you mean 'ur --version'?"),
     ("test", "check launch files: ur check; the project's own tests: ./test"),
 )  # fmt: skip
+_REMOVED = {
+    "ur docs --site": "write the page with '--output FILE.md'; MkDocs and others make a site of Markdown",
+}
 _MAPS = (
     ("join combine concat fuse append", "merge"),
     ("rm remove del erase", "delete"),
@@ -91,6 +94,8 @@ def _describe(problem: click.UsageError, argv: Sequence[str]) -> tuple[str, str]
         names = [name for param in context.command.params for name in param.opts] if context else []
         near = _suggest_argument(problem.option_name, argv) or did_you_mean(problem.option_name, names)
         help_line = f"did you mean {near!r}?" if near else help_line
+        if instead := _REMOVED.get(f"{where} {problem.option_name}"):
+            message, help_line = f"{where}: option '{problem.option_name}' was removed", instead
     elif isinstance(problem, click.BadOptionUsage):
         message = f"{where}: option '{problem.option_name}' requires a value"
     elif isinstance(problem, click.exceptions.NoSuchCommand):

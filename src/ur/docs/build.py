@@ -90,7 +90,6 @@ class _Describer:
             overview=settle_links(headings.get("Overview", ""), self.show(folder), self.launches.exists),
             starts=tuple(dict.fromkeys(self.show(path) for _, path in starts)),
             trees=tuple(tree for start, path in starts for tree in self.describe_start(start, path)),
-            source=source.text,
         )
 
     def describe_start(self, start: LaunchCall, path: str) -> tuple[TreeDoc, ...]:

@@ -25,11 +25,6 @@ class BaseCase:
         """Return the display text: `magni (lidar)`."""
         return f"{self.base} ({self.variant})" if self.variant else self.base
 
-    @property
-    def key(self) -> str:
-        """Return the key of `ur use` and the site's switch: `magni:lidar`."""
-        return f"{self.base}:{self.variant}" if self.variant else self.base
-
 
 @dataclass(frozen=True, slots=True)
 class Value:
@@ -49,7 +44,6 @@ class ArgumentDoc:
     type: str
     doc: str
     condition: str
-    line: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +52,6 @@ class ParamDoc:
 
     name: str
     values: tuple[Value, ...]
-    line: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +60,6 @@ class ParamFileDoc:
 
     files: tuple[Value, ...]
     names: tuple[str, ...]
-    line: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +88,6 @@ class NodeDoc:
     param_files: tuple[ParamFileDoc, ...]
     remaps: tuple[tuple[str, str], ...]
     topics: tuple[TopicDoc, ...]
-    line: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +109,6 @@ class IncludeDoc:
     conditions: tuple[str, ...]
     only_with: str
     passes: tuple[tuple[str, str], ...]
-    line: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,7 +160,6 @@ class LaunchDoc:
     support: tuple[SupportDoc, ...]
     problems: tuple[str, ...]
     graph: DrawnGraph
-    source: str
 
     @property
     def name(self) -> str:
@@ -189,7 +178,6 @@ class ProgramDoc:
     overview: str
     starts: tuple[str, ...]  # paths of launch files
     trees: tuple[TreeDoc, ...]
-    source: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,14 +30,13 @@ def settle_links(text: str, folder: str, exists: Callable[[str], bool]) -> str:
     return _LINK.sub(settle, text) if "](" in text else text
 
 
-def map_links(text: str, place: Callable[[str], str | None]) -> str:
-    """Return Markdown in which `place` maps each relative link; one without a target becomes plain text."""
+def map_links(text: str, place: Callable[[str], str]) -> str:
+    """Return Markdown in which `place` maps each relative link."""
 
     def replace(match: re.Match[str]) -> str:
         mark, label, target = match.groups()
         if _SCHEME.match(target) or target.startswith("//"):
             return match.group()
-        new = place(target)
-        return label if new is None else f"{mark}[{label}]({new})"
+        return f"{mark}[{label}]({place(target)})"
 
     return _LINK.sub(replace, text) if "](" in text else text

@@ -24,34 +24,24 @@ class Branch:
 
 @dataclass(frozen=True, slots=True)
 class GraphBox:
-    """A box of a graph; `title` is its long form, `note` a second line.
-
-    `link` is the target of the box in a picture. `cases` are keys of the cases in which the box exists; empty: all.
-    """
+    """A box of a graph; `title` is its long form, `note` a second line."""
 
     id: str
     label: str
     kind: Kind
     title: str = ""
     note: str = ""
-    link: str = ""
-    cases: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Arrow:
-    """An arrow between two boxes, by id.
-
-    `sure` is False if it depends on conditions; a `fault` is an error. `cases` are keys of the cases in which the arrow
-    exists; empty: all.
-    """
+    """An arrow between two boxes, by id. `sure` is False if it depends on conditions; a `fault` is an error."""
 
     source: str
     target: str
     label: str = ""
     sure: bool = True
     fault: bool = False
-    cases: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

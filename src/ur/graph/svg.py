@@ -1,4 +1,4 @@
-"""SVG output of graphs, as a separate file, or as a part of a page that has the styles."""
+"""SVG output of graphs, as a separate file."""
 
 from __future__ import annotations
 
@@ -33,33 +33,20 @@ _STYLE = """\
 
 def write_svg(graph: DrawnGraph, title: str) -> str:
     """Return a separate picture with `title` as its name; it follows the reader's light or dark scheme."""
-    return printable_lines(_draw(graph, title, 'xmlns="http://www.w3.org/2000/svg" role="img"', _STYLE))
-
-
-def draw_inline(graph: DrawnGraph, title: str) -> str:
-    """Return a graph as an element of a page, of class `graph`; empty for one without arrows.
-
-    Classes are the kinds of boxes, `note`, `label`, and `fault` and `unsure` of arrows. Items that exist in some cases
-    only list them in `data-cases`.
-    """
-    return _draw(graph, title, 'class="graph" role="group"', "") if graph.arrows else ""
-
-
-def _draw(graph: DrawnGraph, title: str, attributes: str, style: str) -> str:
     picture = lay_out_graph(graph)
     # Arrows that lead back dip below the boxes.
     dips = [_dip(picture.places[arrow.source], picture.places[arrow.target]) for arrow in graph.arrows]
     bottom = max([picture.height, *(0.75 * dip + 0.25 * picture.height for dip in dips if dip)])
     width, height = picture.width + 2 * _MARGIN, bottom + 2 * _MARGIN
     parts = [
-        f'<svg {attributes} viewBox="0 0 {width:.0f} {height:.0f}"'
+        f'<svg xmlns="http://www.w3.org/2000/svg" role="img" viewBox="0 0 {width:.0f} {height:.0f}"'
         f' width="{width:.0f}" height="{height:.0f}" aria-label="{escape(title)}">\n',
-        f"<title>{escape(title)}</title>\n{style}",
+        f"<title>{escape(title)}</title>\n{_STYLE}",
         f'<g transform="translate({_MARGIN:g} {_MARGIN:g})">\n',
     ]
     parts += [_draw_arrow(arrow, picture) for arrow in graph.arrows]
     parts += [_draw_box(box, picture.places[box.id]) for box in graph.boxes]
-    return "".join([*parts, "</g>\n</svg>\n"])
+    return printable_lines("".join([*parts, "</g>\n</svg>\n"]))
 
 
 def _draw_box(box: GraphBox, place: BoxPlace) -> str:
@@ -71,13 +58,12 @@ def _draw_box(box: GraphBox, place: BoxPlace) -> str:
             f'<text class="note" x="{middle:.1f}" y="{place.y + HEIGHT + 5:.1f}" text-anchor="middle">'
             f"{escape(box.note)}</text>"
         )
-    body = (
-        f'<g class="{box.kind}"{_cases(box.cases)}><title>{escape(long)}</title>'
+    return (
+        f'<g class="{box.kind}"><title>{escape(long)}</title>'
         f'<rect x="{place.x:.1f}" y="{place.y:.1f}" width="{place.width:.1f}" height="{place.height:g}" rx="6"/>'
         f'<text x="{middle:.1f}" y="{place.y + HEIGHT / 2 + 4.5:.1f}" text-anchor="middle">'
-        f"{escape(box.label)}</text>{note}</g>"
+        f"{escape(box.label)}</text>{note}</g>\n"
     )
-    return f'<a href="{escape(box.link)}">{body}</a>\n' if box.link else f"{body}\n"
 
 
 def _draw_arrow(arrow: Arrow, picture: GraphLayout) -> str:
@@ -93,26 +79,18 @@ def _draw_arrow(arrow: Arrow, picture: GraphLayout) -> str:
         points = [(place.x + place.width / 2, place.y + place.height) for place in (source, target)]
         line = f"M{_at(points[0])}C{points[0][0]:.1f} {dip:.1f} {points[1][0]:.1f} {dip:.1f} {_at(points[1])}"
         tip = "l-4 8h8z"
-    # Tips are drawn and not a <marker>: that is found by an address, which a page of no addresses must not have.
     name = "".join(f" {word}" for word, on in (("fault", arrow.fault), ("unsure", not arrow.sure)) if on)
     text = ""
     if arrow.label:
         (x1, y1), (x2, y2) = points[0], points[-1]
         place = f'x="{(x1 + x2) / 2:.1f}" y="{(y1 + y2) / 2 - 4:.1f}"'
         text = f'<text class="label" {place} text-anchor="middle">{escape(arrow.label)}</text>'
-    return (
-        f'<g class="arrow{name}"{_cases(arrow.cases)}><path d="{line}"/>'
-        f'<path class="tip" d="M{_at(points[-1])}{tip}"/>{text}</g>\n'
-    )
+    return f'<g class="arrow{name}"><path d="{line}"/><path class="tip" d="M{_at(points[-1])}{tip}"/>{text}</g>\n'
 
 
 def _dip(source: BoxPlace, target: BoxPlace) -> float | None:
     """Return the lowest control point of an arrow that does not lead to the right; None for one that does."""
     return None if target.x > source.x else max(source.y + source.height, target.y + target.height) + 26
-
-
-def _cases(keys: tuple[str, ...]) -> str:
-    return f' data-cases="{escape(" ".join(keys))}"' if keys else ""
 
 
 def _bow(before: tuple[float, float], after: tuple[float, float]) -> str:

@@ -65,25 +65,6 @@ def test_output_to_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out.startswith("# my_robot\n")
 
 
-def test_site_is_made_again_and_forgets_what_is_gone(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (folder / "launch" / "other.launch").write_text("<launch/>")
-    assert main(["docs", "--site", "site"]) == 0
-    assert (folder / "site" / "launch" / "other.html").is_file()
-    assert main(["docs", "--site", "site", "--check"]) == 0
-    (folder / "launch" / "other.launch").unlink()
-    assert main(["docs", "--site", "site", "--check"]) == 1
-    assert (folder / "site" / "launch" / "other.html").is_file()
-    assert main(["docs", "--site", "site"]) == 0
-    assert not (folder / "site" / "launch" / "other.html").exists()
-    assert "open site/index.html in a browser" in capsys.readouterr().err
-
-
-def test_folder_of_somebody_else_is_not_filled(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["docs", "--site", "."]) == 2
-    assert "holds other files" in capsys.readouterr().err
-    assert not (folder / "index.html").exists()
-
-
 def test_doc_attributes_change_the_launch_file_only(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["docs", "--doc-attributes", "--check"]) == 1
     assert '+  <arg name="word" default="hello" doc="What is said."/>' in capsys.readouterr().out
@@ -118,7 +99,9 @@ def test_broken_file_is_reported_and_documented(folder: Path, capsys: pytest.Cap
         (["launch/talk.launch"], "is a file, expected the folder"),
         (["launch/talk.launch"], "help: ur docs ."),
         ([".", "--output", "/proc/no/page.md"], "cannot be written"),
-        ([".", "--sight", "x"], "did you mean '--site'"),
+        ([".", "--outptu", "x"], "did you mean '--output'"),
+        ([".", "--site", "x"], "option '--site' was removed"),
+        (["--site=x"], "help: write the page with '--output FILE.md'"),
     ],
 )
 def test_wrong_words_are_explained(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:

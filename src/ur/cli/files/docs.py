@@ -24,13 +24,12 @@ PAGE = "launches.md"
 @click.argument("path", default=".", metavar="[PACKAGE|PATH]")
 @click.option("--check", is_flag=True, help="Write nothing; fail with the difference when something is out of date.")
 @click.option("--output", metavar="FILE", help=f"Write the page there, - prints it [default: {PAGE} in PATH].")
-@click.option("--site", metavar="DIR", help="Make a web site in this folder instead: search, graphs, sources.")
 @click.option("--doc-attributes", is_flag=True, help="Write the comments of arguments into the files, as doc=.")
-def command(path: str, check: bool, output: str | None, site: str | None, doc_attributes: bool) -> int:
-    """Write documents of launch files: one page, or a web site.
+def command(path: str, check: bool, output: str | None, doc_attributes: bool) -> int:
+    """Write a page of documents of launch files.
 
-    PATH is a package, a folder of packages, or any folder with launch files; without one, the current folder. Pages are
-    resolved for every base and variant, so that they also show includes that depend on the base. They are the same on
+    PATH is a package, a folder of packages, or any folder with launch files; without one, the current folder. The page
+    is resolved for every base and variant, so that it also shows includes that depend on the base. It is the same on
     every computer.
 
     With --doc-attributes the comments after arguments are written into the launch files as doc=, which `roslaunch
@@ -44,22 +43,20 @@ def command(path: str, check: bool, output: str | None, site: str | None, doc_at
     was_enabled = gc.isenabled()
     gc.disable()  # all objects are needed until the end
     try:
-        return _make(path, check, output, site, doc_attributes)
+        return _make(path, check, output, doc_attributes)
     finally:
         if was_enabled:
             gc.enable()
 
 
-def _make(path: str, check: bool, output: str | None, site: str | None, doc_attributes: bool) -> int:
+def _make(path: str, check: bool, output: str | None, doc_attributes: bool) -> int:
     from ur.source.progress_line import show_progress
 
     with show_progress("finding launch files") as progress:
-        return _write_documents(path, check, output, site, doc_attributes, progress)
+        return _write_documents(path, check, output, doc_attributes, progress)
 
 
-def _write_documents(
-    path: str, check: bool, output: str | None, site: str | None, doc_attributes: bool, progress: Progress
-) -> int:
+def _write_documents(path: str, check: bool, output: str | None, doc_attributes: bool, progress: Progress) -> int:
     from ur.docs.repository.collect import collect_repository
     from ur.launchfile.world import SystemWorld
     from ur.request.environment import add_own_package
@@ -68,8 +65,6 @@ def _write_documents(
     _report(repository)
     if doc_attributes:
         return _settle(_doc_attributes(repository), check)
-    if site is not None:
-        return _settle_site(repository, Path(site), check, progress)
     if output == "-" and not check:
         click.echo(_page(repository, repository.root, progress), nl=False)
         return 0
@@ -118,7 +113,7 @@ def _doc_attributes(repository: DocumentedRepository) -> dict[Path, str]:
     return changed
 
 
-def _settle(files: Mapping[Path, str], check: bool, *, brief: bool = False, follow: bool = True) -> int:
+def _settle(files: Mapping[Path, str], check: bool, *, follow: bool = True) -> int:
     from ur.cli.output import replace_file
     from ur.docs.difference import show_difference
 
@@ -127,11 +122,9 @@ def _settle(files: Mapping[Path, str], check: bool, *, brief: bool = False, foll
         old = _read(path)
         if old != text:
             fresh += not path.exists()
-            name = _short(path)
-            differences.append(f"{name} is out of date\n" if brief else show_difference(name, old, text))
+            differences.append(show_difference(_short(path), old, text))
             if not check:
-                # Unlike launch files, a site can be generated again.
-                replace_file(path, text, parents=True, lasting=not brief, follow=follow)
+                replace_file(path, text, parents=True, follow=follow)
     if not check:
         names = ", ".join(_short(path) for path in sorted(files)[:3]) + (", ..." if len(files) > 3 else "")
         counts = f"{fresh} new, {len(differences) - fresh} changed, {len(files) - len(differences)} up to date"
@@ -143,57 +136,6 @@ def _settle(files: Mapping[Path, str], check: bool, *, brief: bool = False, foll
         click.echo(f"{len(differences)} file{'s are' if len(differences) > 1 else ' is'} out of date", err=True)
         click.echo("  help: the same command without --check brings them up to date", err=True)
     return 1 if differences else 0
-
-
-def _settle_site(repository: DocumentedRepository, folder: Path, check: bool, progress: Progress) -> int:
-    from ur.docs.build import describe_repository
-    from ur.docs.site.render import render_site
-
-    documents = describe_repository(repository, progress)
-    progress("writing the pages")
-    site = render_site(documents)
-    if not check:
-        _prepare(folder)
-    before = _manifest(folder)
-    stale = [name for name in before if name not in site]
-    code = _settle({folder / name: text for name, text in site.items()}, check, brief=True, follow=False)
-    if check:
-        for name in stale:
-            click.echo(f"{_short(folder / name)} belongs to nothing any more")
-        return 1 if stale else code
-    for name in stale:
-        (folder / name).unlink(missing_ok=True)
-    click.echo(f"open {_short(folder / 'index.html')} in a browser", err=True)
-    return code
-
-
-def _prepare(folder: Path) -> None:
-    # Only a folder made by this verb is filled, so that no other index.html is overwritten.
-    from ur.docs.site.render import MANIFEST
-    from ur.source.diagnostic import UserError, error, error_about
-
-    try:
-        taken = any(folder.iterdir()) and not (folder / MANIFEST).is_file()
-    except FileNotFoundError:
-        return
-    except OSError as problem:
-        reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error_about(folder, f"{reason}, expected a folder", rule="unwritable-file")) from None
-    if taken:
-        raise UserError(
-            error(
-                f"{folder} holds other files, expected an empty folder or a site that was made before",
-                rule="folder-in-use",
-                help=f"give a new folder: --site {folder}/site",
-                subject=str(folder),
-            )
-        )
-
-
-def _manifest(folder: Path) -> list[str]:
-    from ur.docs.site.render import MANIFEST, read_manifest
-
-    return read_manifest(_read(folder / MANIFEST) or "")
 
 
 def _read(path: Path) -> str | None:

@@ -188,13 +188,13 @@ WRITING = (
     Verb(
         "docs",
         "ur.cli.files.docs",
-        "Write documents of launch files: one page, or a web site.",
+        "Write a page of documents of launch files.",
         _SECTION,
         arguments=("files",),
         descriptions=("A package or a folder; the current folder unless given.",),
         examples=(
             ("ur docs my_robot", "Write launches.md of a package."),
-            ("ur docs my_robot --site /tmp/site", "Make a web site."),
+            ("ur docs my_robot --check", "Fail if launches.md is out of date."),
         ),
         trust=Trust(LAUNCH, writes="the documents"),
         needs_ros=False,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ur.docs.documents import BaseCase, TreeDoc, TreeItem
@@ -14,15 +14,14 @@ MAX_BOXES = 60
 
 @dataclass(frozen=True, slots=True)
 class _Edge:
-    """An arrow between two boxes, by id. `label` is its condition; `cases` are empty if it exists in all.
+    """An arrow between two boxes, by id. `label` is its condition.
 
-    `new_cases` are the same if the arrow exists in fewer cases than its source box.
+    `new_cases` are the cases in which it exists, if those are fewer than its source box has.
     """
 
     source: str
     target: str
     label: str
-    cases: tuple[BaseCase, ...]
     new_cases: tuple[BaseCase, ...]
     by_default: bool
 
@@ -30,8 +29,7 @@ class _Edge:
 def draw_graph(path: str, trees: Sequence[TreeDoc]) -> DrawnGraph:
     """Return boxes and arrows for the trees of a file.
 
-    A repeated item is one box; a large graph shows files only. The title of a box is the path of its file; cases are
-    those of the documents, by key.
+    A repeated item is one box; a large graph shows files only. The title of a box is the path of its file.
     """
     whole = _Drawing(path, trees, with_nodes=True)
     if len(whole.boxes) <= MAX_BOXES:
@@ -86,7 +84,6 @@ class _Drawing:
                 source,
                 target,
                 label,
-                () if len(cases) == len(self.all_cases) else tuple(cases),
                 () if cases.keys() >= reached[source] else tuple(cases),
                 not label.startswith("only with") and kinds[target] != "off",
             )
@@ -104,7 +101,6 @@ class _Drawing:
                     edge.target,
                     _join(edge.label, name_cases(edge.new_cases)),
                     edge.by_default,
-                    cases=_keys(edge.cases),
                 )
                 for edge in edges
             ),
@@ -114,17 +110,11 @@ class _Drawing:
 def _describe(box: GraphBox, edges: Sequence[_Edge]) -> GraphBox:
     # The note of a box is the common part of all arrows to it.
     labels = {edge.label for edge in edges}
-    cases = dict.fromkeys(case for edge in edges for case in edge.cases)
-    whole = any(not edge.cases for edge in edges)
     new = dict.fromkeys(case for edge in edges for case in edge.new_cases)
     narrower = all(edge.new_cases for edge in edges)
     note = _join(labels.pop() if len(labels) == 1 else "", name_cases(new) if narrower else "")
-    return replace(box, note=note, cases=() if whole else _keys(cases))
+    return replace(box, note=note)
 
 
 def _join(*parts: str) -> str:
     return "; ".join(part for part in parts if part)
-
-
-def _keys(cases: Iterable[BaseCase]) -> tuple[str, ...]:
-    return tuple(case.key for case in cases if case.base)

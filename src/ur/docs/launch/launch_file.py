@@ -140,7 +140,6 @@ class LaunchDescriber:
             support=support if not unreadable else (),
             problems=tuple(dict.fromkeys((*unreadable, *problems))),
             graph=draw_graph(path, trees) if outline.includes or outline.nodes else DrawnGraph((), ()),
-            source=view.tree.source.text,
         )
 
 
@@ -158,7 +157,6 @@ def _describe_arguments(view: LaunchView) -> Iterator[ArgumentDoc]:
             type=describe_type(name, default if value is None else value, used),
             doc=next((text for text in documented if text), ""),
             condition=describe_condition(element),
-            line=element.span.position.line,
         )
 
 
@@ -223,7 +221,6 @@ def describe_include(
         conditions=conditions,
         only_with=list_switches((outcome, resolution) for outcome, resolution, _ in found),
         passes=tuple(_list_passed(element)),
-        line=element.span.position.line,
     )
 
 

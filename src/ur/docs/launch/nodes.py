@@ -59,7 +59,6 @@ class NodeDescriber:
         first = _first_per_case(found)
         specs = [(outcome, node) for outcome, _, node in first]
         names = {node.full_name for _, node in specs}
-        line = element.span.position.line
         return NodeDoc(
             names=self.vary_or_written(specs, "full_name", element.attributes.get("name", "")),
             package=self.vary_or_written(specs, "package", element.attributes.get("pkg", "")),
@@ -73,7 +72,6 @@ class NodeDescriber:
             param_files=tuple(self.describe_param_files(element, names)),
             remaps=tuple(dict.fromkeys(self.show_remap(remap) for _, node in specs for remap in node.remaps)),
             topics=self.describe_topics(specs),
-            line=line,
         )
 
     def vary_or_written(
@@ -108,7 +106,7 @@ class NodeDescriber:
             name = self.show_name(param.name, prefixes)
             by_name.setdefault(name, []).append((outcome.case, self.show_value(element, param, outcome)))
         for name, pairs in by_name.items():
-            yield ParamDoc(name, vary(pairs, self.cases), element.span.position.line)
+            yield ParamDoc(name, vary(pairs, self.cases))
 
     def show_name(self, name: str, prefixes: tuple[str, ...]) -> str:
         """Return `~rate` for a parameter of the node that contains it."""
@@ -145,7 +143,7 @@ class NodeDescriber:
                     files[(outcome.case, inside or self.words.show(path, dict(outcome.given)))] = None
                     names[self.show_name(param.name, prefixes)] = None
             values = vary(files, self.cases) if files else (Value(" ".join(written.split())),)
-            yield ParamFileDoc(values, tuple(names), element.span.position.line)
+            yield ParamFileDoc(values, tuple(names))
 
     def describe_topics(self, specs: Sequence[tuple[ResolvedCase, NodeSpec]]) -> tuple[TopicDoc, ...]:
         """Describe the known topics, services and actions of a node, in any case."""

@@ -13,7 +13,7 @@ from ur.docs.markdown.tree import write_trees
 from ur.docs.vary import name_cases
 
 Kind = Literal["node", "task", "view", "other"]
-KIND_TITLES: dict[Kind, str] = {
+_KIND_TITLES: dict[Kind, str] = {
     "task": "Tasks: several nodes together",
     "node": "Single nodes",
     "view": "Viewers",
@@ -59,7 +59,7 @@ def _write_package(page: MarkdownPage, package: PackageDoc, level: int) -> None:
             _write_program(page, program, by_path, level + 1)
     if package.launch_files:
         page.heading(level, "Launch directories")
-        for kind, title in KIND_TITLES.items():
+        for kind, title in _KIND_TITLES.items():
             _write_directories(page, title, [each for each in package.directories if each.kind == kind])
     _write_bases(page, package, level)
     if package.launch_files:
@@ -72,11 +72,6 @@ def _write_package(page: MarkdownPage, package: PackageDoc, level: int) -> None:
 
 def _write_how_to_run(page: MarkdownPage, package: PackageDoc, level: int) -> None:
     page.heading(level, "How to run")
-    page.code_block(how_to_run(package), "sh")
-
-
-def how_to_run(package: PackageDoc) -> list[str]:
-    """Return command lines that start the programs of a package."""
     lines = []
     programs = [program for program in package.programs if program.starts] or list(package.programs)
     if programs:
@@ -94,7 +89,7 @@ def how_to_run(package: PackageDoc) -> list[str]:
             f"roslaunch {address}{given}",
             f"roslaunch --ros-args {address}  # its arguments",
         ]
-    return lines
+    page.code_block(lines, "sh")
 
 
 def _choose_example(docs: Sequence[LaunchDoc]) -> LaunchDoc | None:

@@ -1,1 +1,0 @@
-"""The documents as a static site that needs no network and no server."""
