@@ -65,10 +65,10 @@ def test_test_that_passes_the_second_time_is_recorded_and_its_line_printed(tree:
 def test_second_try_selects_what_the_first_did_and_looks_at_types_where_that_did(tree: Path) -> None:
     for name in ("ruff", "mypy"):
         (tree / ".venv" / "bin" / name).symlink_to("/bin/true")
-    assert run_twice(tree, "--all", "--times", "t").returncode == 0
+    assert run_twice(tree, "--all", "--times=t").returncode == 0
     first, second = (tree / "arguments").read_text().splitlines()
-    assert first == "--all --times t"
-    assert second.startswith("-n 0 -m not hosts and not nightly --times t -n 0 --last-failed")
+    assert first == "--all --times=t"
+    assert second.startswith("-n 0 -m not hosts and not nightly --times=t -n 0 --last-failed")
     (tree / "mended").unlink()
     (tree / ".venv" / "bin" / "mypy").unlink()
     (tree / ".venv" / "bin" / "mypy").symlink_to("/bin/false")
