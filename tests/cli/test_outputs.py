@@ -10,12 +10,10 @@ from pathlib import Path
 import click
 import numpy as np
 import pytest
-from tests.recordings.test_mcap_file import write_recording
 
 from ur.cli.launch.start import _pid_file
 from ur.cli.main import main
 from ur.cli.robot_setup.image import _opened
-from ur.cli.runs.lock_step import replay_in_lock_step
 from ur.cli.runs.logs import find_ended_run
 from ur.cli.verbs import VERBS, load_verb
 from ur.maps.picture_file import write_picture
@@ -75,16 +73,6 @@ def _export(_: pytest.MonkeyPatch) -> Case:
     return stored, _call("maps", "export", "flat", str(stored))
 
 
-def _replay(_: pytest.MonkeyPatch) -> Case:
-    recording = write_recording(Path("test_rec.mcap"), 1)
-
-    def run() -> None:
-        with pytest.raises(UserError):
-            replay_in_lock_step(recording, "a.launch", [], ["n"], "test_rec.py", ["p"], as_json=False)
-
-    return recording, run
-
-
 def _pid(_: pytest.MonkeyPatch) -> Case:
     def run() -> None:
         with pytest.raises(UserError), _pid_file("a.launch", ["a.launch"]):
@@ -129,7 +117,6 @@ OUTPUTS: dict[tuple[str, str], Callable[[pytest.MonkeyPatch], Case]] = {
     ("image prepare", "--output"): _image,
     ("launch", "--pid"): _pid,
     ("maps export", "file"): _export,
-    ("replay", "--as-test"): _replay,
     ("report", "--output"): _report,
     ("wifi", "--log"): _log,
 }

@@ -199,10 +199,6 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "ur_nodes.recorder": ("ur.recordings", "ur_nodes.black_box.selection", "ur_nodes.ports", "ur_nodes.run"),
     "ur_nodes.replay": ("ur.recordings", "ur.source", "ur_nodes.datagram_socket", "ur_nodes.ports", "ur_nodes.run"),
-    "ur_nodes.lock_step": (
-        *("ur.recordings", "ur.source"),
-        *("ur_nodes.memory", "ur_nodes.one_process", "ur_nodes.ports", "ur_nodes.run"),
-    ),
     "ur_nodes.missions": (),
     "ur_nodes.missions.robot": (
         "ur.source",

@@ -12,7 +12,6 @@ from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
-from ur.recordings.lock_step import copy_topics
 from ur.recordings.mcap_channels import register_channel
 from ur.recordings.mcap_file import RecordingTopic, open_recording
 from ur.recordings.message_types import MessageTypes
@@ -124,13 +123,6 @@ def test_report_of_ros1_is_opened_by_rosbags_and_has_right_checksums(tmp_path: P
         assert checked.get_header().profile == "ros2"
         assert len(list(checked.iter_messages())) == 4
     assert open_recording(copy).topics["/tf"].sender == "/robot"
-
-
-def test_copy_has_the_topics_that_are_asked_for(tmp_path: Path) -> None:
-    original = open_recording(write(tmp_path / "one.mcap", DRIVE))
-    copy_topics(original, tmp_path / "copy.mcap", frozenset({"/map"}))
-    copy = open_recording(tmp_path / "copy.mcap")
-    assert [(each.topic.name, each.data) for each in copy.messages()] == [("/map", grid())]
 
 
 def test_place_of_the_robot_is_found_at_any_time(tmp_path: Path) -> None:

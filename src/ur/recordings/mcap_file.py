@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import struct
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from heapq import heappop, heappush
 from itertools import islice
 from operator import itemgetter
@@ -61,9 +61,8 @@ class StoredMessage:
 class RecordingFile:
     """A recording: its topics by name, its first and last time in ns since 1970, and its metadata.
 
-    A topic of several publishers has the sum of their messages, and the type of the last one; `senders` has the names
-    of the nodes, where the recording has them. `complete` is False for a file whose end is missing: its writer was
-    killed.
+    A topic of several publishers has the sum of their messages, and the type of the last one. `complete` is False for a
+    file whose end is missing: its writer was killed.
     """
 
     path: Path
@@ -72,7 +71,6 @@ class RecordingFile:
     end: int
     metadata: Mapping[str, Mapping[str, str]]
     complete: bool = True
-    senders: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
     @property
     def seconds(self) -> float:
@@ -120,9 +118,7 @@ def open_recording(path: Path) -> RecordingFile:
                 for each in summary.channels.values()
             ]
             start, end = summary.statistics.message_start_time, summary.statistics.message_end_time
-            return RecordingFile(
-                path, _count_topics(channels), start, end, metadata, senders=_find_senders(each for each, _ in channels)
-            )
+            return RecordingFile(path, _count_topics(channels), start, end, metadata)
     return _survey(path)
 
 
@@ -139,16 +135,7 @@ def _survey(path: Path) -> RecordingFile:
     if not topics:
         raise _no_recording(path, "no message in it can be read")
     counted = _count_topics([(each, counts[number]) for number, each in topics.items()])
-    senders = _find_senders(topics.values())
-    return RecordingFile(path, counted, times[0], times[1], {}, complete=False, senders=senders)
-
-
-def _find_senders(channels: Iterable[RecordingTopic]) -> dict[str, frozenset[str]]:
-    found: dict[str, frozenset[str]] = {}
-    for topic in channels:
-        if topic.sender:
-            found[topic.name] = found.get(topic.name, frozenset()) | {topic.sender}
-    return found
+    return RecordingFile(path, counted, times[0], times[1], {}, complete=False)
 
 
 def _count_topics(channels: Sequence[tuple[RecordingTopic, int]]) -> dict[str, RecordingTopic]:

@@ -170,16 +170,3 @@ class RecordingRaw:
         self: RawSubscriber, take: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]
     ) -> TopicRecorder:
         return SubscribedRecorder(self, take, clock)
-
-
-@dataclass(frozen=True, slots=True)
-class StoredReader:
-    """Reads the messages of a recorded topic and type; `read` raises ValueError and UserError."""
-
-    topic: str
-    type_name: str
-    read: Callable[[bytes], object]
-
-
-FindReader = Callable[[str, type], StoredReader | None]
-"""Finds what a subscription of a topic and kind reads; None: there is no message for it."""

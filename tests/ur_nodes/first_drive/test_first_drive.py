@@ -6,8 +6,7 @@ import math
 
 import pytest
 from tests.ur_nodes.first_drive.drive import FirstDrive
-
-from ur_nodes.lock_step.digest import fingerprint
+from tests.ur_nodes.lock_step.digest import fingerprint
 
 GOALS = ((0.8, 0.4, 1.57), (0.2, 0.0, 0.0))
 

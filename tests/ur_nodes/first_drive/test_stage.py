@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from tests.ur_nodes.first_drive.stage import DrivenStage
+from tests.ur_nodes.lock_step.digest import fingerprint
 
-from ur_nodes.lock_step.digest import fingerprint
 from ur_nodes.ports.services import AskMap
 from ur_nodes.ports.values import Map, Odometry, Scan
 

@@ -9,12 +9,12 @@ from typing import ClassVar
 
 import numpy as np
 from tests.ur_nodes.first_drive.drive import STARTS, FirstDrive, read_launch_files
+from tests.ur_nodes.lock_step.run import StepPlan
 from tests.ur_nodes.lock_step.wire import DELAY, WireBus
 
 from ur_nodes.client.navigation import Names, NavigationTopics
 from ur_nodes.client.snapshot import GoalReport
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.lock_step.run import StepPlan
 from ur_nodes.memory.bus import Bus
 from ur_nodes.one_process.plan import NodeStart
 from ur_nodes.ports.actions import Goal, GoalId
@@ -217,12 +217,12 @@ def record(failure: Callable[[FailingDrive], None], folder: Path, seconds: float
 
 
 def plan_replay(recording: Path, *names: str) -> StepPlan:
-    """The plan of a replay into some nodes, as `ur replay --into` makes it."""
+    """The plan of a replay into some nodes."""
     plan = read_launch_files("office")
     remaps = {spec.full_name: dict(spec.remaps) for spec in plan.nodes}
     assert set(names) <= set(STARTS)
     return StepPlan(
-        str(recording),
+        recording,
         tuple(NodeStart(name, (MODULES[name],), remaps[name]) for name in names),
         {each.name: each.value for each in plan.params if each.command is None},
     )

@@ -8,6 +8,7 @@ from typing import Any
 
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
 from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionGoal, MoveBaseActionResult
+from tests.ur_nodes.lock_step.stored import find_reader
 
 from ur_nodes.black_box.recording_file import write_recording
 from ur_nodes.black_box.ring import Ring
@@ -18,7 +19,6 @@ from ur_nodes.memory.bus import Bus
 from ur_nodes.memory.carrier import Offer
 from ur_nodes.ports.actions import Goal, GoalState, GoalStates
 from ur_nodes.ports.values import PlacedPose
-from ur_nodes.ros1.stored import find_reader
 
 DELAY = 1_000_003
 """ns that a value is on its way, so that none arrives at the moment of a timer."""

@@ -22,11 +22,6 @@ from ur.source.diagnostic import UserError, error, error_about
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
 @click.option("--speed", type=float, metavar="FACTOR", help="Play so many times as fast as it was recorded.")
 @click.option("--from", "start", type=float, metavar="SECONDS", help="Begin so many seconds after its start.")
-@click.option(
-    "--into", "nodes", multiple=True, metavar="NODE", help="Run this node of the program in lock step, without a robot."
-)
-@click.option("--as-test", metavar="FILE", help="Make a test of pytest of it: FILE, and a recording beside it.")
-@click.option("--json", "as_json", is_flag=True, help="Print what the nodes of --into reported as JSON.")
 @click.option("--to-simulator", is_flag=True, help="Start the simulated robot where the robot was at --from, or last.")
 @click.option("--info", is_flag=True, help="Print what the recording holds, and play nothing.")
 @click.option("--pause", is_flag=True, help="Pause the replay that runs.")
@@ -39,9 +34,6 @@ def command(
     arguments: tuple[str, ...],
     speed: float | None,
     start: float | None,
-    nodes: tuple[str, ...],
-    as_test: str | None,
-    as_json: bool,
     to_simulator: bool,
     info: bool,
     pause: bool,
@@ -52,9 +44,8 @@ def command(
     """Play a recording, into a program if one is named.
 
     FILE is an MCAP file, of the black box or another recorder. The program starts without the nodes of the robot, and
-    shows what the recording holds. With --into, nodes of the program run in one process without ROS, as fast as they
-    can, and get what was recorded: the same file gives the same run to the last bit. Without FILE, the options reach
-    the replay that runs; without options, too, this terminal shows it, and takes keys.
+    shows what the recording holds. Without FILE, the options reach the replay that runs; without options, too, this
+    terminal shows it, and takes keys.
     """
     if recording is None:
         return _control(speed, jump, back, pause=pause, play=play)
@@ -63,19 +54,10 @@ def command(
         raise UserError(error(message, rule="bad-options", help="'--from SECONDS' begins later"))
     if info:
         return _describe(Path(recording))
-    if (nodes or to_simulator) and program is None:
-        message = "--into and --to-simulator start nodes of a program, expected its name"
-        raise UserError(error(message, rule="bad-options", help="ur replay FILE keyboard_navigate --into move_base"))
-    if (as_test or as_json) and not nodes:
-        raise UserError(error("--as-test and --json need --into NODE", rule="bad-options", help="ur replay --help"))
+    if to_simulator and program is None:
+        message = "--to-simulator starts the nodes of a program, expected its name"
+        raise UserError(error(message, rule="bad-options", help="ur replay FILE keyboard_navigate --to-simulator"))
     played = _read_request(recording, program or "", arguments)
-    if nodes:
-        from ur.cli.runs.lock_step import replay_in_lock_step
-
-        words = [str(program), *arguments]
-        return replay_in_lock_step(
-            played.path, played.launch_file, played.arguments, nodes, as_test, words, as_json=as_json
-        )
     if to_simulator:
         return _start_simulator(played, start)
     return _play(played, 1.0 if speed is None else speed, start or 0.0)

@@ -1,4 +1,4 @@
-"""`ur replay`: a recorded failure in lock step, what a recording holds, and wrong words."""
+"""`ur replay`: what a recording holds, and wrong words."""
 
 from __future__ import annotations
 
@@ -25,19 +25,6 @@ def _without_a_robot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setenv(name, str(tmp_path / name))
 
 
-@pytest.mark.ros
-def test_failure_is_replayed_and_becomes_a_test(
-    recording: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    made = tmp_path / "test_stopped.py"
-    words = ["keyboard_navigate", "robot_base:=stage", "--into", "move_base", "--as-test", str(made)]
-    code = main(["replay", str(recording), *words])
-    out, err = capfd.readouterr()
-    assert (code, f"'pytest {made}' runs it" in err) == (0, True), out + err
-    assert "as recorded" in out
-    assert "move_base" in made.read_text(encoding="utf-8")
-
-
 def test_recording_is_described_without_a_replay(recording: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["replay", str(recording), "--info"]) == 0
     assert "/move_base" in capsys.readouterr().out
@@ -50,9 +37,7 @@ def test_recording_is_described_without_a_replay(recording: Path, capsys: pytest
         (["--pause"], "no replay runs on this computer"),
         (["--speed", "2", "--back", "3"], "no replay runs on this computer"),
         (["FILE", "--play"], "reach a replay that runs, expected no file"),
-        (["FILE", "--into", "move_base"], "start nodes of a program, expected its name"),
-        (["FILE", "--to-simulator"], "start nodes of a program, expected its name"),
-        (["FILE", "keyboard_navigate", "--json"], "--as-test and --json need --into NODE"),
+        (["FILE", "--to-simulator"], "starts the nodes of a program, expected its name"),
         (["nothing.mcap"], "no such file, expected a recording"),
         (["FILE", "keyboard_navigate", "base"], "'base' is no argument, expected NAME:=VALUE"),
     ],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import TypeVar
 
 import genpy
@@ -13,11 +14,19 @@ from ur_nodes.codecs import KindCodec, find_codec
 from ur_nodes.codecs.frames import transforms_of
 from ur_nodes.codecs.places import placed_of
 from ur_nodes.ports.actions import Goal, GoalState, GoalStates
-from ur_nodes.ports.raw import StoredReader
 from ur_nodes.ports.values import PlacedPose
 from ur_nodes.ros1.goal_client import state_of
 
 _Message = TypeVar("_Message", bound=genpy.Message)
+
+
+@dataclass(frozen=True, slots=True)
+class StoredReader:
+    """Reads the messages of a recorded topic and type; `read` raises ValueError and UserError."""
+
+    topic: str
+    type_name: str
+    read: Callable[[bytes], object]
 
 
 def _goal_of(message: MoveBaseActionGoal) -> Goal:
@@ -45,7 +54,7 @@ def _make(topic: str, message_class: type[_Message], value_of: Callable[[_Messag
         except genpy.DeserializationError as problem:
             raise ValueError(str(problem)) from None
 
-    return StoredReader(topic, str(message_class._type), read)  # noqa: SLF001 - genpy has no other name
+    return StoredReader(topic, str(message_class._type), read)
 
 
 _ACTION: Mapping[tuple[type, str], Callable[[str], StoredReader]] = {

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple, TypeVar, cast
+
+from tests.ur_nodes.lock_step.stored import StoredReader, find_reader
 
 from ur.recordings.mcap_file import RecordingFile, StoredMessage
 from ur.recordings.message_types import full_type_name
@@ -14,7 +16,6 @@ from ur_nodes.memory.node import TRANSFORMS, MemoryNode
 from ur_nodes.one_process.bus import LiveBus, LiveNode
 from ur_nodes.ports.node import Location
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.raw import FindReader, StoredReader
 from ur_nodes.ports.values import Transform
 
 Value = TypeVar("Value")
@@ -41,8 +42,8 @@ class StepFacts:
 
     simulated_time = False
 
-    def __init__(self, values: Mapping[str, object]) -> None:
-        self._values = dict(values)
+    def __init__(self) -> None:
+        self._values: dict[str, object] = {}
 
     def get(self, name: str, default: object = None) -> object:
         """See Facts."""
@@ -79,19 +80,11 @@ class StepBus(LiveBus):
 
     node_class: ClassVar[type[MemoryNode]] = StepNode
 
-    def __init__(
-        self,
-        recording: RecordingFile,
-        find_reader: FindReader,
-        tested: frozenset[str],
-        latched: frozenset[str],
-        write_line: Callable[[str, str, str], None],
-        facts: Mapping[str, object] | None = None,
-    ) -> None:
-        super().__init__(StepFacts(facts or {}), write_line)
+    def __init__(self, recording: RecordingFile, tested: frozenset[str], latched: frozenset[str]) -> None:
+        super().__init__(StepFacts(), lambda *_: None)
         self._time = recording.start
-        self._subscribed = {name for name, senders in recording.senders.items() if senders & tested}
-        self._find_reader, self._tested, self._latched = find_reader, tested, latched
+        self._subscribed = {each.topic.name for each in recording.messages() if each.topic.sender in tested}
+        self._tested, self._latched = tested, latched
         self._feeds: dict[str, dict[tuple[str, type], _Feed]] = {}
         self._offers: dict[tuple[str, type, str], Offer] = {}
         self._kept: dict[tuple[str, str], StoredMessage] = {}
@@ -128,12 +121,6 @@ class StepBus(LiveBus):
         for feed in tuple(self._feeds.get(topic.name, {}).values()):
             self._pass(feed, message)
 
-    @property
-    def used(self) -> list[str]:
-        """The recorded topics that nodes under test have received or had sent."""
-        received = [name for name, feeds in self._feeds.items() if feeds]
-        return sorted({*received, *(each.topic.name for each in self.recorded)})
-
     def locate_recorded(self, name: str) -> Location | None:
         """Locate a node that was recorded."""
         return Location("localhost", here=True) if name in self._senders else None
@@ -143,7 +130,7 @@ class StepBus(LiveBus):
         super().offer(topic, offer)
         if offer.sender not in self._tested:
             return
-        reader = self._find_reader(topic, offer.kind) if isinstance(offer.kind, type) else None
+        reader = find_reader(topic, offer.kind) if isinstance(offer.kind, type) else None
         self._own |= {reader.topic if reader is not None else topic} - {TRANSFORMS}
         if topic in self._subscribed:
             nothing = BusListener("recording", offer.kind, None, 1, lambda *_: None, lambda _reason: None)
@@ -160,7 +147,7 @@ class StepBus(LiveBus):
     ) -> BusListener:
         """See Carrier."""
         own = kind[0] if isinstance(kind, tuple) else kind
-        reader = self._find_reader(topic, own)
+        reader = find_reader(topic, own)
         if reader is not None and (topic, own) not in self._feeds.setdefault(reader.topic, {}):
             feed = self._feeds[reader.topic][topic, own] = _Feed(topic, own, reader)
             for (name, _), message in self._kept.items():
