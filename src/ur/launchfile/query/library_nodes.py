@@ -24,7 +24,7 @@ LIBRARY_NODES: dict[str, Interface] = {
         calls="raspicam_node/set_camera_info",
     ),
     "twist_mux": make_interface(
-        publishes="cmd_vel_out ~challenge ~active ~stopped ~lease ~obstacle_stop",
+        publishes="cmd_vel_out ~challenge ~active ~stopped ~lease ~obstacle_stop diagnostics",
         subscribes="joy_vel joy_vel_stamped key_vel key_vel_stamped web_vel web_vel_stamped nav_vel "
         "nav_vel_stamped pause_driving ~lease_request odom scan sonars",
         services="~stop ~release ~set_obstacle_stop",
