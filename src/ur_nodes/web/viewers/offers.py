@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import islice
 from typing import Protocol
 
 from ur_nodes.ports.graph import Graph
@@ -13,6 +14,7 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import RawMessage
 
 _PERIOD = 1.0  # s between two looks at the graph
+_AT_ONCE, _PAUSE = 24, 0.1  # changes of offers at once, and s until the next: each is a message in a viewer's queue
 _MOST_PUBLISHERS = 64
 
 
@@ -66,14 +68,14 @@ class TopicOffers:
             self._offers[topic].change(by)
 
     def _compare(self, graph: Graph | None) -> None:
-        self._node.after(_PERIOD, lambda: self._node.read_graph(self._compare), steady=True)
-        if graph is None:
-            return
-        ended, new = compare_topics({name: each.kind for name, each in self._offers.items()}, graph.published())
-        for name in ended:
-            self._offers.pop(name).end()
+        offered = {name: each.kind for name, each in self._offers.items()}
+        ended, new = compare_topics(offered, graph.published() if graph is not None else offered.items())
         new = {name: kind for name, kind in new.items() if kind not in self._unknown}
-        if new:
+        pause = _PAUSE if len(ended) + len(new) > _AT_ONCE else _PERIOD
+        self._node.after(pause, lambda: self._node.read_graph(self._compare), steady=True)
+        for name in ended[:_AT_ONCE]:
+            self._offers.pop(name).end()
+        if new := dict(islice(new.items(), _AT_ONCE - len(ended[:_AT_ONCE]))):
             self._node.work(partial(self._find_schemas, new), partial(self._offer, new), "schemas")
 
     def _find_schemas(self, topics: Mapping[str, str]) -> dict[str, str | None]:

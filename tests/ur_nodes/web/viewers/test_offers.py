@@ -47,6 +47,27 @@ def test_topic_is_offered_while_it_is_published() -> None:
     assert not channel.open
 
 
+def test_many_topics_are_offered_and_withdrawn_a_few_at_a_time() -> None:
+    world = OffersWorld()
+    for number in range(100):
+        world.robot.raw.publish(f"words{number}", STRING)
+    changes = []
+    for _ in range(40):
+        before = sum(each.open for each in world.channels)
+        world.bus.run(0.05)
+        changes.append(sum(each.open for each in world.channels) - before)
+    assert sum(changes) == 100
+    assert max(changes) <= 24
+    world.robot.end("test")
+    before = 100
+    for _ in range(40):
+        world.bus.run(0.05)
+        left = sum(each.open for each in world.channels)
+        assert before - left <= 24
+        before = left
+    assert before == 0
+
+
 def test_topic_of_another_type_is_offered_anew() -> None:
     world = OffersWorld()
     world.robot.raw.publish("words", STRING)
