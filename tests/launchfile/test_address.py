@@ -66,3 +66,9 @@ def test_only_launch_files_are_suggested_for_a_path() -> None:
     with pytest.raises(UserError) as caught:
         resolve_addresses(["/home/nofile"], world)
     assert caught.value.diagnostics[0].help == "give a path, or a package and a file name"
+
+
+def test_package_is_found_where_a_folder_of_its_name_lies_in_the_current_one() -> None:
+    world = MemoryWorld({"/p/launch/a.launch": "", "my_pkg/package.xml": ""}, {"my_pkg": "/p"})
+    assert join_addresses(["my_pkg", "a.launch"], world) == ["/p/launch/a.launch"]
+    assert join_addresses(["my_pkg"], world) == ["my_pkg"]

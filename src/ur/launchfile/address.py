@@ -59,7 +59,7 @@ def join_addresses(words: Sequence[str], world: World) -> list[str]:
             joined[-1] = found
         else:
             joined.append(word)
-        package = "" if found or "/" in word or _is_path(word, world) else word
+        package = "" if found or "/" in word else word
     return joined
 
 
