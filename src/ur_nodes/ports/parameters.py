@@ -64,7 +64,7 @@ class _Reads:
     given: dict[str, object] = field(default_factory=dict)
     declared: dict[str, Declaration] = field(default_factory=dict)
     readers: list[Callable[[Parameters], Callable[[], None]]] = field(default_factory=list)
-    again: bool = False  # these are read again: what was given before counts, whatever the store has now
+    again: bool = False  # these are read again: earlier values count, not those of the store
 
 
 class Parameters:
