@@ -79,7 +79,7 @@ def test_robot_drives_to_a_goal_of_a_client_of_nav2(session: Ros2Session, tmp_pa
         program = session.run(*command, within=100.0)
         assert program.stdout, program.stderr
         found = json.loads(program.stdout.splitlines()[-1])
-        if found["status"] == 4:
+        if found["status"] == 4 and "place" in found:  # feedback finds the client later than answers do
             break
     assert found["status"] == 4, found
     assert math.dist(found["place"], (0.8, 0.4)) < 0.2
