@@ -73,3 +73,16 @@ def test_base_driver_publishes_what_the_base_has() -> None:
 def test_lidar_driver_publishes_the_scan_of_the_base() -> None:
     assert topics(load("lidar_driver", variant="lidar")) == {"/scan"}
     assert topics(load("lidar_driver", base="nonesuch")) == {"/scan"}
+
+
+def test_drivers_of_single_sensors_publish_the_topics_of_the_base() -> None:
+    assert topics(load("sonar_driver")) == topics(load("sonar_driver", base="nonesuch")) == {"/sonars"}
+    assert topics(load("imu_driver", base="nonesuch")) == {"/imu/data"}
+
+
+def test_parameters_ask_for_clock_transforms_and_bumpers() -> None:
+    assert "/clock" in topics(load(more='<param name="publish_clock" value="true"/>'))
+    more = '<param name="publish_tf" value="true"/><param name="bumper_messages" value="Bumper"/>'
+    plan = load("driver_adapter", base="botvac", more=more)
+    assert {"/tf", "/bumper/left_front"} <= topics(plan)
+    assert "/driver/bumpers" in topics(plan, "subscribes")
