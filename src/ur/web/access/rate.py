@@ -46,3 +46,18 @@ class Buckets:
         while len(self._buckets) > self.most:
             del self._buckets[next(iter(self._buckets))]
         return allowed
+
+
+@dataclass(slots=True)
+class SharedBuckets:
+    """A bucket for each client, and one `of_all` that what a client's own bucket allows is drawn from, too."""
+
+    of_each: Buckets
+    of_all: Bucket
+
+    def allows(self, client: str, now: float) -> bool:
+        """Take a token from both buckets; return whether the event is allowed."""
+        if not self.of_each.allows(client, now):
+            return False
+        self.of_all, allowed = draw(self.of_all, now)
+        return allowed

@@ -135,7 +135,7 @@ async def test_head_that_does_not_end_in_time_ends_the_connection(server: Attack
 async def test_requests_without_a_login_are_limited_and_never_those_of_a_session(server: AttackedServer) -> None:
     client, other = await server.open_client(), await server.open_client(Role.LOOK)
     async with client, other, client.ws_connect(server.url + DRIVE) as drive:
-        server.listener._rates = Buckets(0.0, 50.0)
+        server.listener._rates.of_each = Buckets(0.0, 50.0)
         codes = {(await server.answer(server.request()))[9:12] for _ in range(60)}
         assert codes == {b"403", b"429"}
         assert (await drive.receive_json(timeout=30))["t"] == "hello"
@@ -157,7 +157,7 @@ async def test_large_heads_without_a_login_are_few_and_a_session_is_served(serve
         return recognise(head)
 
     server.listener._recognise = note
-    server.listener._large = Buckets(0.0, 10.0)
+    server.listener._large.of_each = Buckets(0.0, 10.0)
     near = "; ".join([f"ur_web_{server.port}={129 * 'a'}"] * 220)
     answers = [await server.answer(server.request("GET /login", b"", f"Cookie: {near}")) for _ in range(30)]
     assert [bool(each) for each in answers] == [True] * 10 + [False] * 20

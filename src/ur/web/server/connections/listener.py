@@ -18,7 +18,7 @@ from contextlib import suppress
 from itertools import takewhile
 
 from ur.web.access.heads import LONGEST, Head, find_head
-from ur.web.access.rate import Buckets, draw, make_bucket
+from ur.web.access.rate import Buckets, SharedBuckets, make_bucket
 from ur.web.server.connections.handover import Handlers, serve_all, serve_one
 
 HEAD_LIMIT = 10.0
@@ -33,11 +33,9 @@ _MOST_CLOSING, _CLOSE_LIMIT = 64, 1.0  # s for which a refused connection may st
 _MOST_READS = 64  # pieces of a head
 _AT_ONCE = 8  # connections accepted in one go before others are served
 _BACKLOG = 1024
-_RATE, _BURST = 50.0, 200.0  # requests of an address without a session, a second
-_RATE_OF_ALL, _BURST_OF_ALL = 100.0, 400.0
+_RATES, _RATES_OF_ALL = (50.0, 200.0), (100.0, 400.0)  # of an address, of all: requests a second, at once
 _LARGE = 8192  # bytes of a head that is read only at these rates
-_LARGE_RATE, _LARGE_BURST = 5.0, 10.0
-_LARGE_RATE_OF_ALL, _LARGE_BURST_OF_ALL = 20.0, 40.0
+_LARGE_RATES, _LARGE_RATES_OF_ALL = (5.0, 10.0), (20.0, 40.0)
 _SWEEP_EVERY = 1.0  # s
 _RETRY = 0.2  # s after an accept has failed
 _NO_ROOM = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
@@ -86,10 +84,9 @@ class ConnectionListener:
         self._closing: dict[socket.socket, float] = {}
         self._served: set[object] = set()
         self._tasks: set[asyncio.Task[None]] = set()
-        self._rates = Buckets(_RATE, _BURST)
-        self._rate_of_all = make_bucket(_RATE_OF_ALL, _BURST_OF_ALL, self._loop.time())
-        self._large = Buckets(_LARGE_RATE, _LARGE_BURST)
-        self._large_of_all = make_bucket(_LARGE_RATE_OF_ALL, _LARGE_BURST_OF_ALL, self._loop.time())
+        now = self._loop.time()
+        self._rates = SharedBuckets(Buckets(*_RATES), make_bucket(*_RATES_OF_ALL, now))
+        self._large = SharedBuckets(Buckets(*_LARGE_RATES), make_bucket(*_LARGE_RATES_OF_ALL, now))
         self._sweeping: asyncio.TimerHandle | None = None
 
     def open(self, listening: Sequence[socket.socket]) -> None:
@@ -169,19 +166,11 @@ class ConnectionListener:
             return
         head = find_head(waiting.buffer, before)
         size = len(waiting.buffer) if head is None else len(head.data)
-        if size > LONGEST or (before <= _LARGE < size and not self._may_be_large(waiting)):
+        if size > LONGEST or (before <= _LARGE < size and not self._large.allows(waiting.address, self._loop.time())):
             self._drop(waiting)
         elif head is not None:
             waiting.head = head
             self._judge(waiting, head)
-
-    def _may_be_large(self, waiting: _Waiting) -> bool:
-        """Draw for a large head, from those of its address and from those of all."""
-        now = self._loop.time()
-        if not self._large.allows(waiting.address, now):
-            return False
-        self._large_of_all, allowed = draw(self._large_of_all, now)
-        return allowed
 
     def _judge(self, waiting: _Waiting, head: Head) -> None:
         """Decide on a connection by the head of its first request."""
@@ -189,11 +178,7 @@ class ConnectionListener:
             self._forget(waiting)
             self._start(serve_all(self._handlers, waiting.sock, bytes(waiting.buffer)))
             return
-        now = self._loop.time()
-        allowed = self._rates.allows(waiting.address, now)
-        if allowed:
-            self._rate_of_all, allowed = draw(self._rate_of_all, now)
-        if not allowed:
+        if not self._rates.allows(waiting.address, self._loop.time()):
             self._refuse(waiting, 429, "too many requests\n")
         elif head.body is None or head.body > LONGEST_BODY:
             self._refuse(waiting, 413, f"expected at most {LONGEST_BODY} bytes\n")
