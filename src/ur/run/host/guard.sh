@@ -36,7 +36,7 @@ kill_children() {
 read -r word # "ended" when the host has ended everything; nothing when it was killed
 if [ "$word" != ended ]; then
   kill_children ur-motor- # drivers of motors, and their guards, end by themselves once they have stopped the motors
-  tries=100 # a driver whose guard was killed with the host stops its motors within these, on a busy computer, too
+  tries=500 # a driver whose guard was killed, too, stops its motors within these, however busy the computer is
   while [ $tries -gt 0 ] && [ -n "$(list_children)" ]; do
     sleep 0.01
     tries=$((tries - 1))
