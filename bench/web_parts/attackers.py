@@ -91,12 +91,12 @@ class Attack:
         self._repeat(lambda _: self._ask(large), THREADS)
 
     def addresses(self) -> None:
-        """Connect from 200 addresses: large heads, logins, sockets and calls of assistants without a session."""
+        """Connect from 200 addresses: large heads, logins and sockets without a session."""
         wrong = json.dumps({"token": "x" * 24}).encode()
         upgrade = "Connection: Upgrade\r\nUpgrade: websocket\r\n"
         kinds = [
             self._head_of_cookies(), self._head("POST /login", len(wrong)) + wrong,
-            self._head("GET /ws/drive", more=upgrade), self._head("POST /mcp"),
+            self._head("GET /ws/drive", more=upgrade),
         ]  # fmt: skip
         self._repeat(lambda number: self._ask(kinds[number % len(kinds)], f"127.0.1.{1 + number % 200}"), THREADS)
 

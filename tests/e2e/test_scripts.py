@@ -14,7 +14,6 @@ from typing import Any
 import pytest
 from tests.documents.test_examples import EXAMPLES, PRINTED
 from tests.e2e.conftest import ROOT, end, make_environment
-from tests.e2e.web_page import start_server
 
 from ur.request.environment import current_selection
 
@@ -94,19 +93,18 @@ def run_scripts(navigating: dict[str, str], tmp_path: Path) -> None:
 
 
 def call_tools(navigating: dict[str, str], tmp_path: Path) -> None:
-    """Run every tool and read every resource, by the SDK's client, over both transports."""
+    """Run every tool and read every resource, by the SDK's client."""
     pytest.importorskip("mcp")
     folder = tmp_path / "elsewhere"  # tmp_path has a folder that is called as the package: for facts of nodes
     folder.mkdir()
     (folder / "a.launch").write_text('<launch><arg name="robot_base" default=""/></launch>\n')  # for `find`
-    for call in (call_over_stdio, call_over_http):
-        results = asyncio.run(call(navigating, folder))
-        refused = {name: text for name, (done, text) in results.items() if not done}
-        assert not refused, (call.__name__, refused)
-        assert "driven" in results["drive"][1]
-        assert "reached" in results["go_to"][1]
-        assert "map" in results["explore"][1]
-        assert "keyboard_navigate" in results["list"][1]
+    results = asyncio.run(call_over_stdio(navigating, folder))
+    refused = {name: text for name, (done, text) in results.items() if not done}
+    assert not refused, refused
+    assert "driven" in results["drive"][1]
+    assert "reached" in results["go_to"][1]
+    assert "map" in results["explore"][1]
+    assert "keyboard_navigate" in results["list"][1]
 
 
 CALLS: dict[str, dict[str, object]] = {
@@ -141,37 +139,6 @@ async def call_over_stdio(env: dict[str, str], folder: Path) -> Results:
     # Its default is the standard error at the time of its import, which may be another test's.
     async with Client(stdio_client(server, errlog=sys.__stderr__ or sys.stderr)) as client:
         return await call_everything(client, env, give)
-
-
-async def call_over_http(env: dict[str, str], folder: Path) -> Results:
-    """Call everything through `ur web`; a page connects the client and gives the grant."""
-    aiohttp = pytest.importorskip("aiohttp")
-    from mcp.client import Client
-    from mcp.client.streamable_http import streamable_http_client
-    from mcp.shared._httpx_utils import create_mcp_http_client
-
-    with start_server(env, folder) as (port, log):
-        url, token = f"http://localhost:{port}", re.search(r"login#(\S+)", log.read_text())
-        assert token is not None
-        async with aiohttp.ClientSession(headers={"Origin": url}) as page:
-
-            async def post(path: str, value: object) -> str:
-                async with page.post(url + path, json=value) as answer:
-                    text: str = await answer.text()
-                    assert answer.status == 200, text
-                    return text
-
-            async def give(id: str) -> None:
-                await post("/api/assistants/grant", {"id": id, "minutes": 10, "speed": 0.2, "programs": True})
-
-            await post("/login", {"token": token[1]})
-            settings = json.loads(await post("/api/assistants/connect", {"name": "Ada's helper"}))
-            headers = {"Authorization": f"Bearer {settings['secret']}"}
-            async with (
-                create_mcp_http_client(headers=headers) as http,
-                Client(streamable_http_client(settings["url"], http_client=http)) as client,
-            ):
-                return await call_everything(client, env, give)
 
 
 async def call_everything(client: Any, env: dict[str, str], give: Callable[[str], Awaitable[None]]) -> Results:

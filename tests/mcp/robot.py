@@ -80,11 +80,11 @@ class AssistedRobot:
         return self.connect_as("auto")
 
     @contextlib.asynccontextmanager
-    async def connect_as(self, version: str) -> AsyncIterator[Client]:
-        """A client of a version of the protocol, while time passes."""
+    async def connect_as(self, version: str, *, remote: bool = False) -> AsyncIterator[Client]:
+        """A client of a version of the protocol, behind ssh if it is `remote`, while time passes."""
         running = [asyncio.create_task(self._run()), asyncio.create_task(self.assistant.watch())]
         try:
-            async with Client(make_server(self.assistant), mode=version) as client:
+            async with Client(make_server(self.assistant, remote=remote), mode=version) as client:
                 yield client
         finally:
             for each in running:

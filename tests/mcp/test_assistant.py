@@ -6,6 +6,8 @@ import asyncio
 import base64
 import json
 import math
+import os
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +18,10 @@ from hypothesis import strategies as st
 pytest.importorskip("mcp")
 
 from mcp.client import Client
+from mcp.client.stdio import StdioServerParameters, stdio_client
+from mcp_types.version import HANDSHAKE_PROTOCOL_VERSIONS, MODERN_PROTOCOL_VERSIONS
 from tests.mcp.robot import AssistedRobot, text_of
+from tests.ros_session import ROOT
 
 from ur.mcp.assistant import MARK
 from ur.mcp.calls import TOOLS
@@ -242,6 +247,26 @@ async def test_client_of_an_older_version_of_the_protocol_answers_pings(robot: A
         assert isinstance(client, Client)
         assert "driven" in text_of(await client.call_tool("drive", {"forward": 0.1, "seconds": 0.5}))
         assert robot.assistant.client != "an assistant"
+
+
+async def test_client_behind_ssh_drives_with_signs_of_life_only(robot: AssistedRobot) -> None:
+    robot.grant()
+    async with robot.connect_as("legacy", remote=True) as client:
+        assert "driven" in text_of(await client.call_tool("drive", {"forward": 0.1, "seconds": 0.5}))
+    at = robot.now
+    async with robot.connect_as("2026-07-28", remote=True) as client:
+        assert "silent" in text_of(await client.call_tool("drive", {"forward": 0.1, "seconds": 0.5}))
+    assert max(speed for when, speed, *_ in robot.samples if when > at + 0.3) < 0.01
+
+
+async def test_client_behind_ssh_falls_back_to_a_version_that_asks_for_signs_of_life(tmp_path: Path) -> None:
+    env = {**os.environ, "HOME": str(tmp_path), "ROS_HOME": str(tmp_path)}
+    ssh = {"SSH_CONNECTION": "198.51.100.1 50000 198.51.100.2 22"}
+    for connection, versions in (({}, MODERN_PROTOCOL_VERSIONS), (ssh, HANDSHAKE_PROTOCOL_VERSIONS)):
+        server = StdioServerParameters(command=str(ROOT / "ur"), args=["mcp"], env={**env, **connection})
+        async with Client(stdio_client(server, errlog=sys.__stderr__ or sys.stderr)) as client:
+            assert client.protocol_version in versions
+            assert len((await client.list_tools()).tools) == len(TOOLS)
 
 
 def hide_right_half(robot: AssistedRobot, beyond: float) -> tuple[Publisher[Map], Map]:

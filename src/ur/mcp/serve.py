@@ -11,6 +11,7 @@ import anyio
 import mcp_types as types
 from mcp.server.context import ServerRequestContext
 from mcp.server.lowlevel import Server
+from mcp.server.runner import serve_loop
 from mcp.server.stdio import stdio_server
 from mcp.shared.message import ServerMessageMetadata
 
@@ -33,7 +34,8 @@ CallContext = ServerRequestContext[object]
 def make_server(assistant: Assistant, *, remote: bool = False) -> Server[object]:
     """A server for the clients of an assistant.
 
-    A `remote` client has a name already, and proves by an answer that it is there; an open call proves nothing.
+    A `remote` client, one behind ssh, proves by an answer that it is there: an open call proves nothing where a network
+    may fail.
     """
 
     async def list_tools(_: CallContext, __: types.PaginatedRequestParams | None) -> types.ListToolsResult:
@@ -43,7 +45,7 @@ def make_server(assistant: Assistant, *, remote: bool = False) -> Server[object]
         return types.ListToolsResult(tools=tools)
 
     async def call_tool(context: CallContext, params: types.CallToolRequestParams) -> types.CallToolResult:
-        if context.session.client_params is not None and not remote:
+        if context.session.client_params is not None:
             _note_client(assistant, context.session.client_params.client_info.name)
         done, text = await assistant.call(params.name, params.arguments, lambda: _prove_life(context, remote=remote))
         return types.CallToolResult(content=[types.TextContent(type="text", text=text)], is_error=not done)
@@ -102,15 +104,23 @@ def _note_client(assistant: Assistant, name: str) -> None:
 
 
 async def serve_stdio() -> int:
-    """Serve the client at standard input and output, until it ends. Returns the exit code."""
+    """Serve the client at standard input and output, until it ends. Returns the exit code.
+
+    Over ssh, only the versions of the protocol are served that let a server ask, those with a handshake.
+    """
+    remote = "SSH_CONNECTION" in os.environ
     link = ProcessLink(robot_environment(), lambda line: print(line, file=sys.stderr))  # noqa: T201 - standard error
     assistant = Assistant(link, grant_files(), os.getpid())
     assistant.begin()
     watching = asyncio.create_task(assistant.watch())
-    server = make_server(assistant)
+    server = make_server(assistant, remote=remote)
     try:
         async with stdio_server() as (reader, writer):
-            await server.run(reader, writer, server.create_initialization_options())
+            if remote:
+                async with server.lifespan(server) as state:
+                    await serve_loop(server, reader, writer, lifespan_state=state)
+            else:
+                await server.run(reader, writer, server.create_initialization_options())
     finally:
         watching.cancel()
         assistant.end()

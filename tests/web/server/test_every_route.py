@@ -21,7 +21,7 @@ from ur.web.access.roles import SESSION_LIFE, TOKEN_LIFE, Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
 from ur.web.server.connections.listener import listen  # noqa: E402
-from ur.web.server.logins.gate import ASSISTANT_PATH, VIEWER_PATH, LoginGate  # noqa: E402
+from ur.web.server.logins.gate import VIEWER_PATH, LoginGate  # noqa: E402
 from ur.web.server.static_files import load_files  # noqa: E402
 
 FILE = "/{name}"
@@ -63,11 +63,9 @@ DRIVE = {  # for logins that may drive
     ("POST", "/api/recordings/stop"),
     ("POST", "/api/recordings/delete"),
     ("POST", "/api/replay"),
-    ("POST", "/api/assistants/connect"),
     ("POST", "/api/assistants/grant"),
 }
 VIEWER = {("GET", VIEWER_PATH)}  # by the secret in the address: no cookie counts
-ASSISTANT = {(method, ASSISTANT_PATH) for method in ("GET", "POST", "DELETE")}  # by a header: no cookie counts
 EVIL = "http://evil.example"
 OLD = "x" * 43
 
@@ -115,7 +113,7 @@ async def server(tmp_path: Path) -> AsyncIterator[RouteServer]:
 
 
 async def test_every_route_is_classified(server: RouteServer) -> None:
-    assert server.routes == OPEN | LOOK | DRIVE | VIEWER | ASSISTANT
+    assert server.routes == OPEN | LOOK | DRIVE | VIEWER
 
 
 async def test_every_route_but_the_login_is_refused_without_a_session(server: RouteServer) -> None:
@@ -136,7 +134,7 @@ async def test_every_route_is_refused_under_another_host(server: RouteServer) ->
 
 async def test_every_route_that_changes_or_streams_is_refused_to_another_origin(server: RouteServer) -> None:
     await server.log_in(Role.DRIVE)
-    changing = {each for each in server.routes if each[0] != "GET" or each[1].startswith("/ws/")} | VIEWER | ASSISTANT
+    changing = {each for each in server.routes if each[0] != "GET" or each[1].startswith("/ws/")} | VIEWER
     assert len(changing) >= 8
     for method, path in changing:
         for origin in ({"Origin": EVIL}, {"Origin": "null"}, {"Origin": server.url + "0"}, {}):
@@ -164,7 +162,7 @@ async def test_every_route_is_refused_to_a_session_that_is_too_old(server: Route
 
 async def test_every_route_of_drivers_is_refused_to_the_role_that_looks(server: RouteServer) -> None:
     await server.log_in(Role.LOOK)
-    for method, path in DRIVE | VIEWER | ASSISTANT:
+    for method, path in DRIVE | VIEWER:
         assert await server.refuse(method, path, Origin=server.url) == 403, path
     assert server.passed == []
 

@@ -59,19 +59,3 @@ def test_assistant_is_let_drive_with_areas_and_its_grant_is_taken_back(
     robot.assistants.forget_server(ID)
     wait(lambda: "No assistant is connected." in browser.run(f"{PANEL}.innerText"))
     browser.run("page.panels.toggle('assistants'); 0")
-
-
-def test_settings_of_an_assistant_are_shown_once(browser: Chromium) -> None:
-    pytest.importorskip("mcp")
-    browser.run("page.panels.toggle('assistants'); 0")
-    browser.run(f"{PANEL}.querySelector('section input').value = 'Claude'; 0")
-    press(browser, "Make its settings")
-    wait(lambda: browser.holds(f"{PANEL}.querySelector('pre')"))
-    settings = json.loads(browser.run(f"{PANEL}.querySelector('pre').textContent"))["mcpServers"]["robot"]
-    assert settings["url"].endswith("/mcp")
-    assert settings["headers"]["Authorization"].startswith("Bearer ")
-    browser.run("page.panels.toggle('assistants'); page.panels.toggle('assistants'); 0")
-    assert not browser.holds(f"{PANEL}.querySelector('pre')")
-    browser.run("page.panels.toggle('assistants'); page.panels.toggle('devices'); 0")
-    wait(lambda: "an assistant" in browser.run("document.getElementById('devices-panel').innerText"))
-    browser.run("page.panels.toggle('devices'); 0")

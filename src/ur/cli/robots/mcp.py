@@ -20,38 +20,29 @@ _AREA = re.compile(r"(?:([\w -]{1,40})=)?(-?[\d.]+),(-?[\d.]+),(-?[\d.]+),(-?[\d
 
 
 @click.group("mcp", invoke_without_command=True)
-@click.option("--prepare", is_flag=True, hidden=True)
 @click.pass_context
-def command(context: click.Context, prepare: bool) -> int:
+def command(context: click.Context) -> int:
     """Let an assistant look at the robot, and drive it.
 
     It serves the Model Context Protocol over standard input and output; the assistant's program starts it. Reading
     needs no grant. To drive, the assistant needs one: 'ur mcp grant' gives it in a terminal, or the page of 'ur web',
-    for a time, an area and a speed. That page also connects assistants over HTTP.
+    for a time, an area and a speed. An assistant on another computer starts it over ssh.
     """
-    if prepare:  # for the page of `ur web`, which connects assistants
-        _prepare()
-        return 0
     if context.invoked_subcommand is not None:
         return 0
     if sys.stdin.isatty():
         message = "standard input is a terminal, expected an assistant's program that starts this command"
         raise UserError(error(message, rule="not-here", help="docs/how-to/assistant.md names its settings"))
     from ur.request.environment import apply_selection, current_selection
+    from ur.request.requirements.python_packages import need_all
 
-    _prepare()
+    need_all(["mcp"], "mcp.lock", "what assistants need (20 MB to download)")
     apply_selection(current_selection(os.environ))
     import asyncio
 
     from ur.mcp.serve import serve_stdio
 
     return asyncio.run(serve_stdio())
-
-
-def _prepare() -> None:
-    from ur.request.requirements.python_packages import need_all
-
-    need_all(["mcp"], "mcp.lock", "what assistants need (20 MB to download)")
 
 
 @command.command("grant")

@@ -15,7 +15,6 @@ _END = b"\r\n\r\n"
 _LENGTH = re.compile(rb"\r\ncontent-length:[ \t]*(\d{1,9})[ \t]*(?=\r\n)", re.IGNORECASE)
 _ENCODING = re.compile(rb"\r\ntransfer-encoding:", re.IGNORECASE)
 _COOKIES = re.compile(rb"\r\ncookie:([^\r\n]*)", re.IGNORECASE)
-_BEARER = re.compile(rb"\r\nauthorization:[ \t]*bearer[ \t]+([\w-]{1,128})[ \t]*(?=\r\n)", re.IGNORECASE | re.ASCII)
 _SECRET = re.compile(rb'"?([\w-]{1,128})"?(?=[ \t]*(?:;|$))', re.ASCII)
 _MOST_COOKIES = 8
 """Cookies with the name of a session that are looked at in a head."""
@@ -59,9 +58,3 @@ def find_cookies(head: Head, name: str) -> list[str]:
                 found.append(value[1].decode())
             at = line.find(wanted, at + len(wanted))
     return found
-
-
-def find_bearer(head: Head) -> str | None:
-    """Return the secret of an Authorization header; None if there is none."""
-    found = _BEARER.search(head.data)
-    return found[1].decode() if found is not None else None

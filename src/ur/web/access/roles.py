@@ -35,14 +35,10 @@ _LONGEST_SECRET = 128
 
 
 class Role(str, Enum):
-    """LOOK: view everything, and trigger the emergency stop. DRIVE: all rights.
-
-    ASSIST: none on the page; the login of an assistant, which sends its secret with each request.
-    """
+    """LOOK: view everything, and trigger the emergency stop. DRIVE: all rights."""
 
     LOOK = "look"
     DRIVE = "drive"
-    ASSIST = "assist"
 
 
 @dataclass(frozen=True, slots=True)

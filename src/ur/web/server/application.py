@@ -13,7 +13,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import Role
 from ur.web.runs.commands import CommandQueue
-from ur.web.server.assistants.assistant_pages import AssistantPages
+from ur.web.server.assistant_pages import AssistantPages
 from ur.web.server.cameras import Cameras
 from ur.web.server.data.data_pages import DataPages
 from ur.web.server.drivers import DrivingPage, DrivingPages, describe_request
@@ -74,7 +74,7 @@ class Application:
         self._cameras = Cameras()
         self._runs = runs or RunPages(environment, log)
         self._devices = SessionPages(gate, self._drivers.rename, log)
-        self._assistants = assistants or AssistantPages(gate, environment, log)
+        self._assistants = assistants or AssistantPages(environment, log)
         self.robot_end = make_robot_end(environment, self.show, self._drivers.take, self._on_start, self._announce, log)
         self._foxglove = ViewerGate(environment, self._drivers, self._send, self._is_up, log)
         self._data = DataPages(environment, self._is_up, log)
@@ -138,14 +138,13 @@ class Application:
         closing = [asyncio.create_task(each.close(code=WSCloseCode.GOING_AWAY)) for each in sockets]
         if closing:
             await asyncio.wait(closing, timeout=_CLOSE_LIMIT)
-        for each in (self._assistants, self._runs, self._data, self._recordings, self._robots):
+        for each in (self._runs, self._data, self._recordings, self._robots):
             await each.close()
 
     async def _announce_often(self) -> None:
         while True:
             self._announce()
             self._gate.sessions.poll()
-            self._assistants.poll()
             await asyncio.sleep(_STATUS_EVERY)
 
     def _announce(self) -> None:

@@ -1,7 +1,7 @@
 // @ts-check
-/** Assistants: what they ask for, the grants to drive that they have, and the addresses by which they connect. */
+/** Assistants: what they ask for, and the grants to drive that they have. */
 
-import { make, makeButton, makeNote, makeSureButton } from "./elements.js";
+import { make, makeButton, makeNote } from "./elements.js";
 import { Rectangle, readMetres } from "./rectangle.js";
 import { TEXTS } from "./texts.js";
 import { outline } from "./zones.js";
@@ -101,16 +101,7 @@ class AssistantPanel {
     limits.append(label(TEXT.minutes, this.minutes), label(TEXT.speed, this.speed));
     this.form.append(this.title, limits, area, programs, buttons);
     this.form.addEventListener("submit", (event) => (event.preventDefault(), void this.give()));
-    this.own = make("input");
-    this.own.placeholder = this.own.ariaLabel = TEXT.name;
-    this.own.maxLength = 40;
-    this.own.autocomplete = "off";
-    this.connect = makeButton(TEXT.connect, () => void this.invite());
-    this.settings = make("div");
-    const invite = make("section");
-    invite.append(make("h3", TEXT.another), this.own, this.connect, this.settings);
-    invite.hidden = !page.mayDrive;
-    box.append(this.note, this.list, this.form, invite);
+    box.append(this.note, this.list, this.form);
     page.map.painters.push((context, view, colours) => this.paint(context, view, colours));
     this.choose(null);
     this.refresh();
@@ -135,9 +126,8 @@ class AssistantPanel {
     this.page.map.request();
   }
 
-  /** Leave no secret on the screen, and no drawing. */
+  /** Leave no drawing. */
   hide() {
-    this.settings.replaceChildren();
     this.choose(null);
     this.drawn = "";
   }
@@ -229,22 +219,6 @@ class AssistantPanel {
     const id = this.chosen;
     this.choose(null);
     await endGrant(this.page, id);
-  }
-
-  async invite() {
-    this.connect.disabled = true;
-    this.settings.replaceChildren(makeNote(TEXT.connecting));
-    const answer = await send("connect", { name: this.own.value });
-    this.connect.disabled = false;
-    if (!answer.ok) return this.settings.replaceChildren(make("p", answer.text, "problem"));
-    const { url, secret } = JSON.parse(answer.text);
-    const robot = { type: "http", url, headers: { Authorization: `Bearer ${secret}` } };
-    const note = makeNote(TEXT.connected);
-    const text = make("pre", JSON.stringify({ mcpServers: { robot } }, null, 2));
-    text.tabIndex = 0;
-    this.settings.replaceChildren(note, text, makeSureButton(TEXT.hide, () => this.settings.replaceChildren()));
-    this.own.value = "";
-    note.scrollIntoView();
   }
 
   /** @param {CanvasRenderingContext2D} context @param {import("./view.js").View} view @param {Record<string, string>} colours */

@@ -4,7 +4,7 @@
 import { make, makeButton, makeNote, makeSureButton, replaceRows } from "./elements.js";
 import { TEXTS } from "./texts.js";
 
-/** @typedef {{id: string, name: string, role: "look" | "drive" | "assist", address: string, first: number, last: number, until: number, own: boolean, open: boolean}} Device */
+/** @typedef {{id: string, name: string, role: "look" | "drive", address: string, first: number, last: number, until: number, own: boolean, open: boolean}} Device */
 
 const EVERY = 5000; // ms between two looks at the list
 const CODE_SIZE = 240; // pixels

@@ -409,11 +409,11 @@ export const TEXTS = {
   copyCommand: (command) => `Copy ${command}`,
   devices: {
     title: "Devices",
-    /** @param {{role: "look" | "drive" | "assist", address: string, last: number, until: number, own: boolean, open: boolean}} device @param {number} now seconds since 1970 */
+    /** @param {{role: "look" | "drive", address: string, last: number, until: number, own: boolean, open: boolean}} device @param {number} now seconds since 1970 */
     facts: ({ role, address, last, until, own, open }, now) =>
       [
         own ? "this device" : address,
-        role === "drive" ? "may drive" : role === "assist" ? "an assistant" : "may look",
+        role === "drive" ? "may drive" : "may look",
         own ? "" : open ? "page open" : last ? `seen ${seconds(Math.max(0, now - last))} ago` : "",
         `until ${new Date(1000 * until).toLocaleDateString()}`,
       ].filter(Boolean).join(" \u00b7 "),
@@ -469,12 +469,6 @@ export const TEXTS = {
     give: "Let it drive",
     refuse: "Refuse",
     noNumbers: "Minutes and speed have to be numbers above 0.",
-    another: "Connect an assistant",
-    name: "Its name, such as Claude",
-    connect: "Make its settings",
-    connecting: "Making its settings; the first time, this installs 20 MB ...",
-    connected: "Copy these settings into your assistant now: they are not shown again. Log it out under Devices.",
-    hide: "Hide",
   },
   robots: {
     title: "Robots",

@@ -13,7 +13,7 @@ from aiohttp import web
 from aiohttp.typedefs import Handler, Middleware
 
 from ur.source.foreign.json_values import BadJsonError, read_json
-from ur.web.access.heads import Head, find_bearer, find_cookies
+from ur.web.access.heads import Head, find_cookies
 from ur.web.access.origin import LOOPBACK, Origins, allows_host, allows_origin, allows_viewer
 from ur.web.access.rate import Buckets
 from ur.web.access.roles import SESSION_LIFE, Grant, Role
@@ -47,16 +47,12 @@ HEADERS = {
 VIEWER_PATH = "/foxglove"
 """The path of viewers that keep no cookie."""
 
-ASSISTANT_PATH = "/mcp"
-"""The path of assistants, which send the secret of their login in each request."""
-
 _OPEN = frozenset({"/login", "/login.js", "/style.css", "/texts.js", "/icon.svg"})
 _LOGIN_RATE, _LOGIN_BURST = 0.2, 10.0
 _REQUEST_RATE, _REQUEST_BURST = 50.0, 200.0  # of a session
 _FILE_RATE, _FILE_BURST = 500.0, 1500.0  # of a session, for files of the page: loading it requests dozens
 _LONGEST_QUERY = 500  # characters
 _UNLIMITED = frozenset({"/api/stop", "/ws/drive"})
-_ASSISTANT_RATE, _ASSISTANT_BURST = 100.0, 300.0  # of an assistant: it answers many times a second while it drives
 
 
 class LoginGate:
@@ -86,7 +82,6 @@ class LoginGate:
         self._logins = Buckets(_LOGIN_RATE, _LOGIN_BURST)  # failed ones, by address
         self._requests = Buckets(*pace)  # by session
         self._files = Buckets(_FILE_RATE, _FILE_BURST)  # by session
-        self._assistants = Buckets(_ASSISTANT_RATE, _ASSISTANT_BURST)  # by session
 
     @property
     def cookie(self) -> str:
@@ -159,10 +154,6 @@ class LoginGate:
             self._check_viewer(request)
             self._limit(request)
             return
-        if path == ASSISTANT_PATH:
-            self._check_assistant(request)
-            self._limit(request)
-            return
         if _is_embedded(request):
             raise web.HTTPForbidden(text="expected a request of the page itself\n")
         if (request.method != "GET" or path.startswith("/ws/")) and not allows_origin(
@@ -173,7 +164,7 @@ class LoginGate:
             return
         secret = request.cookies.get(self.cookie)
         session = self.sessions.find(secret)
-        if session is None or secret is None or session[1].role is Role.ASSIST:
+        if session is None or secret is None:
             if request.method == "GET" and "text/html" in request.headers.get("Accept", ""):
                 raise web.HTTPSeeOther("/login")  # the message tells the user what to do
             raise web.HTTPForbidden(text="log in first: open the link that 'ur web' has printed\n")
@@ -184,15 +175,13 @@ class LoginGate:
 
     def _hold(self, request: web.Request) -> AbstractContextManager[None]:
         """Close a connection that stays open when its session ends. That of a viewer ends with the server."""
-        if SESSION not in request or not request.path.startswith(("/ws/", ASSISTANT_PATH)):
+        if SESSION not in request or not request.path.startswith("/ws/"):
             return nullcontext()
         return self.sessions.hold(request[SESSION][0], request.transport)
 
     def _limit(self, request: web.Request) -> None:
         """Refuse a request of a session that exceeds its rate, without effect on others. Raises HTTPTooManyRequests."""
         buckets = self._requests if request.path.startswith(("/api/", "/ws/", VIEWER_PATH)) else self._files
-        if request.path == ASSISTANT_PATH:
-            buckets = self._assistants
         if not buckets.allows(request[SESSION][0], time.monotonic()):
             raise web.HTTPTooManyRequests(text="too many requests\n")
 
@@ -200,28 +189,10 @@ class LoginGate:
         """Return whether a request's head contains the secret of a session or of a viewer link. It is fast."""
         if any(self.sessions.find(each) for each in find_cookies(head, self.cookie)):
             return True
-        if self._find_assistant(find_bearer(head)) is not None:
-            return True
         path, _, query = head.target.decode("latin-1").partition("?")
         if path != VIEWER_PATH or len(query) > _LONGEST_QUERY:
             return False
         return any(self.sessions.find_viewer(each) for each in parse_qs(query).get("token", ())[:1])
-
-    def _find_assistant(self, secret: str | None) -> tuple[str, Grant] | None:
-        found = self.sessions.find(secret)
-        return found if found is not None and found[1].role is Role.ASSIST else None
-
-    def _check_assistant(self, request: web.Request) -> None:
-        """Check an assistant's request: it carries a secret that no browser adds by itself, and comes from no site."""
-        scheme, _, secret = request.headers.get("Authorization", "").partition(" ")
-        found = self._find_assistant(secret.strip()) if scheme.lower() == "bearer" else None
-        if found is None:
-            raise web.HTTPForbidden(text="expected the secret that the page's panel Assistants has shown\n")
-        origin = request.headers.get("Origin")
-        if origin is not None and not allows_origin(request.headers.get("Host"), origin):
-            raise web.HTTPForbidden(text="expected a program, not a page of another site\n")
-        self.sessions.note_use(secret.strip())
-        request[SESSION] = found
 
     def _check_viewer(self, request: web.Request) -> None:
         """Check a viewer's request, which has no cookie: its address contains the secret."""

@@ -98,16 +98,6 @@ class Sessions:
         self._report(f"{time.strftime('%H:%M:%S')} {line}")
         return secret
 
-    def add_assistant(self, name: str, address: str) -> tuple[str, str]:
-        """Log an assistant in: return the id of its session, and its secret."""
-        now = self._clock()
-        device = LoginDevice(name, address, self._life)
-        self._ledger, secret = open_session(self._ledger, Role.ASSIST, device, now)
-        self.save()
-        found = find_session(self._ledger, secret, now)
-        assert found is not None, "just opened"
-        return found[0], secret
-
     def find(self, secret: object) -> tuple[str, Grant] | None:
         """Return the id of a session, which is not secret, and its rights; None for an invalid secret."""
         return find_session(self._ledger, secret, self._clock())

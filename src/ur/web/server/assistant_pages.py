@@ -1,4 +1,4 @@
-"""Assistants on the page: connect them, give them grants to drive, and take these back; and their own requests."""
+"""Assistants on the page: give them grants to drive, and take these back."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from ur.mcp.grants import GrantFiles, grant_files, make_grant
 from ur.mcp.terms import Area, Speed, make_area
 from ur.source.foreign.json_values import ForeignValue
 from ur.web.access.roles import clean_name
-from ur.web.server.assistants.assistant_servers import AssistantServers
-from ur.web.server.logins.gate import ASSISTANT_PATH, SESSION, LoginGate, demand_drive, read_body
+from ur.web.server.logins.gate import SESSION, demand_drive, read_body
 
 _Id = Annotated[str, Meta(pattern=r"^[0-9a-f]{8}\Z", description="the id of an assistant")]
 _Areas = Annotated[tuple[Area, ...], Meta(max_length=10)]
@@ -33,33 +32,22 @@ class _GrantEnded(ForeignValue, frozen=True):
     id: _Id
 
 
-class _NameGiven(ForeignValue, frozen=True):
-    name: Annotated[str, Meta(max_length=40)] = ""
-
-
 class AssistantPages:
     """The routes. `log` is called with a line about each action of a client."""
 
     def __init__(
         self,
-        gate: LoginGate,
         environment: Mapping[str, str],
         log: Callable[[str], None],
         files: GrantFiles | None = None,
-        servers: AssistantServers | None = None,
     ) -> None:
-        self._gate, self._log = gate, log
+        self._log = log
         self._files = files or grant_files(environment)
         self._actions = ActionLog(self._files.log)
-        self._servers = servers or AssistantServers(environment, self._files, log)
 
     def routes(self) -> list[web.RouteDef]:
         """Return the routes."""
         return [
-            web.get(ASSISTANT_PATH, self._serve, allow_head=False),
-            web.post(ASSISTANT_PATH, self._serve),
-            web.delete(ASSISTANT_PATH, self._serve),
-            web.post("/api/assistants/connect", self._connect),
             web.post("/api/assistants/grant", self._grant),
             web.post("/api/assistants/end", self._end),
         ]
@@ -72,27 +60,6 @@ class AssistantPages:
             value = None if grant is None else {**to_builtins(grant.terms()), "programs": grant.programs}
             found.append({"id": id, "name": server.client, "asks": to_builtins(server.asks), "grant": value})
         return found
-
-    def poll(self) -> None:
-        """End what a login has served that has ended."""
-        self._servers.poll(self._gate.sessions.list())
-
-    async def close(self) -> None:
-        """End the servers of all assistants that are connected here."""
-        await self._servers.close()
-
-    async def _serve(self, request: web.Request) -> web.StreamResponse:
-        session, grant = request[SESSION]
-        return await self._servers.serve(request, session, grant.name)
-
-    async def _connect(self, request: web.Request) -> web.Response:
-        """Make an address and a secret for an assistant. The secret is shown once."""
-        demand_drive(request)
-        name = clean_name((await read_body(request, _NameGiven)).name) or "assistant"
-        await self._servers.prepare()
-        _, secret = self._gate.sessions.add_assistant(name, request.remote or "")
-        self._note(request, f"connects an assistant, {name}")
-        return web.json_response({"url": f"http://{request.host}{ASSISTANT_PATH}", "secret": secret})
 
     async def _grant(self, request: web.Request) -> web.Response:
         demand_drive(request)
