@@ -9,7 +9,7 @@ import pytest
 
 from ur.maps.edit import Lattice
 from ur.maps.record import Zone
-from ur.maps.zone_mask import area_of, draw_mask, is_inside, write_masks
+from ur.maps.zone_mask import area_of, draw_mask, write_masks
 from ur.worlds.cells import look_up
 from ur.worlds.map_file import read_map
 
@@ -59,5 +59,3 @@ def test_files_of_masks_are_those_of_map_server(tmp_path: Path) -> None:
 
 def test_geometry_of_polygons() -> None:
     assert area_of(STAIRS.points) == pytest.approx(0.25)
-    assert is_inside((0.9, 0.1), STAIRS.points)
-    assert not is_inside((0.1, 0.4), STAIRS.points)

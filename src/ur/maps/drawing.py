@@ -7,34 +7,13 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ur.maps.viewport import Viewport
 from ur.source.ansi import RESET
-from ur.worlds.cells import OCCUPIED, UNKNOWN, look_up
-from ur.worlds.map_file import MapImage
+from ur.worlds.cells import OCCUPIED
 
 _WALLS_FROM = 50
 _UNKNOWN, _FREE, _WALL = 0, 1, 2
-FREE_PIXEL, WALL_PIXEL = _FREE, _WALL
-"""Values of pixels; others are unknown."""
 _COLOURS = (234, 239, 252)  # of the palette of 256
 _LETTERS = " .#"
-_MOST_SAMPLES = 8  # a side, of a pixel
-
-
-def sample_pixels(image: MapImage, view: Viewport) -> NDArray[np.uint8]:
-    """Return the pixels (view.height, view.width) of a map. A pixel with a wall anywhere in it shows a wall."""
-    finer = min(_MOST_SAMPLES, max(1, math.ceil(view.scale / image.resolution)))
-    at = (np.arange(finer) + 0.5) / finer
-    columns = (np.arange(view.width)[:, None] + at).ravel()
-    rows = (np.arange(view.height)[:, None] + at).ravel()
-    x, y = view.to_map(columns, rows)  # type: ignore[arg-type]  # arrays as well
-    points = np.stack(np.meshgrid(x, y), axis=-1)
-    found = np.asarray(look_up(image, image.values, points, UNKNOWN))
-    blocks = found.reshape(view.height, finer, view.width, finer)
-    walls = ((blocks >= _WALLS_FROM) & (blocks <= OCCUPIED)).any(axis=(1, 3))
-    free = ((blocks >= 0) & (blocks < _WALLS_FROM)).mean(axis=(1, 3)) >= 0.5
-    pixels: NDArray[np.uint8] = np.where(walls, _WALL, np.where(free, _FREE, _UNKNOWN)).astype(np.uint8)
-    return pixels
 
 
 def draw_lines(values: NDArray[np.int8], columns: int, rows: int, *, colour: bool) -> list[str]:

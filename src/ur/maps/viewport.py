@@ -50,12 +50,6 @@ def pan_viewport(view: Viewport, columns: float, rows: float) -> Viewport:
     return replace(view, x=view.x + columns * view.scale, y=view.y - rows * view.scale)
 
 
-def show_point(view: Viewport, x: float, y: float) -> Viewport:
-    """Return the same view if a map point is on the screen; else one with the point in the middle."""
-    column, row = view.to_pixel(x, y)
-    return view if 0 <= column < view.width and 0 <= row < view.height else replace(view, x=x, y=y)
-
-
 def resize_viewport(view: Viewport, width: int, height: int) -> Viewport:
     """Return the same middle and scale on a screen of another size."""
     return replace(view, width=width, height=height)

@@ -82,16 +82,6 @@ def area_of(points: Iterable[tuple[float, float]]) -> float:
     return abs(sum(x * v - u * y for (x, y), (u, v) in zip(corners, [*corners[1:], corners[0]], strict=True))) / 2.0
 
 
-def is_inside(point: tuple[float, float], points: tuple[tuple[float, float], ...]) -> bool:
-    """Return whether a point lies in a polygon, by the even-odd rule."""
-    x, y = point
-    inside = False
-    for (ax, ay), (bx, by) in zip(points, (*points[1:], points[0]), strict=True):
-        if (ay > y) != (by > y) and x < (bx - ax) * (y - ay) / (by - ay) + ax:
-            inside = not inside
-    return inside
-
-
 def _describe(image: str, mask: Mask) -> str:
     x, y = mask.origin
     return (

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import sys
 from collections.abc import Callable, Sequence
 
 import click
@@ -12,7 +11,6 @@ import click
 from ur.maps.record import EditKind
 from ur.maps.store import MapStore, own_store
 from ur.maps.waypoint_path import waypoint_path
-from ur.source.ansi import is_plain
 from ur.source.diagnostic import UserError, error
 
 _HELP = "ur maps edit NAME rotate|origin|erase|wall|keep-out|zone|place NUMBERS"
@@ -20,12 +18,10 @@ _HELP = "ur maps edit NAME rotate|origin|erase|wall|keep-out|zone|place NUMBERS"
 
 @click.command("edit", context_settings={"ignore_unknown_options": True})
 @click.argument("name")
-@click.argument("change", required=False)
+@click.argument("change")
 @click.argument("values", nargs=-1, metavar="[VALUE ...]")
-def edit(name: str, change: str | None, values: tuple[str, ...]) -> int:
+def edit(name: str, change: str, values: tuple[str, ...]) -> int:
     """Edit a map: rotate it, erase people and other moved obstacles, draw walls and zones, name places.
-
-    Without CHANGE, the terminal shows the map, and keys edit it; `u` undoes.
 
     Numbers are metres in the frame of the map, and degrees. `rotate` rotates the map about (0, 0), without a number so
     that its walls are parallel to the axes; `origin X Y` moves the origin (0, 0) to a point. `erase` takes two corners
@@ -38,8 +34,6 @@ def edit(name: str, change: str | None, values: tuple[str, ...]) -> int:
     """
     store = own_store(os.environ)
     name = store.resolve(name)
-    if change is None:
-        return _edit_on_screen(store, name)
     action = _CHANGES.get(change)
     if action is None:
         raise _bad(f"unknown change {change!r}, expected one of {', '.join(_CHANGES)}")
@@ -49,15 +43,6 @@ def edit(name: str, change: str | None, values: tuple[str, ...]) -> int:
         reason = (problem.strerror or str(problem)).lower()
         raise _bad(f"'{problem.filename or store.folder}' cannot be written: {reason}") from None
     return 0
-
-
-def _edit_on_screen(store: MapStore, name: str) -> int:
-    if not (sys.stdin.isatty() and sys.stdout.isatty()) or is_plain(os.environ):
-        raise _bad(f"there is no terminal to show map {name!r} on, expected a change")
-    from ur.cli.maps.edit_screen import run_editor
-    from ur.maps.editing import EditSession
-
-    return run_editor(EditSession(store, name, waypoint_path(name, os.environ)))
 
 
 def _rotate(store: MapStore, name: str, values: Sequence[str]) -> str:
