@@ -24,7 +24,6 @@ from ur.robot.doctor.messages import MESSAGES_SCRIPT
 from ur.robot.setup.environment import viewer_environment
 from ur.robot.setup.wanted import WantedFile
 from ur.robot.ssh.shell import LocalShell
-from ur.run.debugger import pane as debug_pane
 from ur.run.debugger.environment import find_debug_tools
 from ur.source import UserError
 
@@ -200,7 +199,6 @@ def test_helper_processes_import_nothing_of_the_current_folder(trap: Trap) -> No
         "from ur_nodes.simulator.camera.camera_process import _start; p = _start('egl', dict()); p.communicate(b'{')"
     )
     trap.run(PYTHON, "-I", "-c", camera)
-    trap.run(PYTHON, "-I", debug_pane.__file__, "--attach", "0", "true")
 
 
 def test_interface_imports_nothing_of_the_current_folder(trap: Trap) -> None:

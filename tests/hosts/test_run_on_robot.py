@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 from tests.hosts.bench import REPOSITORY, UR, Bench, Machine, boot, wait_until
 from tests.hosts.test_robot_setup import prepare, set_up
+from tests.hosts.test_x import SCREEN, XVFB
+from tests.hosts.test_x import started as running
 
 PACKAGE = """\
 <package format="2">
@@ -298,3 +300,16 @@ def test_what_the_robot_lacks_is_said_in_one_line(pair: Bench) -> None:
     done = laptop.run(f"{UR} launch chat.launch", user="pat", timeout=120)
     assert done.code != 0
     assert "expected a launch file of a package" in done.err
+
+
+def test_debugger_of_a_node_on_the_robot_has_a_window_on_the_laptop(pair: Bench) -> None:
+    laptop, robot = pair["laptop"], pair["robot"]
+    robot.run("apt-get install -y xterm python3-pudb", timeout=300).check()
+    with running(laptop, XVFB, "pat"):
+        laptop.wait_for("[ -S /tmp/.X11-unix/X7 ]", deadline=60)
+        line = f"env DISPLAY=:7 {UR} x bob ubiquity_launches/ur launch --debug alone chat alone.launch"
+        with running(laptop, line, "pat"):
+            laptop.wait_for("xwd -silent -name /alone >w", user="pat", environment=SCREEN, deadline=120)
+            robot.wait_for("pgrep -u ros -f 'pudb .*talk.py'", deadline=60)
+        # The window is closed with `ur x`, and the node ends with it.
+        robot.wait_for("! pgrep -u ros -f talk.py", deadline=60)

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import select
-import shlex
-import sys
+import shutil
+import subprocess
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 import psutil
 import pytest
 from tests.run.conftest import RunWorld
-from tests.run.debugger.test_pane import Tmux, tmux, until  # noqa: F401 - a fixture
 
 from ur.run.clients.client import RunClient, connect_run
 from ur.run.clients.protocol import NodeChanged, RestartNode, RunEvent
-from ur.run.debugger import pane as debug_pane
 
 pytestmark = pytest.mark.ros
 BODY = '<node pkg="little_nodes" type="sleeper" name="one" launch-prefix="nice -n 1"/>'
@@ -78,23 +75,25 @@ def test_prefix_holds_for_one_start_and_takes_the_place_of_the_nodes_own(world: 
         assert psutil.Process(third.pid or 0).nice() == own + 1
 
 
-def test_node_is_debugged_in_another_terminal_and_ends_with_its_run(
-    world: RunWorld,
-    tmux: Tmux,  # noqa: F811 - a fixture
-) -> None:
-    launched = world.launch(
-        '<node pkg="little_nodes" type="screen" name="one" output="screen"/>' + BODY.replace("one", "two")
-    )
-    launched.until("[/two] started", limit=60)
-    address = f"{world.folder}/made/join"
-    wait = shlex.join([sys.executable, debug_pane.__file__, "--wait", address, "/one"])
-    tmux("new-session", "-d", "-x", "100", "-y", "20", f"{wait}; echo over; exec cat")
-    until(lambda: Path(address).exists(), lambda: tmux("capture-pane", "-p"))
+@pytest.mark.skipif(shutil.which("gdb") is None, reason="gdb is not installed")
+def test_end_of_a_run_ends_a_gdb_that_holds_a_node(world: RunWorld) -> None:
+    launched = world.launch(BODY)
+    launched.until("[/one] started", limit=60)
     with watch(world) as client:
-        client.send(RestartNode("/one", (sys.executable, debug_pane.__file__, "--join", address, "/one")))
-        until(lambda: "ready" in tmux("capture-pane", "-p"), lambda: tmux("capture-pane", "-p"))
-        launched.look()
-    launched.process.terminate()
-    assert launched.wait(60) == 0
-    until(lambda: "over" in tmux("capture-pane", "-p"), lambda: tmux("capture-pane", "-p"))
+        pid = runs_anew(client, 0).pid or 0
+    until_command(pid, "sleep")
+    command = ["gdb", "-q", "-nx", "-p", str(pid)]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.STDOUT, text=True) as gdb:
+        try:
+            assert gdb.stdin is not None
+            assert gdb.stdout is not None
+            gdb.stdin.write("echo it is held\\n\n")
+            gdb.stdin.flush()
+            assert any("it is held" in line for line in gdb.stdout)
+            launched.process.terminate()
+            assert launched.wait(60) == 0
+            assert gdb.wait(60) is not None
+        finally:
+            gdb.kill()
     launched.wait_nothing_left(60)

@@ -100,9 +100,7 @@ async def test_debug_says_why_it_cannot() -> None:
         assert "help" in read_screen(app)[-1]
 
 
-AGAIN = DebugMethod(
-    "p", "start it again in pudb", ("python3", "pane", "--wait", "/a"), here=True, prefix=("python3", "-m", "pudb")
-)
+AGAIN = DebugMethod("p", "start it again in pudb", (), here=False, prefix=("xterm", "-e", "python3", "-m", "pudb"))
 
 
 async def test_debug_that_needs_a_restart_asks_first() -> None:
@@ -112,11 +110,10 @@ async def test_debug_that_needs_a_restart_asks_first() -> None:
         assert isinstance(app.screen, Question)
         assert "what it knows now is lost" in "\n".join(read_screen(app))
         await pilot.press("escape")
-        assert (run.asked(), services.here) == ([], [])
+        assert run.asked() == []
         await pilot.press("d", "p")
-        await until(pilot, lambda: bool(services.here))
-        assert run.asked() == [RestartNode("/map_server", AGAIN.prefix)]
-        assert services.here == [list(AGAIN.command)]
+        await until(pilot, lambda: run.asked() == [RestartNode("/map_server", AGAIN.prefix)])
+        assert (services.here, services.beside) == ([], [])
 
 
 async def test_debug_of_a_crash_offers_the_core_file_too() -> None:

@@ -42,7 +42,7 @@ def debug_nodes(plan: Plan, requests: Sequence[str], world: World, *, terminal: 
             port = find_free_port(port)
         found = plan_debugging(target, tool, tools, port)
         changed[node.full_name] = _put_in_front(node, found)
-        lines += found.notes if found.terminal == "log" else found.notes[1:]  # in a pane or a window it is visible
+        lines += found.notes if found.terminal == "log" else found.notes[1:]  # a window is visible
         lines += _describe_core(node.full_name, path, node.cwd, world) if tool == "gdb" else ()
         port += 1
     return replace(plan, nodes=tuple(changed.get(node.full_name, node) for node in plan.nodes)), tuple(lines)

@@ -72,6 +72,7 @@ class WatchApp(LogActions):
     def _start_debugger(self, name: str, method: DebugMethod) -> None:
         if method.prefix:
             self._send(RestartNode(name, method.prefix), f"restart {name} in a debugger")
+            return
         self.report(self.services.run_here(method.command) if method.here else self.services.run_beside(method.command))
 
     def action_stop_all(self) -> None:

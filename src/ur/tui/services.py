@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import os
-import secrets
 import shlex
 import shutil
 import signal
 import subprocess
-import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -64,14 +62,12 @@ class SystemServices:
         return ""
 
     def run_beside(self, words: Sequence[str]) -> str:
-        """Start a command that opens a separate window or pane."""
+        """Start a command that opens a window."""
         quiet = subprocess.DEVNULL
         try:
-            process = subprocess.Popen(list(words), stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True)
+            subprocess.Popen(list(words), stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True)
         except OSError as problem:
             return f"{words[0]}: {(problem.strerror or str(problem)).lower()}"
-        if words[0] == "tmux" and process.wait():
-            return "tmux could not open a pane: is there room?"
         return ""
 
     def debug(self, row: NodeRow, run: RunStarted) -> DebugMethods | str:
@@ -83,7 +79,4 @@ class SystemServices:
             return f"{row.name} runs as another user, and cannot be debugged"
         python = facts.target.interpreter if facts.target.kind == "python" else ""
         tools = find_debug_tools(self._environment, terminal=os.isatty(0), python=python)
-        address = (
-            f"{tempfile.gettempdir()}/ur-debug-{secrets.token_hex(8)}/join"  # made by the program that waits there
-        )
-        return list_debug_methods(facts, tools, address)
+        return list_debug_methods(facts, tools)

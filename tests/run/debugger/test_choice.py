@@ -16,9 +16,8 @@ from ur.run.debugger.choice import (
 from ur.source.diagnostic import UserError
 
 ALL = frozenset({"gdb", "pudb", "debugpy", "xterm"})
-HERE = DebugTools(terminal=True, installed=ALL, python="/p", pane_program="/pane.py")
-TMUX = replace(HERE, tmux=True)
-DISPLAY = replace(HERE, display=True)
+HERE = DebugTools(terminal=True, installed=ALL)
+DISPLAY = replace(HERE, display=":7")
 NOTHING = replace(HERE, terminal=False)
 PYTHON = DebugTarget("/a", "python", "/usr/bin/python3")
 BINARY = DebugTarget("/a", "binary")
@@ -46,13 +45,10 @@ def test_tool_without_a_wish(kind: Kind, tool: Tool) -> None:
 
 @pytest.mark.parametrize(("tool", "target", "tools", "terminal", "begins"), [
     ("pudb", PYTHON, HERE, "here", ("/usr/bin/python3", "-m", "pudb")),
-    ("pudb", PYTHON, TMUX, "pane", ("/p", "-I", "/pane.py", "/a", "/usr/bin/python3", "-m", "pudb")),
     ("pudb", PYTHON, DISPLAY, "window", ("xterm", "-T", "/a", "-e", "/usr/bin/python3", "-m", "pudb")),
-    ("pudb", PYTHON, replace(DISPLAY, tmux=True), "pane", ("/p", "-I", "/pane.py")),
     ("pudb", PYTHON, replace(DISPLAY, installed=ALL - {"xterm"}), "here", ("/usr/bin/python3",)),
     ("pudb", DebugTarget("/a", "module"), HERE, "here", ("env", "UR_NODE_PYTHON_OPTIONS=-m pudb")),
     ("gdb", BINARY, HERE, "here", ("gdb", "-q")),
-    ("gdb", BINARY, TMUX, "pane", ("/p", "-I", "/pane.py", "/a", "gdb")),
     ("gdb", BINARY, NOTHING, "log", ("gdb", "-q", "-batch")),
     ("debugpy", PYTHON, NOTHING, "log", ("/usr/bin/python3", "-m", "debugpy", "--listen", "localhost:5679")),
 ])  # fmt: skip

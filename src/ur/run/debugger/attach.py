@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ur.run.debugger.choice import PACKAGES, DebugTarget, DebugTools, choose_terminal, gdb_prefix, python_prefix
+from ur.run.debugger.choice import (
+    PACKAGES,
+    DebugTarget,
+    DebugTerminal,
+    DebugTools,
+    choose_terminal,
+    gdb_prefix,
+    python_prefix,
+)
 from ur.system.debian_root import install_command
 
 
@@ -35,7 +43,7 @@ class DebuggedNode:
 class DebugMethod:
     """One method to debug a node: its key, its label, and its command.
 
-    `here`: the command occupies this terminal. `prefix`: the node is restarted with this prefix.
+    `here`: the command occupies this terminal. `prefix`: the node is restarted with this prefix instead.
     """
 
     key: str
@@ -53,10 +61,10 @@ class DebugMethods:
     note: str = ""
 
 
-def list_debug_methods(facts: DebuggedNode, tools: DebugTools, address: str) -> DebugMethods | str:
+def list_debug_methods(facts: DebuggedNode, tools: DebugTools) -> DebugMethods | str:
     """List the methods to debug a node, best first; return the reason as text if there is none.
 
-    `address` is the path for a new Unix socket, for a node that is restarted.
+    A node is restarted in a window only: this terminal is not the run's.
     """
     name = facts.target.name
     running = facts.pid is not None
@@ -64,40 +72,37 @@ def list_debug_methods(facts: DebuggedNode, tools: DebugTools, address: str) -> 
         return f"{name} is a shell script: ur launch --prefix '{name}=bash -x' ... shows what it does"
     if not facts.process and facts.target.kind == "script":
         return f"{name} is a script that does not run now: start it, then debug it"
-    if choose_terminal(tools) == "log":
+    terminal = choose_terminal(tools)
+    if terminal == "log":
         return f"there is no terminal here to debug {name} in"
     tool = "pudb" if facts.python else "gdb"
     if tool not in tools.installed:
         return f"{tool}, which debugs {name}, is not installed: {install_command(PACKAGES[tool])}"
+    windows = f"no window opens here: ur launch --debug {name} ... runs it in {tool} from its start"
     if facts.python:
+        if terminal == "here":
+            return windows
         again = "start it again in pudb" if running else "start it in pudb"
-        method = _start_again(facts, "p", again, python_prefix(facts.target, ("-m", "pudb")), tools, address)
+        method = _start_again(facts, "p", again, python_prefix(facts.target, ("-m", "pudb")), tools)
         return DebugMethods((method,), "what it knows now is lost" if running else "")
     if running:
         root = () if tools.may_attach else ("sudo",)
-        pane = (tools.python, "-I", tools.pane_program)
-        argv = (*pane, "--attach", str(facts.pid), *root, "gdb", "-q", "-p", str(facts.pid))
-        return DebugMethods((_open("g", "gdb", argv, name, tools),))
+        argv = (*root, "gdb", "-q", "-p", str(facts.pid))
+        return DebugMethods((_open("g", "gdb", argv, name, terminal),))
     methods = []
     if facts.core_dump:
-        methods.append(_open("c", "look at its core file: where it crashed", facts.core_dump, name, tools))
-    methods.append(_start_again(facts, "g", "start it again in gdb", gdb_prefix(facts.target), tools, address))
-    return DebugMethods(tuple(methods), facts.no_core_dump)
+        methods.append(_open("c", "look at its core file: where it crashed", facts.core_dump, name, terminal))
+    if terminal == "window":
+        methods.append(_start_again(facts, "g", "start it again in gdb", gdb_prefix(facts.target), tools))
+    return DebugMethods(tuple(methods), facts.no_core_dump) if methods else f"{facts.no_core_dump}; {windows}"
 
 
-def _start_again(
-    facts: DebuggedNode, key: str, text: str, tool: tuple[str, ...], tools: DebugTools, address: str
-) -> DebugMethod:
-    name = facts.target.name
-    pane = (tools.python, "-I", tools.pane_program)
-    method = _open(key, text, (*pane, "--wait", address, name), name, tools)
-    return DebugMethod(key, text, method.command, method.here, (*pane, "--join", address, name, *tool))
+def _start_again(facts: DebuggedNode, key: str, text: str, tool: tuple[str, ...], tools: DebugTools) -> DebugMethod:
+    window = ("env", f"DISPLAY={tools.display}", "xterm", "-T", facts.target.name, "-e", *tool)  # the run may have none
+    return DebugMethod(key, text, (), False, window)
 
 
-def _open(key: str, text: str, argv: tuple[str, ...], name: str, tools: DebugTools) -> DebugMethod:
-    terminal = choose_terminal(tools)
-    if terminal == "pane":
-        return DebugMethod(key, text, ("tmux", "split-window", "-h", *argv), here=False)
+def _open(key: str, text: str, argv: tuple[str, ...], name: str, terminal: DebugTerminal) -> DebugMethod:
     if terminal == "window":
         return DebugMethod(key, text, ("xterm", "-T", name, "-e", *argv), here=False)
     return DebugMethod(key, text, argv, here=True)

@@ -10,7 +10,7 @@ from ur.system.debian_root import install_command
 
 Tool = Literal["pudb", "gdb", "debugpy"]
 Kind = Literal["python", "module", "binary", "script"]
-DebugTerminal = Literal["here", "pane", "window", "log"]
+DebugTerminal = Literal["here", "window", "log"]
 TOOLS: tuple[Tool, ...] = ("pudb", "gdb", "debugpy")
 PACKAGES = {"gdb": "gdb", "pudb": "python3-pudb", "debugpy": "python3-debugpy", "xterm": "xterm"}
 _RUN = ("-q", "-ex", "set breakpoint pending on", "-ex", "run", "--args")
@@ -21,17 +21,14 @@ _TRACE = ("-q", "-batch", "-ex", "run", "-ex", "thread apply all backtrace", "--
 class DebugTools:
     """Debugging tools and terminals on this computer. `installed` are names of PACKAGES.
 
-    `python` is the interpreter of this project's programs. `may_attach`: the user may trace processes other than its
-    own children (or is root).
+    `display` is that of windows, "" for none. `may_attach`: the user may trace other processes than its children (or
+    is root).
     """
 
     terminal: bool = False
-    tmux: bool = False
-    display: bool = False
+    display: str = ""
     installed: frozenset[str] = frozenset()
     may_attach: bool = True
-    python: str = "python3"
-    pane_program: str = "debug_pane.py"
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +93,7 @@ def plan_debugging(target: DebugTarget, tool: Tool, tools: DebugTools, port: int
     if terminal == "log":
         raise UserError(
             error(
-                f"--debug {target.name}=pudb: pudb needs a terminal, and there is no terminal, tmux or display here",
+                f"--debug {target.name}=pudb: pudb needs a terminal, and there is no terminal or display here",
                 rule="no-place-to-debug",
                 help=f"--debug {target.name}=debugpy waits for a debugger elsewhere",
                 subject=target.name,
@@ -106,9 +103,7 @@ def plan_debugging(target: DebugTarget, tool: Tool, tools: DebugTools, port: int
 
 
 def choose_terminal(tools: DebugTools) -> DebugTerminal:
-    """Choose the terminal of a debugger: a pane, a window, or this terminal; else its output goes to the log only."""
-    if tools.tmux:
-        return "pane"
+    """Choose the terminal of a debugger: a window, or this terminal; else its output goes to the log only."""
     if tools.display and "xterm" in tools.installed:
         return "window"
     return "here" if tools.terminal else "log"
@@ -135,12 +130,6 @@ def _plan_gdb(target: DebugTarget, tools: DebugTools, terminal: DebugTerminal) -
 
 
 def _run_in_terminal(name: str, argv: tuple[str, ...], terminal: DebugTerminal, tools: DebugTools) -> Debugging:
-    if terminal == "pane":
-        return Debugging(
-            (tools.python, "-I", tools.pane_program, name, *argv),
-            terminal,
-            (f"{name} is debugged in a pane beside this one",),
-        )
     if terminal == "window":
         return Debugging(("xterm", "-T", name, "-e", *argv), terminal, (f"{name} is debugged in a window of its own",))
     notes = [f"{name} is debugged in this terminal; the run ends with it"]

@@ -12,7 +12,6 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from ur.run.debugger import pane as debug_pane
 from ur.run.debugger.attach import DebuggedNode
 from ur.run.debugger.choice import DebugTarget, DebugTools, find_kind
 from ur.run.debugger.core_dump import CoreRules, belongs_to, explain_no_core, plan_search
@@ -32,12 +31,9 @@ def find_debug_tools(environment: Mapping[str, str], *, terminal: bool, python: 
     tools |= _find_modules(python or sys.executable, ("pudb", "debugpy"))
     return DebugTools(
         terminal=terminal,
-        tmux=bool(environment.get("TMUX")) and shutil.which("tmux", path=path) is not None,
-        display=bool(environment.get("DISPLAY")),
+        display=environment.get("DISPLAY", ""),
         installed=frozenset(tools),
         may_attach=os.geteuid() == 0 or _read(_PTRACE_SCOPE).strip() in ("", "0"),
-        python=sys.executable,
-        pane_program=debug_pane.__file__,
     )
 
 

@@ -78,6 +78,8 @@ def signal_descendants(signum: int, spared: tuple[bytes, ...] = (MOTOR_GUARD,)) 
             os.kill(pid, signum)
             if signum != signal.SIGKILL:
                 os.kill(pid, signal.SIGCONT)
+            else:
+                _end_debugger(pid)
         except OSError:  # noqa: PERF203 - one that has just ended must not save the others
             continue
     return len(descendants)
@@ -95,11 +97,25 @@ def signal_group(pid: int, signum: int) -> None:
             return
     except PermissionError:
         return
+    if signum == signal.SIGKILL:
+        _end_debugger(pid)
     if signum in (signal.SIGTERM, signal.SIGINT):
         try:
             os.killpg(pid, signal.SIGCONT)  # a stopped process handles no signals
         except OSError:
             return
+
+
+def _end_debugger(pid: int) -> None:
+    """End a gdb that holds a killed process: the process stays, and its parent waits, until gdb lets go."""
+    try:
+        with open(f"/proc/{pid}/status", "rb") as file:  # noqa: PTH123 - pathlib takes time to import
+            tracer = int(file.read().partition(b"TracerPid:")[2].split()[0])
+        with open(f"/proc/{tracer}/comm", "rb") as file:  # noqa: PTH123 - likewise
+            if file.read() == b"gdb\n":
+                os.kill(tracer, signal.SIGTERM)
+    except (OSError, IndexError, ValueError):
+        return  # it has ended, or the debugger is another user's
 
 
 def kill_descendants(limit: float, spared: tuple[bytes, ...] = (MOTOR_GUARD,)) -> None:
