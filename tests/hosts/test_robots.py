@@ -138,7 +138,7 @@ def test_link_is_measured_and_what_cannot_be_seen_is_said(pair: Bench) -> None:
     assert "no wireless interface at laptop and bob: latency and loss only" in done.out
 
 
-def test_gap_of_a_link_is_marked_and_measuring_goes_on(pair: Bench, terminal: TmuxTerminal) -> None:
+def test_gap_of_a_link_is_reported_and_measuring_goes_on(pair: Bench, terminal: TmuxTerminal) -> None:
     terminal.type(f"clear; {UR} wifi bob --watch --log walk.csv; echo en''ded", "Enter")
     terminal.until("good: ", SECONDS)
     pair["robot"].cut()
@@ -162,7 +162,7 @@ def test_gap_of_a_link_is_marked_and_measuring_goes_on(pair: Bench, terminal: Tm
     assert left == []
 
 
-def test_lines_are_printed_where_there_is_no_terminal(pair: Bench) -> None:
+def test_line_is_printed_each_second(pair: Bench) -> None:
     done = pair["laptop"].run(f"{UR} wifi bob --watch --seconds 2", user="pat").check()
     assert done.out.count("  latency ") == 2
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from ur.maps.record import MapRecord
 from ur.maps.store import MapStore
@@ -12,8 +14,16 @@ from ur.source.ansi import BOLD, RESET, strip_styles
 from ur.source.diagnostic import UserError
 from ur.source.printable import printable
 
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
 _PICTURE = (30, 6)  # columns and lines of the picture of a map in a list
 _SCRIPT_PICTURE = (64, 32)  # the same for a script
+_WALLS_FROM = 50
+_UNKNOWN, _FREE, _WALL = 0, 1, 2
+_COLOURS = (234, 239, 252)  # of the palette of 256
+_LETTERS = " .#"
 _NARROW = 70  # columns: without pictures
 
 
@@ -38,7 +48,6 @@ def describe_map(store: MapStore, name: str) -> str:
 
 def list_maps(store: MapStore, columns: int, *, colour: bool) -> list[str]:
     """Return lines for a terminal: the picture of each map, and its properties beside it."""
-    from ur.maps.drawing import draw_lines
     from ur.worlds.map_file import read_map
 
     lines: list[str] = []
@@ -66,7 +75,6 @@ def list_facts(store: MapStore, name: str, environment: Mapping[str, str], *, pi
     `picture` is a list of lines from `draw_lines` without colours.
     """
     from ur.maps.change import read_places
-    from ur.maps.drawing import draw_lines
     from ur.worlds.map_file import read_map
 
     record, image, places, problem = MapRecord(), None, 0, ""
@@ -91,3 +99,42 @@ def list_facts(store: MapStore, name: str, environment: Mapping[str, str], *, pi
     if picture:
         facts["picture"] = [] if image is None else draw_lines(image.values, *_SCRIPT_PICTURE, colour=False)
     return facts
+
+
+def draw_lines(values: NDArray[np.int8], columns: int, rows: int, *, colour: bool) -> list[str]:
+    """Draw cells (height, width), row 0 at the bottom, as at most `rows` lines of at most `columns` characters.
+
+    The unknown margin of the map is cut off. A pixel with any wall in it shows a wall.
+    """
+    import numpy as np
+
+    from ur.worlds.cells import OCCUPIED
+
+    seen = values >= 0
+    if not seen.any() or columns < 1 or rows < 1:
+        return []
+    height_at, width_at = np.flatnonzero(seen.any(axis=1)), np.flatnonzero(seen.any(axis=0))
+    part = values[height_at[0] : height_at[-1] + 1, width_at[0] : width_at[-1] + 1][::-1]
+    height, width = part.shape
+    side = max(1, math.ceil(max(width / columns, height / (2 * rows))))
+    high, wide = math.ceil(height / side), math.ceil(width / side)
+    padded = np.full((2 * math.ceil(high / 2) * side, wide * side), -1, np.int8)
+    padded[:height, :width] = part
+    blocks = padded.reshape(-1, side, wide, side)
+    walls = ((blocks >= _WALLS_FROM) & (blocks <= OCCUPIED)).any(axis=(1, 3))
+    free = (blocks >= 0).mean(axis=(1, 3)) >= 0.5
+    pixels = np.where(walls, _WALL, np.where(free, _FREE, _UNKNOWN))
+    pairs = pixels.reshape(-1, 2, wide)
+    if not colour:
+        return ["".join(_LETTERS[each] for each in pair.max(axis=0).tolist()).rstrip() for pair in pairs]
+    return [_coloured(upper.tolist(), lower.tolist()) for upper, lower in pairs]
+
+
+def _coloured(upper: list[int], lower: list[int]) -> str:
+    text, before = "", (-1, -1)
+    for pair in zip(upper, lower, strict=True):
+        if pair != before:
+            text += f"\033[38;5;{_COLOURS[pair[0]]};48;5;{_COLOURS[pair[1]]}m"
+            before = pair
+        text += "▀"
+    return text + RESET

@@ -13,7 +13,7 @@ from typing import TypeVar
 import click
 
 from ur.cli.maps.edit import edit
-from ur.cli.maps.map_list import describe_map, list_facts, list_maps
+from ur.cli.maps.map_list import describe_map, draw_lines, list_facts, list_maps
 from ur.maps.store import MapStore, own_store
 from ur.maps.waypoint_path import waypoint_path
 from ur.source.diagnostic import UserError, error
@@ -58,7 +58,6 @@ def command(context: click.Context, as_json: bool, pictures: bool, robot: str | 
 @_NAME
 def show(name: str) -> int:
     """Draw a map in the terminal, with its facts."""
-    from ur.maps.drawing import draw_lines
     from ur.worlds.map_file import read_map
 
     store = _store()

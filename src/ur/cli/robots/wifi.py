@@ -7,24 +7,28 @@ import shutil
 import socket
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
+from datetime import datetime
 from pathlib import Path
 from typing import TextIO
 
 import click
 
-from ur.cli.robots.wifi_screen import describe_sample, draw_screen, print_summary
+from ur.cli.output import plain_text
 from ur.request.remote.connection import robot_address
 from ur.robot.discovery.seen import load_seen, seen_path
+from ur.robot.doctor.wifi import WirelessLink
 from ur.robot.ssh.address import Address
+from ur.robot.wireless.advice import advise
 from ur.robot.wireless.meter import Meter
 from ur.robot.wireless.record import HEADER, write_row
-from ur.robot.wireless.sample import Sample
+from ur.robot.wireless.sample import Sample, Summary, summarize
 from ur.source.diagnostic import UserError, error, error_about
 from ur.source.progress_line import show_progress
 from ur.source.replace import check_output
 
+Names = tuple[str, str]
 TICK = 1.0  # s
 KEPT = 3600  # samples
 SETTLE = 2  # s in which no echo can be settled yet
@@ -32,9 +36,7 @@ SETTLE = 2  # s in which no echo can be settled yet
 
 @click.command("wifi")
 @click.argument("robot", required=False)
-@click.option(
-    "--watch", is_flag=True, help="Measure until Ctrl-C, with plots; without a terminal, print a line each second."
-)
+@click.option("--watch", is_flag=True, help="Measure until Ctrl-C, and print a line each second.")
 @click.option(
     "--seconds", type=click.IntRange(1, 86400), default=None, help="How long to measure. [default: 5; --watch: no end]"
 )
@@ -48,8 +50,9 @@ def command(robot: str | None, watch: bool, seconds: int | None, log: Path | Non
     """Measure the connection to a robot: signal of both, latency, loss.
 
     Carry this computer or the robot around to find the places where the connection is bad. ROBOT is a name, HOST or
-    USER@HOST; without it, the selected robot. When the robot cannot be reached, the gap is marked and the measurement
-    continues. Without a wireless interface, only latency and loss are measured. The exit code is 1 without any answer.
+    USER@HOST; without it, the selected robot. When the robot cannot be reached, 'no answer' is printed and the
+    measurement continues. Without a wireless interface, only latency and loss are measured. The exit code is 1 without
+    any answer.
     """
     address = robot_address(robot)
     if shutil.which("ping") is None:
@@ -69,14 +72,12 @@ def command(robot: str | None, watch: bool, seconds: int | None, log: Path | Non
                 with show_progress(f"measuring for {count} s") as progress:
                     for _ in ticks:
                         progress(f"measuring: {len(samples)} of {count} samples")
-            elif sys.stdout.isatty():
-                draw_screen(ticks, samples, names, meter)
             else:
                 for sample in ticks:
-                    click.echo(describe_sample(sample, names))
+                    click.echo(f"{describe_sample(sample, names)}  {advise(samples, names)}")
         except KeyboardInterrupt:
             pass  # Ctrl-C ends it
-    print_summary(samples, names, meter, log)
+    _print_summary(samples, names, meter, log)
     return 0 if any(not sample.gap for sample in samples) else 1
 
 
@@ -126,3 +127,66 @@ def _open_log(path: Path) -> TextIO:
 def _unknown(address: Address) -> UserError:
     help = f"is it on, and in the same network? ur doctor {address.host} goes the way step by step"
     return UserError(error_about(address.host, "no computer answers to this name", rule="unknown-host", help=help))
+
+
+def describe_sample(sample: Sample, names: Names) -> str:
+    """Describe a second in one line."""
+    latency = "no answer" if sample.latency is None else f"{sample.latency * 1000:.1f} ms"
+    links = [f"{name} {_link(link)}" for name, link in zip(names, (sample.here, sample.there), strict=True) if link]
+    parts = [f"latency {latency}", f"loss {sample.loss:.0%}", *links]
+    return f"{_clock(sample.time)}  " + "  ".join(parts)
+
+
+def _meter_note(meter: Meter, names: Names) -> str:
+    """Return a note about signals that cannot be shown, with the reason; '' if all can."""
+    radios = list(zip(names, (meter.here, meter.there), strict=True))
+    without = [name for name, radio in radios if radio.wireless is False]
+    silent = [name for name, radio in radios if radio.wireless is None]
+    parts = [f"no wireless interface at {' and '.join(without)}"] if without else []
+    parts += [f"no login to {name} by key, so nothing is known of its signal" for name in silent]
+    return "; ".join(parts) + (": latency and loss only" if len(without) == len(radios) else "")
+
+
+def _print_summary(samples: Sequence[Sample], names: Names, meter: Meter, log: Path | None) -> None:
+    """Print a table of all measurements, with the advice."""
+    from rich.console import Console
+    from rich.table import Table
+
+    if not samples:
+        click.echo("nothing was measured")
+        return
+    whole = summarize(samples)
+    table = Table(title=plain_text(f"{names[0]} - {names[1]}, {whole.seconds} s"), title_justify="left")
+    for column in ("", "now", "median", "worst"):
+        table.add_column(column)
+    for row in _rows(samples[-1], whole, names):
+        table.add_row(*map(plain_text, row))
+    Console(soft_wrap=not sys.stdout.isatty()).print(table)
+    for line in (_meter_note(meter, names), advise(samples, names), f"written to {log}" if log else ""):
+        if line:
+            click.echo(line)
+
+
+def _rows(latest: Sample, whole: Summary, names: Names) -> list[tuple[str, str, str, str]]:
+    rows = [
+        (f"signal at {name}", _link(link) if link else "", f"{signals[1]:.0f} dBm", f"{signals[0]:.0f} dBm")
+        for name, link, signals in zip(names, (latest.here, latest.there), (whole.here, whole.there), strict=True)
+        if signals
+    ]
+    now = "no answer" if latest.latency is None else f"{latest.latency * 1000:.1f} ms"
+    middle, worst = (f"{value * 1000:.1f} ms" for value in whole.latency[1:]) if whole.latency else ("", "")
+    away = {0: "", 1: "away once"}.get(whole.gaps, f"away {whole.gaps} times")
+    return [*rows, ("latency", now, middle, worst), ("loss", f"{latest.loss:.0%}", f"{whole.loss:.1%}", away)]
+
+
+def _link(link: WirelessLink) -> str:
+    parts = [
+        "" if link.signal is None else f"{link.signal:.0f} dBm",
+        "" if link.rate is None else f"{link.rate:g} Mbit/s",
+        link.band,
+    ]
+    return ", ".join(part for part in parts if part) or link.device
+
+
+def _clock(moment: float) -> str:
+    return datetime.fromtimestamp(moment).astimezone().strftime("%H:%M:%S")

@@ -6,11 +6,10 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from ur.maps.viewport import Viewport
 from ur_nodes.client.snapshot import GoalReport, RobotSnapshot
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import Colour, MapPalette
-from ur_nodes.teleop.map_view.picture import ROBOT_LENGTH, SMALL_ROBOT
+from ur_nodes.teleop.map_view.picture import ROBOT_LENGTH, SMALL_ROBOT, Viewport
 
 _ARROWS = "→↗↑↖←↙↓↘"
 _NO_HEADING = "◎"

@@ -9,14 +9,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from ur.maps.viewport import Viewport, fit_viewport
 from ur.source.ansi import RESET
 from ur_nodes.client.snapshot import RobotSnapshot
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.teleop.map_view.cells import Run, cells_of_pixels
 from ur_nodes.teleop.map_view.glyphs import Mark, place_glyphs, place_marks, scale_bar
 from ur_nodes.teleop.map_view.palette import DARK, Colour
-from ur_nodes.teleop.map_view.picture import GridIndex, draw_map, draw_overlay, index_grid
+from ur_nodes.teleop.map_view.picture import GridIndex, Viewport, draw_map, draw_overlay, fit_viewport, index_grid
 
 _BEGIN = (-2.0, -2.0, 2.0, 2.0)  # m: shown while there is no map
 _MARGIN = 0.5  # m round what is known

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from ur.maps.viewport import Viewport
 from ur_nodes.client.navigation import RobotState
 from ur_nodes.client.snapshot import RobotSnapshot
 from ur_nodes.ports.newest_work import NewestWork
@@ -13,6 +12,7 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Map
 from ur_nodes.teleop.map_view.glyphs import Mark
 from ur_nodes.teleop.map_view.growing_map import GrowingMap, Zoom, draw_map_lines, follow, prepare_map, press_zoom
+from ur_nodes.teleop.map_view.picture import Viewport
 
 _EVERY = 0.25  # s between two pictures
 

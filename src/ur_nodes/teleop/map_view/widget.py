@@ -15,14 +15,24 @@ from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
 
-from ur.maps.viewport import Viewport, fit_viewport, pan_viewport, resize_viewport, zoom_viewport
 from ur_nodes.client.snapshot import GoalReport, LastGoalState, RobotSnapshot, heading_there
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.cells import Run, cells_of_pixels
 from ur_nodes.teleop.map_view.glyphs import place_glyphs, scale_bar
 from ur_nodes.teleop.map_view.palette import Colour, MapPalette
-from ur_nodes.teleop.map_view.picture import GridIndex, Pixels, draw_map, draw_overlay, index_grid
+from ur_nodes.teleop.map_view.picture import (
+    GridIndex,
+    Pixels,
+    Viewport,
+    draw_map,
+    draw_overlay,
+    fit_viewport,
+    index_grid,
+    pan_viewport,
+    resize_viewport,
+    zoom_viewport,
+)
 
 _NO_MAP_BOX = (-5.0, -5.0, 5.0, 5.0)
 _FOLLOW_MARGIN = 0.3  # of the screen: the picture moves only when the robot comes this near to the edge

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import pytest
 
-from ur.maps.viewport import Viewport
 from ur_nodes.client.snapshot import GoalReport, LastGoalState, RobotSnapshot
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.glyphs import Glyph, place_glyphs, scale_bar
 from ur_nodes.teleop.map_view.palette import DARK
+from ur_nodes.teleop.map_view.picture import Viewport
 
 
 def rows_of(glyphs: list[Glyph], view: Viewport) -> list[str]:

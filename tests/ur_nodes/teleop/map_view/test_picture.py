@@ -8,12 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.ndimage import label
 
-from ur.maps.viewport import Viewport
 from ur_nodes.client.snapshot import RobotSnapshot
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import DARK, DARK_16, MapPalette
-from ur_nodes.teleop.map_view.picture import draw_map, draw_overlay, index_grid, thin_walls
+from ur_nodes.teleop.map_view.picture import Viewport, draw_map, draw_overlay, index_grid, thin_walls
 
 
 def grid(cells: list[list[int]], resolution: float = 1.0, origin: Pose2 = Pose2(0, 0, 0)) -> Grid:  # noqa: B008 - a tuple

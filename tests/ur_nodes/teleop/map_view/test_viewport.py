@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur.maps.viewport import Viewport, fit_viewport, pan_viewport, resize_viewport, zoom_viewport
+from ur_nodes.teleop.map_view.picture import Viewport, fit_viewport, pan_viewport, resize_viewport, zoom_viewport
 
 VIEW = Viewport(3.0, -2.0, 0.1, 80, 44)
 
