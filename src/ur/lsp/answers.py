@@ -9,11 +9,11 @@ from lsprotocol import types
 
 from ur.check.rule import TextEdit
 from ur.lsp.actions import format_text, list_actions
-from ur.lsp.completion.candidate import Candidate, CandidateKind
-from ur.lsp.completion.launch_files import complete
+from ur.lsp.completion import complete
 from ur.lsp.convert import path_of, uri_of
 from ur.lsp.definitions import find_definitions, find_references
 from ur.lsp.hover import describe_place
+from ur.lsp.place import Candidate, CandidateKind
 from ur.lsp.symbols import Symbol, SymbolKind, list_folds, list_symbols, outline
 from ur.source.file import Span
 

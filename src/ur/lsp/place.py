@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+CandidateKind = Literal["tag", "attribute", "package", "program", "file", "folder", "argument", "value", "rule"]
+
 _TOKEN = re.compile(
     r"<!--.*?(?:-->|\Z)|<!\[CDATA\[.*?(?:\]\]>|\Z)|<[?!][^>]*(?:>|\Z)"
     r"""|<(?P<close>/?)(?P<name>[^\s<>/="']*)(?P<rest>(?:"[^"<]*"?|'[^'<]*'?|[^<>"'/]|/(?!>))*)(?P<end>/?>)?""",
@@ -91,3 +93,17 @@ def _in_tag(text: str, offset: int, token: re.Match[str], parents: tuple[OpenTag
         if 0 <= start <= offset <= end:
             return CursorPlace("value", text[start:offset], start, end, tag, each.group(1), parents)
     return CursorPlace("attribute", "", offset, offset, tag, "", parents)
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """Something to insert between two offsets. `more`: another candidate may follow at once."""
+
+    label: str
+    kind: CandidateKind
+    insert: str
+    start: int
+    end: int
+    help: str = ""
+    document: str = ""
+    more: bool = False

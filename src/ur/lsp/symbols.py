@@ -9,8 +9,7 @@ from typing import Literal
 from ur.check.rule import LaunchView
 from ur.check.survey import walk_elements
 from ur.launchfile.syntax import Comment, Element
-from ur.lsp.programs.places import starts_of, starts_of_file
-from ur.lsp.programs.starts import program_of_file
+from ur.lsp.programs.places import starts_of_file
 from ur.lsp.workspace import Workspace
 from ur.source.file import Span
 
@@ -143,12 +142,11 @@ def find_included(workspace: Workspace, path: str) -> list[IncludeStep]:
 
 
 def find_including(workspace: Workspace, path: str) -> list[IncludeStep]:
-    """The files of the workspace that include or start a launch file, or start a program, in any case."""
+    """The files of the workspace that include or start a launch file, in any case."""
     session = workspace.session
     if session is None:
         return []
-    starts = [span for program in program_of_file(path, workspace) for span in starts_of(program, workspace)]
-    starts += starts_of_file(path, workspace) if path in workspace.views else []
+    starts = starts_of_file(path, workspace) if path in workspace.views else []
     found: dict[str, list[Span]] = {}
     for span in starts:
         found.setdefault(span.file.path, []).append(span)

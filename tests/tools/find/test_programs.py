@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 from ur.launchfile import MemoryWorld
-from ur.source.file import SourceFile
 from ur.source.project import package_folder
-from ur.tools.find.programs import NodeProgram, head_span, may_name, program_files, read_program, source_files
+from ur.tools.find.programs import NodeProgram, may_name, program_files, read_program, source_files
 
 NODES = f"{package_folder().parent}/ur_nodes"
 START = '#!/bin/bash\nexec "$(dirname "$0")/../lib/node" ur_nodes.eye.main "$@"\n'
@@ -55,13 +54,6 @@ def test_modules_beside_the_one_that_is_run_may_read_parameters() -> None:
 @pytest.mark.parametrize("path", ["/p/bin/machine_code", "/p/bin/long", "/p/bin/missing"])
 def test_file_that_is_no_text_of_a_program_is_not_read(path: str) -> None:
     assert read_program(path, WORLD) is None
-
-
-def test_head_of_a_program_ends_before_its_first_statement() -> None:
-    source = SourceFile("/p/bin/x", "#!/bin/sh\n## How to\n# other\necho\n")
-    assert source.text[: head_span(source).end] == "#!/bin/sh\n## How to\n"
-    only = SourceFile("/p/bin/y", "#!/bin/sh\n")
-    assert head_span(only).end == len(only.text)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Definitions and uses in files beside launch files: keys of YAML files, and programs."""
+"""Definitions and uses in files beside launch files: keys of YAML files, and starts of programs."""
 
 from __future__ import annotations
 
@@ -9,51 +9,30 @@ from os.path import normpath
 from ur.check.survey import walk_elements
 from ur.complete.yaml_keys import find_key
 from ur.lsp.programs.parameters import know_parameters
-from ur.lsp.programs.starts import find_loaders, find_starters, program_of_file, programs_of_yaml
+from ur.lsp.programs.starts import find_loaders, find_starters, programs_of_yaml
 from ur.lsp.programs.yaml_keys import is_yaml
 from ur.lsp.workspace import Workspace
 from ur.source.file import SourceFile, Span
 from ur.tools.find.occurrences import Kind, Occurrence, WantedName
-from ur.tools.find.programs import NodeProgram, head_span, program_files, read_program
+from ur.tools.find.programs import NodeProgram, read_program
 from ur.tools.find.search import find_resolved
-
-_LAUNCH_FILE = re.compile(r"(?<![\w.-])[\w.-]+\.launch(?:\.xml)?")
-_GIVEN = re.compile(r"(?<![\w$])(\w+):=")
 
 
 def define_elsewhere(workspace: Workspace, path: str, offset: int) -> list[Span]:
-    """The definitions of the thing at a place of a YAML file or program."""
-    source = read_program(path, workspace.world)
-    if source is None:
-        return []
-    if is_yaml(path):
-        return [*_read_places(source, offset, workspace)]
-    launch_files = _launched(source, offset, workspace)
-    for match in _GIVEN.finditer(source.text):
-        if match.start() <= offset <= match.end(1):
-            declared = (workspace.views[each].declared.get(match[1], ()) for each in launch_files)
-            return [element.value_span("name") for elements in declared for element in elements]
-    if launch_files:
-        return [top_of(each) for each in launch_files]
-    own = program_of_file(path, workspace) if offset <= head_span(source).end else []
-    return [top_of(each) for program in own for each in program_files(program, workspace.world)]
+    """The places that read the key at a place of a YAML file."""
+    source = read_program(path, workspace.world) if is_yaml(path) else None
+    return [*_read_places(source, offset, workspace)] if source is not None else []
 
 
 def refer_elsewhere(workspace: Workspace, path: str, offset: int) -> list[Span]:
-    """The uses of the thing at a place of a YAML file or program: what is set or started, and by which file."""
-    source = read_program(path, workspace.world)
-    if source is None:
-        return []
-    if is_yaml(path):
-        names = {
-            WantedName(param.name)
-            for _, param in find_loaders(path, workspace)
-            if param.origin.span.start <= offset <= param.origin.span.end
-        }
-        found = order(find_named("param", names, workspace)) if names else []
-        return [*found, *_read_places(source, offset, workspace)]
-    own = program_of_file(path, workspace) if offset <= head_span(source).end else []
-    return [span for program in own for span in starts_of(program, workspace)]
+    """The uses of the key at a place of a YAML file: what it sets, and what reads it."""
+    names = {
+        WantedName(param.name)
+        for _, param in (find_loaders(path, workspace) if is_yaml(path) else ())
+        if param.origin.span.start <= offset <= param.origin.span.end
+    }
+    found = order(find_named("param", names, workspace)) if names else []
+    return [*found, *define_elsewhere(workspace, path, offset)]
 
 
 def _read_places(source: SourceFile, offset: int, workspace: Workspace) -> Iterator[Span]:
@@ -62,17 +41,6 @@ def _read_places(source: SourceFile, offset: int, workspace: Workspace) -> Itera
         name = "/".join((*key[0], key[1].text))
         known = know_parameters(programs_of_yaml(source.path, workspace), workspace)
         yield from known[name].reads if name in known else ()
-
-
-def _launched(source: SourceFile, offset: int, workspace: Workspace) -> list[str]:
-    """The launch files that the command around an offset names."""
-    start = source.text.rfind("\n", 0, offset) + 1
-    while start > 1 and source.text[:start].endswith("\\\n"):  # the command continues in the next line
-        start = source.text.rfind("\n", 0, start - 1) + 1
-    end = source.text.find("\n", offset)
-    line = source.text[start : end if end >= 0 else None]
-    names = set(_LAUNCH_FILE.findall(line)) if not line.startswith("#") else set()
-    return [path for path in workspace.views if path.rpartition("/")[2] in names]
 
 
 def starts_of(program: NodeProgram, workspace: Workspace) -> list[Span]:

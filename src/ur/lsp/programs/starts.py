@@ -82,15 +82,3 @@ def find_loaders(path: str, workspace: Workspace) -> Iterator[tuple[Plan, ParamS
 
 def _elements(view: LaunchView, *names: str) -> Iterator[Element]:
     return (element for element, _ in walk_elements(view.tree.launch) if element.name in names)
-
-
-def program_of_file(path: str, workspace: Workspace) -> list[NodeProgram]:
-    """The programs that a file is, as nodes name it."""
-    name = path.rpartition("/")[2]
-    session = workspace.session
-    package = session.sources.targets.package_of(path) if session is not None else None
-    if package is not None:
-        with suppress(PackageNotFound, OSError, ValueError):
-            if path in workspace.world.find_executables(package.name, name):
-                return [NodeProgram(package.name, name)]
-    return []

@@ -12,8 +12,9 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from ur.complete.yaml_keys import KnownKey, survey_keys
+from ur.complete.yaml_keys import KnownKey, find_parents, plain_parents, survey_keys
 from ur.launchfile.world.protocol import PackageNotFound
+from ur.lsp.place import Candidate
 from ur.lsp.programs.parameters import know_parameters
 from ur.lsp.programs.starts import programs_of_yaml
 from ur.lsp.workspace import Workspace
@@ -27,6 +28,31 @@ _OF_MAP = re.compile(r"^(image|resolution):", re.MULTILINE)
 def is_yaml(path: str) -> bool:
     """Return whether a path is that of a YAML file."""
     return path.endswith((".yaml", ".yml"))
+
+
+def complete_yaml(workspace: Workspace, path: str, text: str, offset: int) -> list[Candidate]:
+    """The candidates at a place of a YAML file: keys at the start of an item, values behind `key: `."""
+    parents, before = find_parents(text, offset)
+    value = re.search(r"([\w./~-]{1,200}) {0,50}: {1,50}([^{}\[\],#]*)\Z", before)
+    typed = value[2] if value is not None else re.search(r"[\w./~-]{0,500}\Z", before)[0]  # type: ignore[index]
+    start = offset - len(typed)
+    rest = re.match(r"[\w./~-]*", text[offset:])
+    end = offset + (len(rest[0]) if rest is not None else 0)
+    known = know_keys(workspace, path, text)
+    if value is not None:
+        here = known.get(plain_parents(parents), {}).get(value[1])
+        values = here.values if here is not None else {}
+        return [Candidate(each, "value", each, start, end) for each in values if each.startswith(typed)]
+    if before.strip(" -") != typed and not re.search(r"[{,] *[\w./~-]*\Z", before):
+        return []
+    colon = "" if text[end : end + 1] == ":" else ":"
+    return [
+        Candidate(
+            name, "attribute", f"{name}{colon}{' ' if colon and not each.nested else ''}", start, end, "", each.document
+        )
+        for name, each in known.get(plain_parents(parents), {}).items()
+        if name.startswith(typed) and name != text[start:end]
+    ]
 
 
 def know_keys(workspace: Workspace, path: str, text: str) -> dict[tuple[str, ...], dict[str, KnownKey]]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from ur.launchfile.world import World
 from ur.launchfile.world.protocol import PackageNotFound
-from ur.source.file import SourceFile, Span
+from ur.source.file import SourceFile
 from ur.source.project import package_folder
 
 _PIECE = re.compile(r"\$\([^)]{0,500}\)")
@@ -59,16 +59,6 @@ def read_program(path: str, world: World) -> SourceFile | None:
         if b"\0" not in data[:1000] and len(data) <= _LARGEST:
             return SourceFile(path, data.decode("utf-8", "replace"))
     return None
-
-
-def head_span(source: SourceFile) -> Span:
-    """The first line of a program and the headings below it."""
-    end = 0
-    for line in source.text.splitlines(keepends=True):
-        if not line.startswith(("#!", "##")):
-            break
-        end += len(line)
-    return Span(source, 0, end)
 
 
 def may_name(written: str, path: str) -> bool:

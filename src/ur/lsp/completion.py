@@ -12,14 +12,12 @@ from ur.complete.launch import complete_packages, complete_paths
 from ur.launchfile.query.vocabulary import ATTRIBUTES, CONDITIONS, DOCUMENTS, INSIDE, REQUIRED, find_choices
 from ur.launchfile.syntax.substitution import COMMANDS
 from ur.launchfile.world.protocol import PackageNotFound
-from ur.lsp.completion.candidate import Candidate
-from ur.lsp.completion.other_files import complete_heading, complete_yaml
 from ur.lsp.documents import document_of
 from ur.lsp.names import expand_everywhere, find_files
-from ur.lsp.place import CursorPlace, OpenTag, find_place
+from ur.lsp.place import Candidate, CursorPlace, OpenTag, find_place
 from ur.lsp.programs.parameters import know_parameters
 from ur.lsp.programs.starts import programs_of_tag
-from ur.lsp.programs.yaml_keys import is_yaml
+from ur.lsp.programs.yaml_keys import complete_yaml, is_yaml
 from ur.lsp.workspace import Workspace
 
 _OPEN = re.compile(r"\$\((\w*)(?:\s+([^)\s]*))?\Z")
@@ -33,7 +31,7 @@ def complete(workspace: Workspace, path: str, offset: int) -> list[Candidate]:
             text = workspace.source(path).text
         except OSError:
             return []
-        return complete_yaml(workspace, path, text, offset) if is_yaml(path) else complete_heading(text, offset)
+        return complete_yaml(workspace, path, text, offset) if is_yaml(path) else []
     view = workspace.view(path)
     if view is None:
         return []

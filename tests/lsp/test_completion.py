@@ -8,7 +8,7 @@ import pytest
 
 from ur.check.computer import make_world
 from ur.lsp.actions import list_actions
-from ur.lsp.completion.launch_files import complete
+from ur.lsp.completion import complete
 from ur.lsp.definitions import find_definitions, find_references
 from ur.lsp.hover import describe_place
 from ur.lsp.workspace import Workspace

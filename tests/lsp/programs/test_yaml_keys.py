@@ -1,4 +1,4 @@
-"""Completion in YAML files and in the heads of programs."""
+"""Completion in YAML files."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 
 from ur.check.computer import make_world
 from ur.complete.yaml_keys import find_parents
-from ur.lsp.completion.launch_files import complete
+from ur.lsp.completion import complete
 from ur.lsp.workspace import Workspace
 
 ROOT = Path(__file__).parents[3]
@@ -66,12 +66,3 @@ def test_parameter_file_gets_the_keys_and_values_of_its_neighbours(tmp_path: Pat
     assert offer(tmp_path, "params/two.yaml", "rates:\n  |") == ["slow: "]
     (tmp_path / "params/one.yaml").write_text("[broken: {")
     assert offer(tmp_path, "params/two.yaml", "od|") == []
-
-
-def test_program_gets_the_headings_that_it_has_not(tmp_path: Path) -> None:
-    head = "#!/bin/bash\n##Summary: Say something.\n"
-    assert "##Overview: " in offer(tmp_path, "bin/ur_talk", f"{head}##|\n")
-    assert "##Summary: " not in offer(tmp_path, "bin/ur_talk", f"{head}##|\n")
-    assert offer(tmp_path, "bin/ur_talk", f"{head}##Publ|ish\nexit") == ["##Publishes: "]
-    assert offer(tmp_path, "bin/ur_talk", f"{head}exit|\n") == []
-    assert offer(tmp_path, "notes.txt", "##|\n") == []

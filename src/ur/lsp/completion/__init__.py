@@ -1,1 +1,0 @@
-"""Completion: in launch files, YAML files and programs."""
