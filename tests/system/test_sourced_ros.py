@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from ur.source.diagnostic import UserError
-from ur.system.sourced_ros import source_ros
+from ur.system.ros import source_ros
 
 
 def test_variables_of_a_set_up_file_are_those_that_it_changes(tmp_path: Path) -> None:

@@ -4,16 +4,38 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from ur.recordings.black_boxes import recordings_folder
+from ur.recordings.black_boxes import MOST_BYTES, recordings_folder, sockets_folder
+from ur.source.printable import printable
 from ur_nodes.black_box.black_box import BlackBox, BlackBoxSettings
-from ur_nodes.black_box.event_socket import EventSocket
 from ur_nodes.black_box.guard import GuardedMemory
 from ur_nodes.black_box.ring import Ring
+from ur_nodes.datagram_socket import DatagramSocket
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.run import run
+
+_LOOK = 0.1  # s
+
+
+class EventSocket:
+    """Passes each received text to `happened`. Without a folder, it receives nothing."""
+
+    def __init__(self, node: Node, environment: Mapping[str, str], happened: Callable[[str], None]) -> None:
+        self._happened = happened
+        without = "the end of other nodes is not noticed"
+        self._socket = DatagramSocket(node, sockets_folder(environment), _LOOK, MOST_BYTES, self._take, without)
+
+    def _take(self, data: bytes) -> bytes:
+        self._happened(printable(data.decode("utf-8", "replace")).strip() or "unnamed event")
+        return b""
+
+    def close(self) -> None:
+        """Handle the received texts, and remove the socket."""
+        self._socket.receive()
+        self._socket.close()
 
 
 def read_settings(parameters: Parameters) -> BlackBoxSettings:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable
 
@@ -10,12 +11,42 @@ from ur_nodes.camera.calibration_file import CalibrationStore, find_problem
 from ur_nodes.camera.camera_topics import CameraTopics, Shot
 from ur_nodes.camera.finder import CameraFinder, FinderSystem
 from ur_nodes.camera.loop import CameraLoop
-from ur_nodes.camera.raspicam_settings import NAME, read_name, read_settings
-from ur_nodes.camera.source import CameraError
+from ur_nodes.camera.source import Adjustments, CameraError, CameraSettings
 from ur_nodes.ports.node import Node
+from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.services import Silent, UseCalibration
 from ur_nodes.ports.values import Calibration, Result
 from ur_nodes.run import run
+
+NAME = "raspicam_node"
+
+
+def read_settings(own: Parameters) -> CameraSettings:
+    """Read the parameters that all kinds of cameras have. Raises UserError."""
+    limits = {"brightness": 0, "contrast": -100, "saturation": -100, "sharpness": -100, "shutter_speed": 0}
+    given: dict[str, int] = {}
+    for name, least in limits.items():
+        if own.has(name):
+            most = 10_000_000 if name == "shutter_speed" else 100
+            given[name] = round(own.number(name, minimum=least, maximum=most))
+    return CameraSettings(
+        width=own.integer("width", 640, minimum=16),
+        height=own.integer("height", 480, minimum=16),
+        rate=own.number("framerate", 30.0, minimum=0.1, maximum=1000.0),
+        quality=round(own.number("quality", 80, minimum=1, maximum=100)),
+        flip_horizontally=own.boolean("hFlip", False),
+        flip_vertically=own.boolean("vFlip", False),
+        adjustments=Adjustments(**given),
+    )
+
+
+def read_name(node: Node) -> str:
+    """Read the name of the camera and its calibration file, by default that of the node. Raises UserError."""
+    own, full = node.parameters, node.name.strip("/").replace("/", "_")
+    name = own.text("camera_name", "") or ("camera" if full == NAME else full)
+    if not re.fullmatch(r"[\w-][\w.-]{0,99}", name):
+        own.fail("camera_name", name, "letters, digits, _, - and dots")
+    return name
 
 
 class RaspicamNode:

@@ -9,8 +9,7 @@ from sensor_msgs.msg import JointState, Joy
 
 from ur_nodes.codecs.codec import Codec, fill_header, frame_of
 from ur_nodes.codecs.dialect import stamp_of
-from ur_nodes.codecs.geometry import checked_pose_of, fill_pose
-from ur_nodes.codecs.matrices import matrix_of, numbers_of
+from ur_nodes.codecs.geometry import checked_pose_of, fill_pose, matrix_of, numbers_of
 from ur_nodes.ports.values import DriverOdometry, Joints, Joystick, Odometry, StampedTwist, Twist
 
 _KNOWN = 1e-9  # the floor is flat; filters want no variance of 0

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from ur_nodes.codecs.codec import Codec, ServiceCodec, fill_header, frame_of, value_or_fail
 from ur_nodes.codecs.dialect import ROS_2, parts_of, stamp_of
-from ur_nodes.codecs.geometry import checked_pose_of, fill_pose, pose_message, pose_of_message
-from ur_nodes.codecs.matrices import matrix_of, numbers_of
+from ur_nodes.codecs.geometry import checked_pose_of, fill_pose, matrix_of, numbers_of, pose_message, pose_of_message
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.services import AskPath
 from ur_nodes.ports.values import Outline, Path, PlacedPose, PoseEstimate, Poses, Result

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ur_nodes.costmap.footprint_parameters import read_footprint
+from ur_nodes.costmap.local_costmap_settings import read_footprint
 from ur_nodes.exploration.explorer_step import ExplorerSettings
 from ur_nodes.exploration.search.choice import Weights
 from ur_nodes.exploration.search.corners import CornerSettings

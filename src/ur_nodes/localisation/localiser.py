@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.localisation.ambiguity import find_places
 from ur_nodes.localisation.doubt import LITTLE, LOST, PlaceFit, share_through_walls, step_doubt
 from ur_nodes.localisation.likelihood import LikelihoodField, draw_free_poses, score_poses
 from ur_nodes.localisation.motion_model import MotionModel, move_poses
@@ -27,6 +26,26 @@ from ur_nodes.localisation.particle_filter import (
 )
 from ur_nodes.localisation.relocalise import POOL, pool_size, propose_poses
 from ur_nodes.localisation.scan_match import MatchSettings, match_scan
+
+_LEAST_SHARE = 0.1  # of the weight of the best place: what another one must have
+_MOST_PLACES = 4
+_APART = (1.0, 0.6)  # m, rad: nearer particles belong to the same place
+
+
+def find_places(particles: Particles) -> list[Cluster]:
+    """Find the clusters of particles with at least a tenth of the weight of the heaviest one, which is the first."""
+    poses, weights = particles.poses, particles.weights
+    found: list[Cluster] = []
+    while len(found) < _MOST_PLACES and float(weights.sum()) > 0.0:
+        left = float(weights.sum())
+        best = find_best_cluster(Particles(poses, weights / left))
+        found.append(Cluster(best.pose, best.covariance, best.share * left))
+        far = np.hypot(*(poses[:, :2] - best.pose[:2]).T) > _APART[0]
+        far |= np.abs(wrap_angle(poses[:, 2] - best.pose.yaw)) > _APART[1]
+        poses, weights = poses[far], weights[far]
+    found.sort(key=lambda place: -place.share)
+    return [place for place in found if place.share >= _LEAST_SHARE * found[0].share]
+
 
 INDEPENDENT_BEAMS = 20.0  # neighbouring beams err together: a scan is worth no more than so many
 INDEPENDENT_STEP = 0.25  # m, rad: scans taken nearer to one another err together, too

@@ -5,12 +5,23 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from ur.maps.picture_file import write_picture
 from ur.source.diagnostic import UserError
 from ur.source.render import render_human
-from ur_nodes.mapping.save import save_map
+from ur_nodes.geometry.grid import Grid
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Map
+
+
+def save_map(name: Path, grid: Grid, occupied: int = 65, free: int = 25) -> Path:
+    """Write `name`.pgm and `name`.yaml as `ur.maps.picture_file.write_picture` does; returns the latter.
+
+    Raises OSError. The defaults (per cent) are upstream's.
+    """
+    origin = (grid.origin.x, grid.origin.y, grid.origin.yaw)
+    return write_picture(name, grid.values, grid.resolution, origin, occupied, free)
+
 
 PATIENCE = 15.0  # s until the log reports that there is no map, and between repetitions
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ur.source.diagnostic import UserError, error
-from ur_nodes.mapping.save import save_map
+from ur_nodes.mapping.map_saver import save_map
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import SaveOwnMap, SaveTopicMap

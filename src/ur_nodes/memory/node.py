@@ -7,19 +7,63 @@ from typing import TypeVar, cast
 
 from ur_nodes.goal_topics import TopicGoalClient, TopicGoalServer
 from ur_nodes.memory.carrier import BusListener, Carrier, Deliver, Offer, Service, type_name_of
-from ur_nodes.memory.ends import MemoryPublisher, MemorySubscription, MemoryTimer
 from ur_nodes.memory.raw import MemoryRaw
 from ur_nodes.memory.stores import MemoryFacts, MemoryLog, MemoryParameters
 from ur_nodes.ports.actions import GoalFollower, GoalTakers
-from ur_nodes.ports.facts import Facts
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.log import Log
-from ur_nodes.ports.node import Location, Sender
+from ur_nodes.ports.node import Facts, Location, Sender
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.validation import Refusals, problem_of
 from ur_nodes.ports.values import Result, Transform
+
+
+class MemoryPublisher:
+    """See `ports.node.Publisher`."""
+
+    def __init__(self, bus: Carrier, topic: str, offer: Offer) -> None:
+        self.topic = topic
+        self._bus, self._offer = bus, offer
+
+    def send(self, value: object) -> None:
+        if self._offer in self._bus.topics[self.topic].offers:
+            self._bus.send(self.topic, self._offer, value)
+
+    def listeners(self) -> int:
+        return len(self._bus.topics[self.topic].listeners)
+
+    def close(self) -> None:
+        self._offer.latched, self._offer.greet, self._offer.kept = False, None, None
+
+
+class MemorySubscription:
+    """See `ports.node.Subscription`."""
+
+    def __init__(self, bus: Carrier, topic: str, listener: BusListener, forget: Callable[[], None]) -> None:
+        self.topic = topic
+        self._bus, self._listener, self._forget = bus, listener, forget
+
+    def publishers(self) -> int:
+        return len(self._bus.topics[self.topic].offers)
+
+    def close(self) -> None:
+        if self._listener.open:
+            self._listener.open = False
+            self._bus.topics[self.topic].listeners.remove(self._listener)
+            self._forget()
+
+
+class MemoryTimer:
+    """See `ports.node.Timer`."""
+
+    def __init__(self) -> None:
+        self.on = True
+
+    def cancel(self) -> None:
+        self.on = False
+
 
 Value = TypeVar("Value")
 

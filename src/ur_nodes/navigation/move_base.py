@@ -7,8 +7,10 @@ from functools import partial
 
 import numpy as np
 
+from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.navigation.goal_pose import goal_in_map, read_request
+from ur_nodes.geometry.transform_tree import TransformError, TransformTree
+from ur_nodes.motion.challenge.link import ChallengeLink, FreshPublisher
 from ur_nodes.navigation.goals import attendance
 from ur_nodes.navigation.goals.attendance import Act
 from ur_nodes.navigation.goals.goal_claim import has_any_heading
@@ -23,14 +25,85 @@ from ur_nodes.navigation.planning.outline_motions import Steering
 from ur_nodes.navigation.steering.recovery import Behaviour
 from ur_nodes.navigation.steering.rollout import FollowSettings
 from ur_nodes.navigation.steering.speed_profile import AT_REST, DriveVelocity
-from ur_nodes.navigation.velocity_output import VelocityOutput
 from ur_nodes.navigation.world_view import WorldView
 from ur_nodes.ports.actions import GoalHandle, GoalServer
 from ur_nodes.ports.newest_work import NewestWork
 from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import AskPath, ClearCostmap, Silent
 from ur_nodes.ports.transforms import seconds_of
-from ur_nodes.ports.values import Path, PlacedPose, Result
+from ur_nodes.ports.validation import problem_of
+from ur_nodes.ports.values import Path, PlacedPose, Result, Twist
+
+
+class VelocityOutput:
+    """Publishes on `cmd_vel`, or on the same name with `_stamped` appended.
+
+    Commands are stamped with the newest challenge, which bounds their age, as soon as the mux has subscribed to them;
+    after that they are never plain. A base without our mux has no subscriber there and gets plain ones. This node
+    drives for the holder of the lease, so that its commands name no client. `share` (0 to 1) is how much of the base's
+    speeds the mux lets through: a plan for more would not be kept.
+    """
+
+    def __init__(self, link: ChallengeLink, mux: str, *, stamped: bool) -> None:
+        """Without `stamped`, commands are always plain."""
+        self.share = 1.0
+        link.node.subscribe(f"{mux}/speed_limit_in_force", float, self._take_limit, Quality.LATCHED)
+        self._plain = link.node.publish("cmd_vel", Twist)
+        self._stamped = FreshPublisher("cmd_vel", link) if stamped else None
+        self._to_mux = False
+
+    def _take_limit(self, percent: float) -> None:
+        self.share = percent / 100.0 if 0.0 < percent <= 100.0 else 1.0
+
+    def send(self, velocity: DriveVelocity) -> None:
+        """Publish a command. Without a fresh challenge nothing is sent, and the robot stops."""
+        self._to_mux = self._to_mux or (self._stamped is not None and self._stamped.listeners() > 0)
+        if self._stamped is None or not self._to_mux:
+            self._plain.send(Twist(*velocity))
+        else:
+            self._stamped.send(Twist(*velocity))
+
+
+_HOLD = 1.0  # s by which transforms may be older than a goal, which is stamped as it is sent
+
+
+def goal_in_map(target: PlacedPose, frames: TransformTree, map_frame: str) -> Pose2 | str:
+    """Return the goal's pose in the map, or why it cannot be used."""
+    goal = target.pose
+    if problem := problem_of(target):
+        return f"unusable goal: {problem}"
+    if not target.frame:
+        return f"the goal has no frame_id, expected {map_frame}"
+    if target.frame == map_frame:
+        return goal
+    try:
+        place = frames.pose(map_frame, target.frame, seconds_of(target.stamp) or None, hold=_HOLD)
+    except TransformError as problem:
+        return f"the goal is in the frame {target.frame}: {problem}"
+    return place.compose(goal)
+
+
+def read_request(
+    request: AskPath,
+    frames: TransformTree,
+    map_frame: str,
+    costs: tuple[Costmap, Costmap, Costmap | None] | None,
+    here: Pose2 | None,
+) -> PlanRequest | str:
+    """Return a request of `~make_plan` in the map, or why there is no path.
+
+    `costs` are the costmaps of `WorldView.costmaps`, `here` the robot in the map, for a request without a start.
+    """
+    goal = goal_in_map(request.goal, frames, map_frame)
+    start = goal_in_map(request.start, frames, map_frame) if request.start.frame else here
+    for each in (goal, start):
+        if isinstance(each, str):
+            return each
+    if costs is None or not isinstance(goal, Pose2) or not isinstance(start, Pose2):
+        return "no map or no pose yet"
+    return PlanRequest(0, (start.x, start.y), (goal.x, goal.y), *costs)
+
 
 _IDLE_PERIODS = 5  # control periods between two updates of the costmaps without a goal
 _PATH_CHECK_PERIODS = 3  # likewise, between two checks of the path on the global costmap

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from ur_nodes.costmap.costmap import Inflation
 from ur_nodes.costmap.footprint import Footprint
-from ur_nodes.costmap.footprint_parameters import read_footprint
 from ur_nodes.costmap.layers import UsedRanges
+from ur_nodes.costmap.local_costmap_settings import read_footprint
 from ur_nodes.navigation.navigator_step import NavigatorSettings
 from ur_nodes.navigation.planning.global_plan import PlanSettings
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -23,12 +24,36 @@ from ur_nodes.navigation.planning.outline_plan import is_long
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.rollout import RolloutState
 from ur_nodes.navigation.steering.speed_profile import DriveVelocity
-from ur_nodes.navigation.zone_masks import ZoneMasks
 from ur_nodes.ports.newest_work import NewestWork
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.transforms import seconds_of
 from ur_nodes.ports.values import Map, Range, Scan
+
+
+class ZoneMasks:
+    """The newest masks in the map frame: `keep_out` is 100 in zones, `speed` a percentage; None before the first."""
+
+    def __init__(self, node: Node, keep_out_topic: str, speed_topic: str, forbid: Callable[[], None]) -> None:
+        """An empty topic means that there are no such zones.
+
+        `forbid` is called when the keep-out zones have changed.
+        """
+        self.keep_out: Grid | None = None
+        self.speed: Grid | None = None
+        self._forbid = forbid
+        if keep_out_topic:
+            node.subscribe(keep_out_topic, Map, self._take_keep_out, Quality.LATCHED)
+        if speed_topic:
+            node.subscribe(speed_topic, Map, self._take_speed, Quality.LATCHED)
+
+    def _take_keep_out(self, mask: Map) -> None:
+        self.keep_out = mask.grid
+        self._forbid()
+
+    def _take_speed(self, mask: Map) -> None:
+        self.speed = mask.grid
+
 
 _WAITING = 100  # ranges that are not worked in yet
 _PATIENCE = 0.2  # s for which a range waits for the odometry of its time

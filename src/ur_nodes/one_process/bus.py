@@ -18,7 +18,7 @@ from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.log import ThrottledLog
 
 if TYPE_CHECKING:
-    from ur_nodes.ports.facts import Facts
+    from ur_nodes.ports.node import Facts
 
 Value = TypeVar("Value")
 WriteLine = Callable[[str, str, str], None]

@@ -1,4 +1,4 @@
-"""The process of all nodes of a run: host FILE, where FILE has what `plan` reads.
+"""The process of all nodes of a run: host FILE, where FILE has what `read_plan` reads.
 
 Each node's module runs as it does in a process of its own, on a thread; `ur_nodes.run` finds its `context`. The node
 that has the terminal has the main thread, and the process ends with it.
@@ -7,6 +7,8 @@ that has the terminal has the main thread, and the process ends with it.
 from __future__ import annotations
 
 import contextlib
+import logging
+import logging.handlers
 import runpy
 import signal
 import sys
@@ -15,14 +17,108 @@ import time
 import traceback
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, field
 from functools import partial
+from pathlib import Path
+from typing import TextIO
 
+from ur.source.foreign.json_values import read_json
 from ur_nodes.file_facts import FileFacts
 from ur_nodes.one_process.bus import LiveBus, LiveNode
 from ur_nodes.one_process.context import NodeContext
-from ur_nodes.one_process.output import NodeOutput
-from ur_nodes.one_process.plan import NodeStart, ProcessPlan, read_parameters, read_plan
 from ur_nodes.one_process.viewers import ViewerSocket
+
+_MOST = 1 << 26  # bytes
+
+
+@dataclass(frozen=True, slots=True)
+class NodeStart:
+    """A node: its full name, the module and its arguments, and full names that replace others."""
+
+    name: str
+    words: tuple[str, ...]
+    remaps: dict[str, str] = field(default_factory=dict)
+    required: bool = False
+    respawn: bool = False
+    respawn_delay: float = 0.0
+    terminal: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class ProcessPlan:
+    """The nodes of a process. `log` takes the nodes' lines where one of them has the terminal.
+
+    `parameters` is the file of all of them, `viewers` the socket at which viewers of this computer ask for nodes.
+    """
+
+    name: str
+    nodes: tuple[NodeStart, ...]
+    log: str
+    parameters: str
+    viewers: str
+
+
+def read_plan(path: str) -> ProcessPlan:
+    """Read the file. Raises OSError, and ValueError for an invalid file."""
+    return read_json(Path(path).read_bytes(), ProcessPlan, _MOST)
+
+
+def read_parameters(path: str) -> dict[str, object]:
+    """Read parameters by their full names. Raises OSError, and ValueError for an invalid file."""
+    return read_json(Path(path).read_bytes(), dict[str, object], _MOST)
+
+
+_LONGEST = 10_000_000  # bytes of a log file; there are two
+
+
+class NodeOutput:
+    """Writes lines of logs: to a file, or where that is empty to the standard output and error, as single nodes do."""
+
+    def __init__(self, file: str) -> None:
+        self._file = logging.Logger("nodes")
+        if file:
+            self._file.addHandler(logging.handlers.RotatingFileHandler(file, maxBytes=_LONGEST, backupCount=1))
+        self._kept = bool(file)
+        self._out, self._errors = sys.stdout, sys.stderr
+
+    def write_line(self, level: str, node: str, text: str) -> None:
+        """Write a line of a node's log."""
+        line = f"[{level}] [{time.time():.3f}] [{node}]: {text}"
+        if self._kept:
+            self._file.warning(line)
+            return
+        stream = self._out if level == "INFO" else self._errors
+        stream.write(line + "\n")
+        stream.flush()
+
+    def divert_threads(self) -> None:
+        """Divert the output of all threads except the main one to the log, if it is a file."""
+        if self._kept:
+            sys.stdout = _ThreadStream(sys.stdout, self)
+            sys.stderr = _ThreadStream(sys.stderr, self)
+
+
+class _ThreadStream:
+    """A stream of the terminal for the main thread, and a log for others."""
+
+    def __init__(self, stream: TextIO, output: NodeOutput) -> None:
+        self._stream, self._output = stream, output
+
+    def write(self, text: str) -> int:
+        """Write a text."""
+        if threading.current_thread() is threading.main_thread():
+            return self._stream.write(text)
+        for line in filter(None, text.splitlines()):
+            self._output.write_line("INFO", threading.current_thread().name, line)
+        return len(text)
+
+    def flush(self) -> None:
+        """Flush the terminal."""
+        self._stream.flush()
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self._stream, name)
+
 
 _NODE_LIMIT = 5.0  # s for the end of a node
 

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalServer, GoalTakers
-from ur_nodes.ports.facts import Facts
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.log import Log
 from ur_nodes.ports.parameters import Parameters
@@ -23,6 +22,20 @@ from ur_nodes.ports.topics import Sender as Sender
 from ur_nodes.ports.topics import Subscription as Subscription
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
+
+
+class Facts(Protocol):
+    """Reads and writes facts, by names such as 'base_name'."""
+
+    simulated_time: bool
+    """True where the time of `Node.now` is a simulation's."""
+
+    def get(self, name: str, default: object = None) -> object:
+        """Return the value of a fact; `default` while it is unknown."""
+
+    def set(self, name: str, value: object) -> None:
+        """Publish a fact to all nodes."""
+
 
 Value = TypeVar("Value")
 

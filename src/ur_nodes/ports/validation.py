@@ -4,7 +4,7 @@ A message is judged as a whole before it replaces another: one that is refused c
 of the types of fields, so values of new kinds are judged, too: numbers are finite, coordinates at most `FARTHEST`, and
 rotations of length 1. Kinds that report what is not measured as NaN or infinite have rules of their own.
 
-Goals and requests for a path are judged by the node that answers them, see `ur_nodes.navigation.goal_pose`; each
+Goals and requests for a path are judged by the node that answers them, see `ur_nodes.navigation.move_base`; each
 transform of a message by itself, see `ports.transforms`.
 """
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from http.client import HTTPException
 from typing import Any, TypeVar, cast
 from urllib.parse import urlsplit
@@ -18,19 +19,78 @@ from ur_nodes.codecs import find_codec
 from ur_nodes.loop import Loop
 from ur_nodes.node_base import LoopNode
 from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalServer, GoalTakers
-from ur_nodes.ports.graph import Graph
+from ur_nodes.ports.graph import Ends, Graph, make_graph
+from ur_nodes.ports.log import ThrottledLog
 from ur_nodes.ports.node import Location, Sender
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import ClockTime, Result
-from ur_nodes.ros1.facts import RosFacts, RosParameters, make_log
 from ur_nodes.ros1.reconfigure import offer_changes
 from ur_nodes.ros1.repairs.own_clock import follow_clock
 from ur_nodes.ros1.repairs.sending import wait_until_sent
 from ur_nodes.ros1.services import call_service, serve_service
 from ur_nodes.ros1.topics import RosClock, RosPublisher, RosSubscription, sender_of
+
+
+def read_graph(name: str) -> Graph | None:
+    """Ask the master, in the name of a node; None while it does not answer, or answers with something else."""
+    master = rosgraph.Master(name)
+    try:
+        published, subscribed, services = (_ends(each) for each in master.getSystemState())
+        kinds = {str(topic): str(kind).replace("*", "") for topic, kind in master.getTopicTypes()}
+    except Exception:  # of the network, of XML-RPC and its parser, or of what is no graph
+        return None
+    return make_graph(published, subscribed, kinds, services)
+
+
+def _ends(found: Any) -> Ends:
+    return {str(name): tuple(map(str, nodes)) for name, nodes in found}
+
+
+_FACTS = {"run_id": "/run_id"}  # the others are below /ur
+
+
+class RosFacts:
+    """See `ports.facts.Facts`."""
+
+    def __init__(self) -> None:
+        self.simulated_time = rospy.get_param("/use_sim_time", False) is True
+
+    def get(self, name: str, default: object = None) -> object:
+        return rospy.get_param(_FACTS.get(name, f"/ur/{name}"), default)
+
+    def set(self, name: str, value: object) -> None:
+        rospy.set_param(_FACTS.get(name, f"/ur/{name}"), value)
+
+
+class RosParameters:
+    """See `ports.parameters.ParameterStore`."""
+
+    def resolve(self, name: str) -> str:
+        return str(rospy.resolve_name(name))
+
+    def has(self, name: str) -> bool:
+        return bool(rospy.has_param(name))
+
+    def get(self, name: str) -> object:
+        return rospy.get_param(name)
+
+    def set(self, name: str, value: object) -> None:
+        rospy.set_param(name, value)
+
+    def names(self) -> list[str]:
+        return sorted(map(str, rospy.get_param_names()))
+
+
+def make_log() -> ThrottledLog:
+    """The log of a node."""
+    debug, info, warn, error = (
+        partial(write, "%s") for write in (rospy.logdebug, rospy.loginfo, rospy.logwarn, rospy.logerr)
+    )
+    return ThrottledLog(debug, info, warn, error, rospy.get_time)
+
 
 Value = TypeVar("Value")
 
@@ -149,7 +209,7 @@ class RosNode(LoopNode):
         return RosGoalServer(action, takers, self._loop, kept)
 
     def follow_goals(self, action: str, follower: GoalFollower) -> GoalClient:
-        from ur_nodes.ros1.goal_client import RosGoalClient
+        from ur_nodes.ros1.goals import RosGoalClient
 
         return RosGoalClient(action, follower, self._loop)
 
@@ -157,7 +217,6 @@ class RosNode(LoopNode):
         return int(rospy.Time.now().to_nsec())
 
     def read_graph(self, take: Callable[[Graph | None], None]) -> None:
-        from ur_nodes.ros1.graph import read_graph
 
         self.work(lambda: read_graph(self.name), take, "graph")
 

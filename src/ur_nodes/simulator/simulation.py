@@ -20,7 +20,7 @@ from ur_nodes.simulator.people.strike import Strikes
 from ur_nodes.simulator.physics import Physics
 from ur_nodes.simulator.schedule import Schedule, SimulationTick
 from ur_nodes.simulator.senses import Senses
-from ur_nodes.simulator.sensors.lidar import make_lidars
+from ur_nodes.simulator.sensors.flat_rays import make_lidars
 from ur_nodes.simulator.sensors.odometry import EncoderOdometry
 
 CONTROL_RATE = 50.0  # Hz

@@ -19,8 +19,7 @@ from ur_nodes.slam.matching.surface import Floats
 from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.pose_graph.graph import PoseGraph
 from ur_nodes.slam.pose_graph.loop_closer import LoopCloser
-from ur_nodes.slam.pose_graph.trail import Trail
-from ur_nodes.slam.pose_graph.views import select_views
+from ur_nodes.slam.pose_graph.trail import Trail, select_views
 from ur_nodes.slam.prediction import UNKNOWN_MOTION, MotionPredictor
 
 _PAIRS_AT_REST = 2  # of neighbouring keyframes that are matched instead of a scan at rest

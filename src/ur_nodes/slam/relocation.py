@@ -16,7 +16,7 @@ from ur_nodes.slam.matching.local_map import LocalMap
 from ur_nodes.slam.matching.match import match_surface
 from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.matching.surface import Floats, join
-from ur_nodes.slam.pose_graph.views import select_views
+from ur_nodes.slam.pose_graph.trail import select_views
 
 _CELL = 0.2  # m: of the search of the whole map
 _POINTS = 120  # of a scan, in a search

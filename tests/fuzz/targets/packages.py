@@ -14,7 +14,7 @@ from ur.run.debugger.core_dump import belongs_to
 from ur.run.master.tcpros import read_frames
 from ur.source.diagnostic import UserError
 from ur.tools.package.cmake import put_block, write_block
-from ur.tools.package.manifest import add_run_dependencies, read_optional
+from ur.tools.package.uses import add_run_dependencies, read_optional
 
 _XML_WORDS = (
     *(b"<package>", b"</package>", b'<package format="2">', b"<name>", b"</name>", b"<export>", b"<metapackage/>"),

@@ -13,8 +13,7 @@ from mcap.reader import make_reader
 from ur.recordings.black_boxes import notify_black_boxes
 from ur.recordings.mcap_file import open_recording
 from ur_nodes.black_box.black_box import BlackBox, BlackBoxSettings
-from ur_nodes.black_box.black_box_node import read_settings, share_memory
-from ur_nodes.black_box.event_socket import EventSocket
+from ur_nodes.black_box.black_box_node import EventSocket, read_settings, share_memory
 from ur_nodes.black_box.recording_file import list_recordings, write_recording
 from ur_nodes.black_box.ring import Ring
 from ur_nodes.black_box.tape import Tape, read_tape

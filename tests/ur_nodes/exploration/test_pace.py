@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from ur_nodes.exploration.pace import Pace
+from ur_nodes.exploration.explorer import Pace
 
 
 def grow(rate: float, until: float, pace: Pace | None = None, begin: float = 0.0) -> Pace:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ur_nodes.exploration.pause import MuxMessages, note_time, reason_to_pause
+from ur_nodes.exploration.navigation import MuxMessages, note_time, reason_to_pause
 from ur_nodes.motion.lease.text import Lease
 
 BEGUN = note_time(MuxMessages(), 0.0)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ur_nodes.localisation.ambiguity import find_places
+from ur_nodes.localisation.localiser import find_places
 from ur_nodes.localisation.particle_filter import Particles
 
 

@@ -16,7 +16,7 @@ from ur_nodes.client.navigation import Names, NavigationTopics
 from ur_nodes.client.snapshot import GoalReport
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
-from ur_nodes.one_process.plan import NodeStart
+from ur_nodes.one_process.host import NodeStart
 from ur_nodes.ports.actions import Goal, GoalId
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality

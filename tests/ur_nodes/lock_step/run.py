@@ -19,8 +19,7 @@ from ur.recordings.message_types import full_type_name
 from ur.source.diagnostic import UserError
 from ur_nodes.one_process.bus import LiveNode
 from ur_nodes.one_process.context import NodeContext
-from ur_nodes.one_process.host import start_thread
-from ur_nodes.one_process.plan import NodeStart
+from ur_nodes.one_process.host import NodeStart, start_thread
 from ur_nodes.ports.actions import GoalState
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality

@@ -15,7 +15,7 @@ from ur_nodes.codecs.frames import transforms_of
 from ur_nodes.codecs.places import placed_of
 from ur_nodes.ports.actions import Goal, GoalState, GoalStates
 from ur_nodes.ports.values import PlacedPose
-from ur_nodes.ros1.goal_client import state_of
+from ur_nodes.ros1.goals import state_of
 
 _Message = TypeVar("_Message", bound=genpy.Message)
 

@@ -7,7 +7,7 @@ import pytest
 
 from ur_nodes.geometry.grid import Grid, load_map
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.mapping.save import save_map
+from ur_nodes.mapping.map_saver import save_map
 
 
 def test_saved_grid_is_read_back_as_it_was(tmp_path: Path) -> None:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from ur_nodes.simulator.pacing import Pacer
+from ur_nodes.simulator.operation import Pacer
 
 
 def test_pacer_waits_until_a_moment_is_due() -> None:

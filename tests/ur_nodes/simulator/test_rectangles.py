@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from ur_nodes.simulator.rectangles import Rectangle, merge_cells
+from ur_nodes.simulator.mujoco_model import Rectangle, merge_cells
 
 
 @given(arrays(np.bool_, array_shapes(min_dims=2, max_dims=2, max_side=12), elements=st.booleans()))

@@ -3,7 +3,7 @@ from __future__ import annotations
 import math
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.slip import SlipWatch
+from ur_nodes.slam.gmapping.reports import SlipWatch
 
 
 def test_wheels_that_spin_on_the_spot_are_noticed_once() -> None:

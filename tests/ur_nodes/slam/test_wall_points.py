@@ -6,7 +6,7 @@ from tests.ur_nodes.slam.rooms import CENTRE, box, scan_at, walls_of
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.matching.scan import MapScan, make_scan
-from ur_nodes.slam.wall_points import wall_points
+from ur_nodes.slam.occupancy import wall_points
 
 ROOM = walls_of(box(-2.0, -1.5, 2.0, 1.5))
 

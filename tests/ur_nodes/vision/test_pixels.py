@@ -9,7 +9,7 @@ import pytest
 
 from ur_nodes.pictures.decode import BadPictureError, make_picture
 from ur_nodes.ports.values import PackedPicture, Picture
-from ur_nodes.vision.pixels import pack_picture, read_pixels
+from ur_nodes.vision.fiducial_detect import pack_picture, read_pixels
 
 PICTURE = np.random.default_rng(0).integers(0, 255, (6, 8, 3)).astype(np.uint8)
 

@@ -9,15 +9,53 @@ import threading
 from dataclasses import dataclass
 
 from ur.source.ansi import has_true_colour, is_plain
+from ur.source.diagnostic import UserError, error
 from ur_nodes.camera.calibration.board import Board
 from ur_nodes.camera.calibration.screen import Views, show_session, write_session
 from ur_nodes.camera.calibration.session import CalibrationSession
 from ur_nodes.camera.calibration.solve import describe_result, solve_or_fail
-from ur_nodes.camera.calibration.store import CalibrationClient
 from ur_nodes.pictures.feed import PictureFeed
 from ur_nodes.ports.node import Node
+from ur_nodes.ports.services import UseCalibration
+from ur_nodes.ports.values import Calibration, Result
 from ur_nodes.run import run_foreground
 from ur_nodes.teleop.terminal.raw import own_terminal
+
+_LIMIT = 5.0  # s
+_POLL = 0.02  # s
+
+
+class CalibrationClient:
+    """Calls `CAMERA/set_camera_info`, for a user interface."""
+
+    def __init__(self, node: Node, camera: str) -> None:
+        self._node = node
+        self._service = node.resolve(camera) + "/set_camera_info"
+        self._result: Result | None = None
+
+    def keep(self, calibration: Calibration, ended: threading.Event) -> str | None:
+        """Let the camera's node use and store a calibration; return its answer, None if `ended` is set before.
+
+        Not for the node's thread. Raises UserError.
+        """
+        request = UseCalibration(calibration)
+        self._node.post(lambda: self._node.call(self._service, request, self._take, _LIMIT))
+        while (result := self._result) is None:
+            if ended.wait(_POLL):
+                return None
+        if not result.success:
+            raise UserError(
+                error(
+                    f"the calibration is not stored: {self._service}: {result.text}",
+                    rule="bad-calibration",
+                    help="is the camera's node running? That of a simulated camera stores no calibration",
+                )
+            )
+        return result.text
+
+    def _take(self, result: Result) -> None:
+        self._result = result
+
 
 _INTERRUPTED = 128 + signal.SIGINT
 

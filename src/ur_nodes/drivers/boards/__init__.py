@@ -7,13 +7,12 @@ from collections.abc import Callable, Mapping
 from ur.robot.base import Base
 from ur.robot.base.wiring import Wiring
 from ur_nodes.drivers.boards.arduino import Arduino
-from ur_nodes.drivers.boards.board import MotorBoard
+from ur_nodes.drivers.boards.board import MotorBoard, RewiredBoard
 from ur_nodes.drivers.boards.create2 import Create2
 from ur_nodes.drivers.boards.loki import Loki
 from ur_nodes.drivers.boards.magni import Magni
 from ur_nodes.drivers.boards.neato import Neato
 from ur_nodes.drivers.boards.opencr import OpenCr
-from ur_nodes.drivers.boards.rewired import RewiredBoard
 
 BOARDS: Mapping[str, Callable[[Base], MotorBoard]] = {
     "arduino": Arduino,

@@ -3,16 +3,47 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from functools import partial
+
+from smbus2 import SMBus
 
 from ur.source.diagnostic import UserError, error
 from ur_nodes.drivers.health import report_to_file
 from ur_nodes.drivers.imus import IMUS
-from ur_nodes.drivers.imus.i2c_bus import open_bus
+from ur_nodes.drivers.imus.imu import I2cBus
 from ur_nodes.drivers.imus.imu_driver import ImuDriver
+from ur_nodes.drivers.lines.line import explain_error
 from ur_nodes.drivers.settings import find_device, read_base
 from ur_nodes.ports.node import Node
 from ur_nodes.run import run
+
+
+class LinuxBus:
+    """See I2cBus."""
+
+    def __init__(self, bus: SMBus) -> None:
+        self._bus = bus
+
+    def read(self, address: int, register: int, count: int) -> bytes:
+        """See I2cBus."""
+        return bytes(self._bus.read_i2c_block_data(address, register, count))
+
+    def write(self, address: int, register: int, value: int) -> None:
+        """See I2cBus."""
+        self._bus.write_byte_data(address, register, value)
+
+    def close(self) -> None:
+        """See I2cBus."""
+        self._bus.close()
+
+
+def open_bus(path: str, make: Callable[[str], SMBus] = SMBus) -> I2cBus | str:
+    """Open a bus; or why it cannot be."""
+    try:
+        return LinuxBus(make(path))
+    except OSError as problem:
+        return explain_error(problem)
 
 
 def start(node: Node) -> None:

@@ -7,6 +7,33 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Protocol
+
+LONGEST = 0.045  # s that an echo may take: an HC-SR04 without one gives up after 38 ms
+
+
+@dataclass(frozen=True, slots=True)
+class Listened:
+    """The edges since a sonar was triggered, and when that was and listening ended (ns, the kernel's monotonic clock).
+
+    `busy`: its echo pin was high before, and it was not triggered.
+    """
+
+    edges: tuple[PinEdge, ...]
+    triggered: int
+    ended: int
+    busy: bool = False
+
+
+class SonarPort(Protocol):
+    """The pins of sonars."""
+
+    def ping(self, sonar: SonarPins) -> Listened | str:
+        """Trigger a sonar and listen until its echo has ended, at most for LONGEST; why that failed. On a worker."""
+
+    def close(self) -> None:
+        """Give the pins back."""
+
 
 SPEED_OF_SOUND = 343.0  # m/s, at 20 degrees Celsius, as pi_sonar has it
 SHORTEST = 60_000  # ns: a pulse of 1 cm; shorter ones are noise

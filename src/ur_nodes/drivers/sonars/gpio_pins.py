@@ -11,8 +11,7 @@ from gpiod.line import Bias, Direction, Value
 from gpiod.line import Edge as Detection
 
 from ur_nodes.drivers.lines.line import explain_error
-from ur_nodes.drivers.sonars.echoes import PinEdge, SonarPins, find_echo
-from ur_nodes.drivers.sonars.port import LONGEST, Listened, SonarPort
+from ur_nodes.drivers.sonars.echoes import LONGEST, Listened, PinEdge, SonarPins, SonarPort, find_echo
 
 _PULSE = 10e-6  # s
 _EVENTS = 64  # edges that the kernel keeps

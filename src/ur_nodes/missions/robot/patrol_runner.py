@@ -15,7 +15,6 @@ from ur_nodes.client.patrol_text import (
     read_request,
     write_status,
 )
-from ur_nodes.missions.robot.admission import refuse_request
 from ur_nodes.missions.robot.patrol import (
     NavigationCommands,
     Patrol,
@@ -32,10 +31,43 @@ from ur_nodes.missions.robot.place_lookup import PlaceLookup
 from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.motion.lease.text import Lease, read_lease
 from ur_nodes.motion.lease.view import Identity
-from ur_nodes.navigation.goals.attendance import name_of_driver
-from ur_nodes.navigation.goals.goal_claim import REMEMBERED, ReceivedChallenges, note_challenge
+from ur_nodes.navigation.goals.attendance import LATEST, clock_time, name_of_driver
+from ur_nodes.navigation.goals.goal_claim import (
+    REMEMBERED,
+    ReceivedChallenges,
+    age_of_answer,
+    lag_of_answer,
+    note_challenge,
+)
 from ur_nodes.ports.node import Node, Sender
 from ur_nodes.ports.qualities import Quality
+
+_NANO = 1_000_000_000
+
+
+def refuse_request(
+    request: PatrolRequest, lease: Lease | None, own: str, challenges: ReceivedChallenges, now: float, *, latched: bool
+) -> str:
+    """Return the reason why a request is refused; '' when it is accepted.
+
+    `own` is the patrol's client of the lease, which is None where the mux has none. `latched`: the publisher keeps the
+    message for subscribers that come later, so nothing shows its age. To pause and to end is never refused.
+    """
+    if request.action in ("pause", "end"):
+        return ""
+    if lease is not None and lease.client not in ("", own) and lease.client != (request.client or None):
+        if lease.state == "held":
+            return f"{name_of_driver(lease)} drives since {clock_time(lease.since)}"
+        return f"{name_of_driver(lease)} drove and is out of reach, take over first"
+    if request.answers is None:
+        return "a latched request may be old; publish it without latching, or with a challenge" if latched else ""
+    answer = request.answers[0] * _NANO + request.answers[1]
+    age = age_of_answer(challenges, answer, now)
+    if age is not None and age <= LATEST:
+        return ""
+    lag = age if age is not None else lag_of_answer(challenges, answer, now)
+    return f"the request arrived late{'' if lag is None else f' ({lag:.1f} s)'}, send it again"
+
 
 _PERIOD = 0.1  # s
 

@@ -14,8 +14,52 @@ from dataclasses import dataclass, field
 
 from ur_nodes.loop import run_aside
 from ur_nodes.ports.raw import RecordedMessage, RecordedType
-from ur_nodes.ros1.recorder.frames import FrameError, Frames
 from ur_nodes.ros1.recorder.topic_connection import read_stamp
+
+MOST_BYTES = 1 << 26
+"""Bytes of one message."""
+
+_LENGTH = struct.Struct("<I")
+
+
+class FrameError(Exception):
+    """The stream is none of messages."""
+
+
+class Frames:
+    """Cuts a stream into messages; what is incomplete waits for the rest."""
+
+    def __init__(self) -> None:
+        self._rest = bytearray()
+
+    def feed(self, data: memoryview) -> list[bytes]:
+        """The messages that are complete now. Raises FrameError."""
+        if self._rest:
+            self._rest += data
+            with memoryview(self._rest) as whole:
+                found, used = _cut(whole)
+            del self._rest[:used]
+            return found
+        found, used = _cut(data)
+        if used < len(data):
+            self._rest += data[used:]
+        return found
+
+
+def _cut(data: memoryview) -> tuple[list[bytes], int]:
+    found: list[bytes] = []
+    place = 0
+    while len(data) - place >= _LENGTH.size:
+        (length,) = _LENGTH.unpack_from(data, place)
+        if length > MOST_BYTES:
+            raise FrameError(f"a message of {length} bytes, expected at most {MOST_BYTES}")
+        end = place + _LENGTH.size + length
+        if end > len(data):
+            break
+        found.append(bytes(data[place + _LENGTH.size : end]))
+        place = end
+    return found, place
+
 
 PAUSE = 0.04  # s between two readings, in which the kernel keeps what arrives
 _BUFFER = 1 << 20

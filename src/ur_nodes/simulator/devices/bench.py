@@ -10,7 +10,6 @@ from ur.robot.base import Base
 from ur.source.diagnostic import UserError, error
 from ur_nodes.simulator.devices.arduino import ArduinoFirmware
 from ur_nodes.simulator.devices.create2 import Create2Firmware
-from ur_nodes.simulator.devices.firmware import Firmware
 from ur_nodes.simulator.devices.hokuyo import HokuyoFirmware
 from ur_nodes.simulator.devices.lds import Lds01Firmware, Lds02Firmware
 from ur_nodes.simulator.devices.lidars import LdRobotFirmware, RplidarFirmware, Xv11Firmware, YdlidarFirmware
@@ -21,6 +20,19 @@ from ur_nodes.simulator.devices.opencr import OpenCrFirmware
 from ur_nodes.simulator.devices.plant import Plant
 from ur_nodes.simulator.devices.terminal import DeviceTerminal
 from ur_nodes.simulator.simulation import Simulation
+
+
+class Firmware(Protocol):
+    """The behaviour of a device at the end of a line; `covers` are the keys of sensors that it reports."""
+
+    covers: frozenset[str]
+
+    def take(self, data: bytes) -> bytes:
+        """Take bytes of the driver, and return the answers. No bytes make it raise."""
+
+    def tick(self) -> bytes:
+        """Return what the device sends by itself until now."""
+
 
 FIRMWARES: Mapping[str, Callable[[Plant], Firmware]] = {
     "arduino": ArduinoFirmware,

@@ -10,8 +10,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 from ur.web.wire.data_frames import pack_json
-from ur_nodes.ports.facts import Facts
-from ur_nodes.ports.node import Node, Subscription
+from ur_nodes.ports.node import Facts, Node, Subscription
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import RawMessage
 from ur_nodes.web.layers.pacing import Every

@@ -9,8 +9,8 @@ from tests.ur_nodes.camera.calibration.rendered_board import project_views
 
 from ur.source.diagnostic import UserError
 from ur_nodes.camera.calibration.board import Board
+from ur_nodes.camera.calibration.calibrate_camera_node import CalibrationClient
 from ur_nodes.camera.calibration.solve import describe_result, solve_or_fail
-from ur_nodes.camera.calibration.store import CalibrationClient
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.services import UseCalibration
 from ur_nodes.ports.values import Result

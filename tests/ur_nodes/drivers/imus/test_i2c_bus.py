@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ur_nodes.drivers.imus.i2c_bus import open_bus
+from ur_nodes.drivers.imus.imu_driver_node import open_bus
 
 
 class Bus:

@@ -9,8 +9,7 @@ import random
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from ur_nodes.drivers.sonars.echoes import PinEdge, SonarPins
-from ur_nodes.drivers.sonars.port import Listened
+from ur_nodes.drivers.sonars.echoes import Listened, PinEdge, SonarPins
 from ur_nodes.memory.bus import Bus
 
 BURST = 450_000  # ns from the trigger to the rising edge

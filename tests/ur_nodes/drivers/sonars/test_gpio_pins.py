@@ -11,9 +11,8 @@ import gpiod
 import pytest
 from gpiod.line import Value
 
-from ur_nodes.drivers.sonars.echoes import SonarPins, find_echo
+from ur_nodes.drivers.sonars.echoes import LONGEST, Listened, SonarPins, SonarPort, find_echo
 from ur_nodes.drivers.sonars.gpio_pins import open_gpio
-from ur_nodes.drivers.sonars.port import LONGEST, Listened, SonarPort
 
 SONAR = SonarPins(20, 21)
 PULSE = 5_000_000  # ns

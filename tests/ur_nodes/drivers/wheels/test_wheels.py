@@ -18,7 +18,7 @@ from ur.robot.base import load_base
 from ur.robot.base.wiring import WIRING_NAMES, Wiring, put_wiring
 from ur.source.diagnostic import UserError
 from ur_nodes.drivers.boards import BOARDS, make_board
-from ur_nodes.drivers.boards.rewired import RewiredBoard
+from ur_nodes.drivers.boards.board import RewiredBoard
 from ur_nodes.drivers.wheels.program import main, report, run_test
 from ur_nodes.drivers.wheels.session import WheelSession
 from ur_nodes.drivers.wheels.verdict import MOTIONS, WheelObservation, WheelVerdict, judge

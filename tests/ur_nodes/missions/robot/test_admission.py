@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from ur_nodes.client.patrol_text import PatrolAction, PatrolRequest
-from ur_nodes.missions.robot.admission import refuse_request
+from ur_nodes.missions.robot.patrol_runner import refuse_request
 from ur_nodes.motion.lease.text import FREE, Lease
 from ur_nodes.navigation.goals.goal_claim import ReceivedChallenges, note_challenge
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from ur_nodes.navigation.planning.outline_shots import list_shots
+from ur_nodes.navigation.planning.outline_search import list_shots
 
 
 @pytest.mark.parametrize("seed", range(8))

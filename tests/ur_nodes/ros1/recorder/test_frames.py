@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur_nodes.ros1.recorder.frames import MOST_BYTES, FrameError, Frames
+from ur_nodes.ros1.recorder.receiver import MOST_BYTES, FrameError, Frames
 
 
 @given(st.lists(st.binary(max_size=40), max_size=12), st.lists(st.integers(0, 400), max_size=12))

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur_nodes.simulator.camera.frame_rate import FrameCount
+from ur_nodes.simulator.camera.camera_topics import FrameCount
 
 
 def notes(count: FrameCount, rate: float, seconds: float, every: int, start: float = 0.0) -> Iterator[str]:

@@ -13,8 +13,7 @@ import pytest
 from ur.robot.base import Base
 from ur.worlds.world_file import Box, WorldModel
 from ur_nodes.simulator.mujoco_model import build_model
-from ur_nodes.simulator.sensors.flat_rays import UprightShapes
-from ur_nodes.simulator.sensors.lidar import LidarBeams, make_lidars
+from ur_nodes.simulator.sensors.flat_rays import LidarBeams, UprightShapes, make_lidars
 from ur_nodes.simulator.simulation import Simulation
 
 BOXES = (Box("pillar", (3.0, 1.0, 0.5, 0.4), (0.3, 0.5, 1.0)), Box("low", (3.0, 0.0, 0.05, 0.0), (0.2, 0.2, 0.1)))

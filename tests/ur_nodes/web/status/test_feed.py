@@ -8,7 +8,7 @@ from typing import Any
 
 from ur.web.wire.data_frames import unpack_frame
 from ur_nodes.memory.bus import Bus
-from ur_nodes.ports.facts import Facts
+from ur_nodes.ports.node import Facts
 from ur_nodes.web.status.computer import CpuTimes
 from ur_nodes.web.status.diagnostics import KIND
 from ur_nodes.web.status.feed import StatusFeed
