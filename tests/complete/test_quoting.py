@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ur.complete.line import read_word, split_line
-from ur.complete.quoting import quote_insertion
+from ur.complete.line import quote_insertion, read_word, split_line
 
 SHELL = "".join(map(chr, range(0x20, 0x7F))) + "é漢"
 

@@ -119,7 +119,7 @@ def apply_selection(selection: Selection) -> None:
     """
     ros = find_ros(selection.ros, os.environ, str(state_folder()))
     if ros.version == 2 and not ros.sourced and not ros.wheels:
-        from ur.system.sourced_ros import source_ros  # only for the user's own ROS 2
+        from ur.system.ros import source_ros  # only for the user's own ROS 2
 
         os.environ.update(source_ros(ros.prefix, os.environ))
     os.environ.update(environment_changes(selection, os.environ))

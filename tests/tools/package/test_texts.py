@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ur.tools.package.cmake import choose_folders, describe_changes, put_block, write_block
-from ur.tools.package.manifest import add_run_dependencies, read_optional, read_run_dependencies
+from ur.tools.package.uses import add_run_dependencies, read_optional, read_run_dependencies
 
 MANIFEST = """<?xml version="1.0"?>
 <package format="3">

@@ -44,7 +44,7 @@ def answer_completion(words: Sequence[str]) -> int:
 def _row(candidate: Completion, shell: str, line: str = "", replaced: str | None = None) -> str:
     text: str | None = candidate.text
     if shell == "bash":
-        from ur.complete.quoting import quote_insertion
+        from ur.complete.line import quote_insertion
 
         text = quote_insertion(line, replaced, candidate.text)
     return f"{'open' if candidate.open else 'done'}\t{text}\t{_flat(candidate.help)}\n" if text else ""

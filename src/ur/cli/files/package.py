@@ -27,8 +27,7 @@ def command(path: str, write: bool) -> int:
     from ur.source.read import read_source
     from ur.tools.new.target import find_target
     from ur.tools.package.cmake import choose_folders, describe_changes, put_block, write_block
-    from ur.tools.package.manifest import add_run_dependencies, read_optional, read_run_dependencies
-    from ur.tools.package.uses import find_used_packages
+    from ur.tools.package.uses import add_run_dependencies, find_used_packages, read_optional, read_run_dependencies
 
     folder = find_target(path).folder
     with show_progress("finding launch files") as progress:

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from typing import Literal
 
 from ur.docs.documents import DirectoryDoc, Documents, LaunchDoc, PackageDoc, ProgramDoc
-from ur.docs.markdown.launch import write_launch_file
+from ur.docs.markdown.launch import write_launch_file, write_trees
 from ur.docs.markdown.text import MarkdownPage, code, escape_cell, inline
-from ur.docs.markdown.tree import write_trees
 from ur.docs.vary import name_cases
 
 Kind = Literal["node", "task", "view", "other"]

@@ -9,8 +9,7 @@ import stat
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
-from ur.launchfile.world.links import walk_links
-from ur.launchfile.world.packages import find_packages, package_paths, read_package_name
+from ur.launchfile.world.packages import find_packages, package_paths, read_package_name, walk_links
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.source.foreign.files import MAX_MANIFEST, read_file, read_text
 

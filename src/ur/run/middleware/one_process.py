@@ -117,7 +117,7 @@ def refuse_second_run(environment: Mapping[str, str], own: int | None = None) ->
 
 
 def describe_start(program: UnitProgram, node: NodeSpec) -> dict[str, object]:
-    """Describe the start of a node, as `ur_nodes.one_process.plan` reads it. Raises UserError."""
+    """Describe the start of a node, as `ur_nodes.one_process.host` reads it. Raises UserError."""
     words = _read_start(program.executable)
     if words is None or node.launch_prefix:
         reason = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ur.launchfile.plan.specs import ReadyCondition
-from ur.launchfile.plan.tags.ready import is_ready_comment, parse_ready
+from ur.launchfile.plan.tags.nodes import is_ready_comment, parse_ready
 
 
 def test_conditions_are_read_with_names_in_full() -> None:
