@@ -149,11 +149,15 @@ def test_guard_in_a_unit_of_its_own_stops_the_motors_of_the_driver_that_connects
         os.close(each)
 
 
-def test_driver_starts_a_guard_itself_where_that_of_the_unit_ends_at_once(unit_socket: socket.socket) -> None:
+def test_driver_stops_the_motors_and_starts_a_guard_itself_where_that_of_the_unit_ended(
+    unit_socket: socket.socket,
+) -> None:
     theirs, ours = os.pipe()
     guard = MotorGuard(ours, b"STOP", b"", lambda *_: os.dup(ours), unit_socket.getsockname())
     unit_socket.accept()[0].close()
-    guard.report(moving=True)
+    assert not guard.report(moving=True)
+    assert os.read(theirs, 100) == b"STOP"
+    assert guard.report(moving=True)
     assert os.read(theirs, 100) == b"m"
     guard.close()
     for each in (theirs, ours):

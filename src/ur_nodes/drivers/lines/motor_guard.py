@@ -63,18 +63,24 @@ class MotorGuard:
         self._requested = -_SOON
         self._pipe = self._begin()
 
-    def report(self, *, moving: bool) -> None:
-        """Report a command before it is sent, so that motors never turn without a guard. Raises OSError."""
-        data = b"m" if moving else b"r"
+    def report(self, *, moving: bool) -> bool:
+        """Report a command before it is sent, so that motors never turn without a guard. Raises OSError.
+
+        Returns False where the guard was killed: the motors are stopped, and a new guard is started.
+        """
         try:
-            os.write(self._pipe, data)
+            os.write(self._pipe, b"m" if moving else b"r")
         except BlockingIOError:
-            return  # it has more to read than it needs
-        except ConnectionError:  # it was killed
+            return True  # it has more to read than it needs
+        except ConnectionError:
+            device, stop, _ = self._given
+            if moving:
+                os.write(device, stop)  # first: a start takes time, and the host may have been killed, too
             started = self._begin()
             self.close()
             self._pipe = started
-            os.write(started, data)
+            return False
+        return True
 
     def _begin(self) -> int:
         before, self._requested = self._requested, time.monotonic()

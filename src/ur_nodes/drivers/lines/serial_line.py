@@ -67,8 +67,8 @@ class SerialLine:
         if self._port is None or not data:
             return
         with contextlib.suppress(OSError, termios.error):  # unplugged: what reads it reports that
-            if self._guard and moving:
-                self._guard.report(moving=True)
+            if self._guard and moving and not self._guard.report(moving=True):
+                return  # the next command moves them again
             os.write(self._port.fileno(), data)  # what stops motors waits for no guard that has to be started again
             if self._guard and not moving:
                 self._guard.report(moving=False)

@@ -114,5 +114,5 @@ def test_what_stops_the_motors_is_sent_where_no_guard_can_be_started(tmp_path: P
     line.write(b"go", moving=True)
     line.write(b"stop")
     line.close()
-    assert terminal.read() == b"stop"
+    assert terminal.read() == b"STOPstop"
     terminal.close()
