@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 
 from ur.robot.base import Base
 from ur_nodes.drivers.base_topics import BaseTopics
@@ -34,10 +35,16 @@ class BaseDriver:
     """Moves the base within its limits while commands are fresh, its board answers and its counts make sense."""
 
     def __init__(
-        self, node: Node, base: Base, board: MotorBoard, connect: Connect, report: Report = lambda _: None
+        self,
+        node: Node,
+        base: Base,
+        board: MotorBoard,
+        connect: Connect,
+        report: Report = lambda _: None,
+        host: int | None = None,
     ) -> None:
-        """`report` gets the health of the board."""
-        self._node, self._board = node, board
+        """`report` gets the health of the board. `host` is the parent process, without which the base does not drive."""
+        self._node, self._board, self._host = node, board, host
         self._drive = WheelDrive(base, board.period)
         self._radius = base.wheels.radius
         self._odometer = CounterOdometry(base, board.counts_per_turn)
@@ -80,6 +87,8 @@ class BaseDriver:
 
     def _obstacle(self, now: float) -> str:
         """Return why the base may not drive now; '' where it may."""
+        if self._host is not None and os.getppid() != self._host:  # a signal that says so is slower than a period
+            return "the process that started this driver was killed"
         if self._bad_counts >= _TOO_BAD:
             return "its wheel counters jump; check the encoders and their cables"
         if now - self._counted > BLIND:

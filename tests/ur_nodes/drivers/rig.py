@@ -5,6 +5,7 @@ The line has the faults of real ones: unplugged, noise, lost halves of frames, a
 
 from __future__ import annotations
 
+import os
 import random
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -161,7 +162,8 @@ class DriverRig(DrivenStage):
         assert self.base.driver
         driver = self.base.driver
         board = make_board(driver.protocol, self.base)
-        self.driver = BaseDriver(node, self.base, board, self._connect(node, driver.device), self._report)
+        connect = self._connect(node, driver.device)
+        self.driver = BaseDriver(node, self.base, board, connect, self._report, os.getppid())
 
     def _start_lidar(self, node: Node) -> None:
         assert self.base.lidar

@@ -84,6 +84,17 @@ def test_motors_stop_when_commands_end_and_when_the_node_ends(name: str) -> None
     assert rest_after(rig) < REST
 
 
+def test_robot_rests_after_the_host_of_its_driver_was_killed_though_commands_go_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rig = make_rig("create2")
+    drive_off(rig)
+    monkeypatch.setattr("os.getppid", lambda: 1)
+    rig.drive(0.3, 0.0, 0.3)
+    assert abs(rig.truth.twist.forward) < REST
+    assert any("the process that started this driver was killed" in line for line in lines(rig))
+
+
 @pytest.mark.parametrize("name", BOARD_NAMES)
 @pytest.mark.parametrize("seed", range(5))
 def test_robot_rests_after_its_driver_was_killed_at_any_moment(name: str, seed: int) -> None:

@@ -33,13 +33,14 @@ def name_process(name: bytes) -> None:
     ctypes.CDLL(None).prctl(PR_SET_NAME, name, 0, 0, 0)
 
 
-def become_driver() -> None:
+def become_driver() -> int:
     """Let this process stop its motors when the host is killed: it gets SIGTERM then, not SIGKILL. On the main thread.
 
-    The guard of the motors may have been killed with the host.
+    The guard of the motors may have been killed with the host. Returns the process id of the host.
     """
     name_process(DRIVER)
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM, 0, 0, 0)
+    return os.getppid()
 
 
 def list_descendants(root: int, spared: tuple[bytes, ...] = ()) -> list[int]:
