@@ -1,1 +1,1 @@
-"""Nodes of our own: wiring (`*_node.py`) over pure modules, written against `ports`; `ros1` runs them on ROS."""
+"""Nodes of our own: wiring (`*_node.py`) over pure modules, for ROS 1, ROS 2 and one process (`memory`)."""

@@ -26,7 +26,7 @@ def test_launch_whose_nodes_all_run_already_is_refused_by_the_name_of_their_run(
     file = world.write(NODES)
     run = world.call("launch", "--detach", file).split()[-1]
     said = world.call("launch", "--detach", file, code=1)
-    assert f"error: everything of this runs already, in {run}: /one, /two [node-runs-already]" in said
+    assert f"error: all nodes of this launch file already run in {run}: /one, /two [node-runs-already]" in said
     assert f"help: 'ur attach {run}' shows it, 'ur stop {run}' ends it; --replace starts it anew" in said
     assert world.call("ps").count("detached") == 1
     world.call("stop", "--all")

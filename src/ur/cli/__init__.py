@@ -1,1 +1,1 @@
-"""The command line: one file per verb, imported when it is used."""
+"""The command line: a package for each group of verbs, whose modules are imported when a verb is used."""

@@ -77,7 +77,7 @@ def undo(record: Path, packages: Path, actions: InstallActions | None = None) ->
         goes = parse_simulation(actions.simulate(["remove", *present]), "Remv")
         others = sorted(set(goes) - set(present))
         if others:
-            message = f"{', '.join(others[:5])} would be removed as well, expected that nothing else needs the packages"
+            message = f"{', '.join(others[:5])} would be removed as well: they need these packages"
             help_ = f"keep them, or remove that first: apt-get remove {' '.join(others)}"
             raise UserError(error(message, rule="needed-package", help=help_))
         actions.remove(present)

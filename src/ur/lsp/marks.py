@@ -1,4 +1,4 @@
-"""Marks in a text: kinds of words for colours, values beside what they come from, and lines with commands."""
+"""Semantic tokens, inlay hints and code lenses of a launch file."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ def explain_failure(place: str, done: ShellResult) -> UserError:
         message = f"{name}: ubiquity_launches is not there, expected it in ~/{LIBRARIES[1]} to start the robot's nodes"
         help_ = f"ur robot setup {name} installs it"
     elif done.code == NOT_READY:
-        message = f"{name}: ubiquity_launches is not set up there, expected that once, to start the robot's nodes"
+        message = f"{name}: ubiquity_launches is not set up there, so the robot's nodes cannot start"
         help_ = f"ur robot setup {name} completes it"
     elif "No module named" in reported:
         message = f"{name}: ubiquity_launches there is older than here, expected the same: {reported}"

@@ -1,1 +1,1 @@
-"""Additions to the topics of upstream's drivers of real bases."""
+"""Drivers of real bases, lidars, sonars and inertial units, and additions to the topics of upstream's drivers."""

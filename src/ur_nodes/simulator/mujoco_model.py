@@ -285,7 +285,7 @@ def _velocity_motors(base: Base, number: int, friction: float) -> Iterable[str]:
 
 
 def _rotor_inertia(base: Base) -> float:
-    """Of a geared motor, seen from the wheel: a share of what it moves ahead or in turns, whichever is more; kg m^2."""
+    """Rotor inertia reflected to the wheel, kg m^2: a fraction of the larger of translational and turning inertia."""
     xs, ys = [p[0] for p in base.footprint], [p[1] for p in base.footprint]
     about_axle = ((max(xs) - min(xs)) ** 2 + (max(ys) - min(ys)) ** 2) / 12.0 + find_centroid(base.footprint)[0] ** 2
     in_turns = about_axle / (base.wheels.separation / 2.0) ** 2  # what a kilogram counts at the wheels

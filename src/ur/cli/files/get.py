@@ -206,7 +206,7 @@ def _ask(question: str, *, yes: bool) -> None:
         message = "there is no terminal to ask on, expected --yes or --dry-run"
         raise UserError(error(message, rule="no-terminal", help="--yes agrees to the plan above"))
     if not click.confirm(question, default=True):
-        raise UserError(error("nothing was changed: the question was answered with no", rule="refused"))
+        raise UserError(error("cancelled; nothing was changed", rule="refused"))
 
 
 def _run_on_robot(robot: str, words: Sequence[str], flags: Sequence[tuple[str, bool]]) -> int:

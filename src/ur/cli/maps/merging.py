@@ -29,9 +29,7 @@ def merge_maps(store: MapStore, first: str, second: str, name: str) -> str:
     check_map_name(name)
     if first == second:
         raise UserError(
-            error(
-                f"{first!r} is both maps, expected two", rule="same-map", help="ur maps lists the maps", subject=first
-            )
+            error(f"cannot merge {first!r} with itself", rule="same-map", help="ur maps lists the maps", subject=first)
         )
     need_all(["gtsam"], "vision.lock", "OpenCV and gtsam (100 MB to download)")
     command = [sys.executable, "-I", "-m", "ur_nodes", "ur_nodes.slam.storage.merging", first, second, name]

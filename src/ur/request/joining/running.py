@@ -278,7 +278,7 @@ def _explain_nothing_left(decision: Decision) -> UserError:
         return UserError(error(message, rule="node-runs-already", help="rosnode list", subject=names))
     return UserError(
         error(
-            f"everything of this runs already, in {', '.join(runs)}: {names}",
+            f"all nodes of this launch file already run in {', '.join(runs)}: {names}",
             rule="node-runs-already",
             help=f"'ur attach {runs[0]}' shows it, 'ur stop {runs[0]}' ends it; --replace starts it anew",
         )

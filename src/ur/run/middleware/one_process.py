@@ -128,7 +128,7 @@ def describe_start(program: UnitProgram, node: NodeSpec) -> dict[str, object]:
                 f"{node.full_name}: {reason} of its own, expected a node of ur_nodes without launch-prefix",
                 node.origin.span,
                 rule="own-process",
-                help=f"--except {node.full_name} leaves the node out; 'ur use sim --ros 2' has ROS where it can be",
+                help=f"--except {node.full_name} leaves the node out; or use ROS 2 instead: ur use sim --ros 2",
             )
         )
     own = program.argv[1 : len(program.argv) - len(node.remaps) - 1]

@@ -156,7 +156,7 @@ def _find_own(node: NodeSpec, world: World) -> str:
                 f"{node.full_name}: package {node.package!r} is not part of this project, which nodes without ROS are",
                 node.origin.span,
                 rule="unknown-package",
-                help=f"--except {node.full_name} leaves the node out; 'ur use sim --ros 2' has ROS where it can be",
+                help=f"--except {node.full_name} leaves the node out; or use ROS 2 instead: ur use sim --ros 2",
                 subject=node.package,
             )
         )

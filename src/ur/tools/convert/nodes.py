@@ -68,7 +68,7 @@ def _conditions(child: Element, scope: PlaceInFile) -> list[tuple[str, bool]]:
 
 
 def _canonical(name: str, text: str) -> tuple[str, bool]:
-    """A condition, and whether it has to hold: 'a != b' is that 'a == b' does not."""
+    """Normalise a condition: return it without negation, and whether it has to hold."""
     simple = text.count(" != ") == 1 and not any(word in text for word in (" and ", " or ", " if ", " not "))
     return (text.replace(" != ", " == "), name != "if") if simple else (text, name == "if")
 

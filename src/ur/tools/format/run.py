@@ -44,7 +44,7 @@ def format_file(path: str, data: bytes, world: World, package: Package | None = 
     before, encoding = decode_text(data)
     if encoding not in ("ascii", "utf-8") or not data.endswith(before.encode()):
         raise UserError(
-            error_about(path, "not written in UTF-8, expected that", rule="not-utf-8", help="save it as UTF-8 first")
+            error_about(path, "the file is not encoded in UTF-8", rule="not-utf-8", help="save it as UTF-8 first")
         )
     tree = _parse(path, before.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n"))
     assert tree.root is not None

@@ -50,4 +50,4 @@ class InertialDevice(Protocol):
         """Set it up; it takes a second at most."""
 
     def read(self, bus: I2cBus) -> InertialReading | None:
-        """Read it once; None for a reading that makes no sense, or that is not one yet."""
+        """Return a reading; None while the unit warms up, or if the values are out of range."""

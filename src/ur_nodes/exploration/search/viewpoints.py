@@ -1,4 +1,4 @@
-"""Places from which a frontier can be seen, that the robot gets to."""
+"""Reachable viewpoints: poses from which a frontier is visible."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Records topics of ROS 2 by looking for messages at intervals: to be woken by each costs more than all the rest."""
+"""Polls subscriptions of ROS 2 at intervals: a callback per message would dominate the processor time."""
 
 from __future__ import annotations
 

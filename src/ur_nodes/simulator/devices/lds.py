@@ -53,13 +53,13 @@ class Lds02Firmware(LdRobotFirmware):
 
 
 def squint(distances: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """The angles (rad, counter-clockwise) by which the host turns beams of these distances from the eye (mm)."""
+    """Return by which angles (rad, counter-clockwise) the host turns beams of these distances from the sensor, mm."""
     angles = np.arctan2(_SLOPE * distances + _ASIDE, distances + _AHEAD)
     return np.where(distances > 0.0, angles, 0.0)
 
 
 def remove_eye(distances: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """The distances from the eye (mm) of what is so far from the axis: x^2 + y^2 of the host's formula, solved."""
+    """Convert distances from the rotation axis to distances from the sensor, mm: the inverse of the host's formula."""
     square, linear = 1.0 + _SLOPE**2, _AHEAD + _SLOPE * _ASIDE
     rest = _AHEAD**2 + _ASIDE**2 - distances**2
     solved = (-linear + np.sqrt(np.maximum(0.0, linear**2 - square * rest))) / square

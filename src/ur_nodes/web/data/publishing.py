@@ -34,7 +34,7 @@ class Publishing:
         if refusal:
             raise RefusedError(refusal)
         if topic is not None and topic.kind not in ("", request.kind):
-            raise RefusedError(f"{request.topic} has the type {topic.kind}, expected that, not {request.kind}")
+            raise RefusedError(f"{request.topic} has the type {topic.kind}, not {request.kind}")
         fields = read_fields(request.value)
 
         def begin(schema: str | None) -> None:

@@ -130,7 +130,7 @@ def test_message_of_another_type_than_the_topic_has_is_refused() -> None:
     world.bus.schemas["std_msgs/Bool"] = "bool data\n"
     world.other.raw.publish("words", STRING)
     answer = world.ask(Publish("/words", "std_msgs/Bool", "{}"))
-    assert answer["text"] == "/words has the type std_msgs/String, expected that, not std_msgs/Bool"
+    assert answer["text"] == "/words has the type std_msgs/String, not std_msgs/Bool"
 
 
 def test_publishers_are_limited_and_end_after_a_pause() -> None:
