@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from inspect import cleandoc
 from pathlib import Path
 
@@ -16,81 +17,72 @@ PAGE = Path(__file__).parents[1] / "docs" / "reference" / "verbs.md"
 HEAD = """# All verbs of `ur`
 
 Made by `tools/make_verbs_page.py` from the help: edit the verbs or their rows in `src/ur/cli/verbs/` instead.
-`ur help VERB` prints the same in a terminal, and `ur help PROGRAM` describes a program of `ur list`.
+`ur help VERB` prints the same in a terminal, with more examples; `ur help PROGRAM` describes a program of `ur list`.
 """
+SHARED = "Options and arguments of several verbs"
+_OFTEN = 3
+"""In how many commands an option or argument stands, with the same text, to be described once for all of them."""
 _LIMITS = re.compile(r"\s*\[[0-9.<=]*x[0-9.<>=]*\]$|; [0-9.<=]*x[0-9.<>=]*(?=\]$)")  # of a number, as click writes them
 
 
 def make_page() -> str:
-    """The page as Markdown: a table of all verbs, then each verb with its arguments, options and examples."""
-    return "\n".join([HEAD, *_list_verbs(), *(line for name in VERBS for line in _describe(name))])
+    """The page as Markdown: links to all verbs, what several have, then each verb with what is its own."""
+    commands = [each for name in VERBS for each in _walk(name)]
+    found = Counter(line for command, path in commands for line in _list_parameters(command, path))
+    shared = [line for line, count in found.items() if count >= _OFTEN and line[3] in "-["]
+    described = [line for command, path in commands for line in _describe(command, path, shared)]
+    return "\n".join([HEAD, *_list_verbs(), f"## {SHARED}", "", *shared, "", *described])
 
 
 def _list_verbs() -> Iterator[str]:
-    yield "| group | verb | purpose |"
-    yield "|---|---|---|"
     for title, verbs in list_sections().items():
-        for verb in verbs:
-            yield f"| {title} | [`ur {verb.name}`](#ur-{verb.name}) | {_escape(verb.summary)} |"
+        yield f"- **{title}**: {', '.join(f'[`{each.name}`](#ur-{each.name})' for each in verbs)}"
     yield ""
 
 
-def _describe(name: str) -> Iterator[str]:
+def _walk(name: str) -> Iterator[tuple[click.Command, str]]:
     verb = load_verb(name)
-    yield from _describe_command(verb, name, "##")
+    yield verb, name
     if isinstance(verb, click.Group):
-        for below in verb.commands:
-            yield from _describe_command(verb.commands[below], f"{name} {below}", "###")
+        yield from ((command, f"{name} {below}") for below, command in verb.commands.items())
 
 
-def _describe_command(command: click.Command, path: str, marks: str) -> Iterator[str]:
-    context = click.Context(command, info_name=f"ur {path}")
-    page = dict(list_pages())[path]
-    positional = [each for each in command.params if isinstance(each, click.Argument)]
-    yield f"{marks} `ur {path}`"
-    yield ""
-    options = any(isinstance(each, click.Option) for each in command.params)
-    pieces = [each for each in command.collect_usage_pieces(context) if options or each != "[OPTIONS]"]
-    yield f"    ur {path} {' '.join(pieces)}".rstrip()
+def _describe(command: click.Command, path: str, shared: Sequence[str]) -> Iterator[str]:
+    usage = [each for each in command.collect_usage_pieces(click.Context(command)) if each != "[OPTIONS]"]
+    yield f"{'###' if ' ' in path else '##'} `ur {path}`"
     yield ""
     for paragraph in re.split(r"\n\s*\n", cleandoc(command.help or "").replace("\b", "").strip()):
         yield _escape(" ".join(paragraph.split()))
         yield ""
-    for each, text in zip(positional, page.descriptions, strict=True):
-        yield f"- `{each.make_metavar(context)}`: {_escape(text)}"
-    if positional:
-        yield ""
-    yield from _list_options(command, context, path)
-    yield "```bash"
-    for line, meaning in page.examples:
-        yield f"# {meaning}"
-        yield line
-    yield "```"
+    lines = list(_list_parameters(command, path))
+    own = [line for line in lines if line not in shared]
+    also = [line.partition("`: ")[0].removeprefix("- ") + "`" for line in lines if line in shared]
+    if also:
+        own.append(f"- [also](#{SHARED.lower().replace(' ', '-')}) {', '.join(also)}")
+    yield from [f"    ur {path} {' '.join(usage)}".rstrip(), ""]
+    most = 1 if " " in path else 2
+    yield from (f"    {line}  # {meaning}" for line, meaning in dict(list_pages())[path].examples[:most])
     yield ""
+    yield from [*own, ""] if own else ()
 
 
-def _list_options(command: click.Command, context: click.Context, path: str) -> Iterator[str]:
+def _list_parameters(command: click.Command, path: str) -> Iterator[str]:
+    """The arguments of a command, then its options, each with its meaning."""
+    context = click.Context(command, info_name=f"ur {path}")
+    positional = [each for each in command.params if isinstance(each, click.Argument)]
+    for each, text in zip(positional, dict(list_pages())[path].descriptions, strict=True):
+        yield f"- `{each.make_metavar(context)}`: {_escape(text)}"
     rows = [
-        (each, record)
-        for each in command.params
-        if isinstance(each, click.Option) and (record := each.get_help_record(context)) is not None
+        (option, record)
+        for option in command.params
+        if isinstance(option, click.Option) and (record := option.get_help_record(context)) is not None
     ]
-    if not rows:
-        return
-    yield "| option | meaning |"
-    yield "|---|---|"
     if path == "launch":
         order = [option for options in list_groups().values() for option in options]
         rows.sort(key=lambda row: min(order.index(each) for each in row[0].opts if each in order))
     for _, (written, text) in rows:
         written = re.sub(r"(INTEGER|FLOAT)( RANGE)?", "NUMBER", written)
-        yield f"| {_code(written)} | {_escape(_LIMITS.sub('', text))} |"
-    yield ""
-
-
-def _code(text: str) -> str:
-    """Code in a cell of a table, where a bar needs a backslash."""
-    return f"`{text}`".replace("|", "\\|")
+        yield f"- `{written}`: {_escape(_LIMITS.sub('', text))}"
 
 
 def _escape(text: str) -> str:
@@ -98,7 +90,7 @@ def _escape(text: str) -> str:
     pieces = text.split("`")
     for at in range(0, len(pieces), 2):
         pieces[at] = re.sub(r"([<*_\[\]])", r"\\\1", pieces[at])
-    return "`".join(pieces).replace("|", "\\|")
+    return "`".join(pieces)
 
 
 def main() -> None:

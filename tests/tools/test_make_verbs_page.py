@@ -24,4 +24,11 @@ def test_every_verb_has_a_heading_that_its_link_leads_to() -> None:
 
 
 def test_markup_in_help_is_kept_as_text() -> None:
-    assert TOOL["_escape"]("a <b> | `x<y` c_d") == r"a \<b> \| `x<y` c\_d"
+    assert TOOL["_escape"]("a <b> `x<y` c_d") == r"a \<b> `x<y` c\_d"
+
+
+def test_options_that_many_verbs_have_are_described_once() -> None:
+    page = TOOL["make_page"]()
+    assert page.count("- `--all`: All robots that were set up from this computer, in parallel.") == 1
+    own = page.partition("## `ur sync`\n")[2].partition("\n## ")[0]
+    assert "`--all`" in own
