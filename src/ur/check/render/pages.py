@@ -6,6 +6,7 @@ from ur.check.render.text import shorten_paths
 from ur.check.rule import Example, Rule, RuleGroup
 from ur.check.run import CheckReport, check_paths
 from ur.launchfile.world import MemoryWorld
+from ur.source.diagnostic import Severity
 from ur.source.render import render_human
 
 FOLDER = "/ws/my_robot"
@@ -38,15 +39,14 @@ def render_rule_page(rule: Rule) -> str:
             if example in rule.bad:
                 found = shorten_paths(check_example(example), "/ws/my_robot").findings
                 parts.append(f"```text\n{render_human(found)}```\n")
-    parts.append("## To hide it\n")
-    parts.append(f"Put `{hide_comment(rule)}` before the place, with your reason; see [the index](index.md).\n")
+    parts.append(f"Hide it with `{hide_comment(rule)}` [before the place](index.md).\n")
     return "\n".join(parts)
 
 
 def hide_comment(rule: Rule) -> str:
     """Return the comment that hides a rule's findings, in the language of most of its examples."""
     in_xml = not rule.bad or any(path.endswith((".launch", ".xml")) for path in rule.bad[0].files)
-    words = f"ur: ignore {rule.id}: why it is meant to be so"
+    words = f"ur: ignore {rule.id}: REASON"
     return f"<!--{words}-->" if in_xml else f"# {words}"
 
 
@@ -64,21 +64,21 @@ def render_index_page(rules: dict[str, Rule]) -> str:
     lines = [
         "# Rules of `ur check`",
         "",
-        "Mistakes are errors, conventions are warnings. `--select` and `--ignore` take ids and groups.",
+        "Mistakes are errors unless they are marked as warnings. `--select` and `--ignore` take ids and groups.",
         "",
         "A comment hides findings where they are meant to be so, and says why: `<!--ur: ignore RULE: REASON-->` in the",
         "element that follows, `<!--ur: ignore-file RULE: REASON-->` in the whole file; in YAML and programs",
         "`# ur: ignore RULE: REASON`, at the end of a line or alone above it.",
         "",
-        "| rule | group | | finds |",
-        "|---|---|---|---|",
     ]
-    for rule in rules.values():
-        marks = rule.severity.value + (", `--fix`" if rule.fix else "")
-        lines.append(
-            f"| [{rule.id}]({rule.id}.md) | {rule.group.value} | {marks} | {rule.summary.replace('<', '&lt;')} |"
-        )
-    return "\n".join(lines) + "\n"
+    for group in RuleGroup:
+        lines += [f"## {group.value}", ""]
+        for rule in (each for each in rules.values() if each.group is group):
+            marks = " (warning)" if rule.severity is Severity.WARNING else ""
+            marks += " (`--fix`)" if rule.fix else ""
+            lines.append(f"- [{rule.id}]({rule.id}.md){marks}: {rule.summary.replace('<', '&lt;')}")
+        lines.append("")
+    return "\n".join(lines)
 
 
 def check_example(example: Example) -> CheckReport:
