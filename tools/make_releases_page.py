@@ -1,4 +1,4 @@
-"""Make docs/reference/releases.md, and the sentences about releases in README.md, from src/ur/system/releases.tsv.
+"""Make docs/reference/releases.md, and the table of releases in README.md, from src/ur/system/releases.tsv.
 
 A test compares the committed texts with this.
 """
@@ -54,24 +54,27 @@ def make_page(rows: Sequence[Release] | None = None) -> str:
     return _HEAD + "\n".join(lines) + "\n" + _FOOT
 
 
-def make_sentences(rows: Sequence[Release] | None = None) -> str:
-    """The sentence of the README about the releases that have a name."""
+def make_table(rows: Sequence[Release] | None = None) -> str:
+    """The table of the README: which ROS the releases that have a name run on, and whether that was tried."""
     rows = [row for row in (load_releases() if rows is None else rows) if not row.name.startswith(("other ", "any "))]
     native = [row for row in rows if row.ros == "native"]
-    tried = [row.name for row in native if row.tried]
-    expected = [*(row.name for row in native if not row.tried), "arm64"]
-    sentence = f"It was tried on {_join(tried)}, and is expected to work on {_join(expected)}"
-    if brought := [row.name for row in rows if row.ros == "brought"]:
-        wheels = "[ROS 2 as Python packages](docs/how-to/ros2.md)"
-        root = "[a Debian 13 root](docs/explain/debian-root.md)"
-        sentence += f" and, with {wheels} (on arm64 without ROS, or with ROS 1 in {root}), on {_join(brought)}"
-    return f"{sentence}: [all releases](docs/reference/releases.md)."
+    brought = _join([row.name for row in rows if row.ros == "brought"])
+    wheels, root = "[as Python packages](docs/how-to/ros2.md)", "[a Debian 13 root](docs/explain/debian-root.md)"
+    lines = [
+        "| your computer | runs on | |",
+        "|---|---|---|",
+        f"| {_join([row.name for row in native if row.tried])} | the ROS 1 that they package | tried |",
+        f"| {_join([row.name for row in native if not row.tried])} | the ROS 1 that they package | expected to work |",
+        f"| {brought} | your own ROS 2 from Jazzy on, or ROS 2 {wheels} | expected to work |",
+        f"| the same, on arm64 | your own ROS 2, none, or ROS 1 in {root} | expected to work |",
+    ]
+    return "\n".join([*lines, "", "[All releases](docs/reference/releases.md)"])
 
 
-def replace_sentences(text: str, sentences: str) -> str:
-    """A text with the sentences between its two marks. Raises ValueError where it lacks them."""
+def replace_table(text: str, table: str) -> str:
+    """A text with the table between its two marks. Raises ValueError where it lacks them."""
     pattern = rf"(?s)(?<={re.escape(BEGIN)}\n).*?(?=\n{re.escape(END)})"
-    replaced, count = re.subn(pattern, lambda _: sentences, text)
+    replaced, count = re.subn(pattern, lambda _: table, text)
     if count != 1:
         raise ValueError(f"expected the marks {BEGIN} and {END} once")
     return replaced
@@ -82,9 +85,9 @@ def _join(names: Sequence[str]) -> str:
 
 
 def main() -> None:
-    """Write the page and the sentences."""
+    """Write the page and the table."""
     PAGE.write_text(make_page(), encoding="utf-8")
-    README.write_text(replace_sentences(README.read_text(encoding="utf-8"), make_sentences()), encoding="utf-8")
+    README.write_text(replace_table(README.read_text(encoding="utf-8"), make_table()), encoding="utf-8")
     print(PAGE, README, sep="\n")
 
 

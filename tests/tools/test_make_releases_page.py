@@ -17,12 +17,12 @@ def test_committed_page_is_what_the_table_says() -> None:
 
 def test_readme_says_what_the_table_says() -> None:
     text = TOOL["README"].read_text(encoding="utf-8")
-    assert TOOL["replace_sentences"](text, TOOL["make_sentences"]()) == text, "run tools/make_releases_page.py"
+    assert TOOL["replace_table"](text, TOOL["make_table"]()) == text, "run tools/make_releases_page.py"
 
 
 def test_text_without_marks_is_refused() -> None:
     with pytest.raises(ValueError, match="expected the marks"):
-        TOOL["replace_sentences"]("# A text\n", "It runs.")
+        TOOL["replace_table"]("# A text\n", "It runs.")
 
 
 @pytest.mark.parametrize(
