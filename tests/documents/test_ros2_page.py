@@ -1,4 +1,4 @@
-"""The tables of docs/how-to/ros2.md are those of the code."""
+"""The tables of docs/reference/ros2.md are those of the code."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import ast
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs/how-to/ros2.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/reference/ros2.md").read_text(encoding="utf-8")
 
 
 def rows(text: str, after: str) -> list[list[str]]:

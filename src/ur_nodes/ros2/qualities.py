@@ -12,7 +12,7 @@
 
 Velocities have the lifespan of 0.3 s in each quality but LATCHED. Maps and costmaps are always sent and received as
 LATCHED: Nav2 sends a whole costmap once. A reliable publisher reaches all; a best effort subscriber receives all.
-`docs/how-to/ros2.md` has this table, and a test compares the two.
+`docs/reference/ros2.md` has this table, and a test compares the two.
 """
 
 from __future__ import annotations
