@@ -6,7 +6,7 @@ begin with `## `. A note in parentheses may follow a name; with the word `where`
 only. `params/sources.yaml` in backticks stands for the topics of that file.
 
 They become `ur.launchfile.query.library_nodes`, the table in src/ur_nodes/README.md, and the table of sources in
-docs/how-to/drive-safely.md. A test compares them.
+docs/reference/mux.md. A test compares them.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ LIBRARY = ROOT / "ubiquity_launches"
 SOURCES = LIBRARY / "n_cmd_vel_mux/params/sources.yaml"
 MODULE = ROOT / "src/ur/launchfile/query/library_nodes.py"
 README = ROOT / "src/ur_nodes/README.md"
-PAGE = ROOT / "docs/how-to/drive-safely.md"
+PAGE = ROOT / "docs/reference/mux.md"
 HEADINGS = {
     "Publishes": "publishes",
     "Subscribes": "subscribes",
@@ -119,7 +119,7 @@ def make_readme(text: str) -> str:
 
 
 def make_page(text: str) -> str:
-    """The page on safe driving with the table of sources."""
+    """The page of the mux with the table of sources."""
     given = yaml.safe_load(SOURCES.read_text(encoding="utf-8"))
     comments = dict(re.findall(r"name: (\w+) # sent by (.+)", SOURCES.read_text(encoding="utf-8")))
     rows = [
