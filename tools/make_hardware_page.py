@@ -71,15 +71,15 @@ def make_page() -> str:
     ]
     heads = ("robot or sensor", "command", "what it brings", "left to do by hand", "tried", "not tried")
     known = [(each.name, _list_bases(each), _list_devices(each)) for each in supported if each.devices or each.bases]
-    tests = [
-        (each.name, trial.way, trial.subject, f"`{trial.test.replace('::', '` `')}`")
-        for each in supported
-        for trial in each.trials
-    ]
     parts = [_HEAD, _table(heads, rows), "\n## How they are known\n\n"]
     parts += [_table(("robot or sensor", "base files", "USB id or device: stable name"), known)]
-    parts += ["\n## Tests\n\n", _table(("robot or sensor", "tried with", "subject", "test"), tests)]
-    return "".join(parts)
+    tried = (f"- {each.name}: {_list_subjects(each)}\n" for each in supported if each.trials)
+    return "".join([*parts, "\n## What was tried\n\n`tools/hardware.yaml` names the test of each.\n\n", *tried])
+
+
+def _list_subjects(each: Supported) -> str:
+    ways = ((way, [trial.subject for trial in each.trials if trial.way == way]) for way in _ways(each))
+    return ". ".join(f"*{way}*: {'; '.join(subjects)}" for way, subjects in ways)
 
 
 def _ways(each: Supported) -> list[str]:

@@ -1,6 +1,6 @@
-"""Make docs/reference/programs.md: the programs, on which bases they run, and what they show there.
+"""Make docs/reference/programs.md: the programs, on which bases they run, and what they publish there.
 
-From the programs' own words, the needs of their launch files, the bases, and the table of what the test of every
+From the programs, the needs of their launch files, the bases, and the table of what the test of every
 program on every base expects. A test compares the committed page with this; `bench/matrix` runs the cells.
 """
 
@@ -19,8 +19,6 @@ sys.path.insert(0, str(ROOT))  # the table is the tests'
 from tests.e2e.matrix_table import TABLE, Cell, list_all_bases, load_cells  # noqa: E402 - after the path
 
 from ur.request.bases.needs import describe_base  # noqa: E402 - likewise
-from ur.request.environment import PACKAGE  # noqa: E402 - likewise
-from ur.request.programs import Program, find_launch_file, list_programs  # noqa: E402 - likewise
 
 PAGE = ROOT / "docs" / "reference" / "programs.md"
 _HEAD = """\
@@ -28,20 +26,20 @@ _HEAD = """\
 
 Made by `tools/make_matrix.py`: edit the programs, the bases or `tests/e2e/matrix.yaml` instead.
 
-`ur run NAME` starts a program on the selected robot, `rosrun ubiquity_launches NAME` does so, too, and where
-`eval "$(ur env)"` was said `ur_NAME` is enough. `ur list` says what the selected robot lacks for each.
+`ur run NAME` starts a program on the selected robot; `rosrun ubiquity_launches NAME` does so, too, and after
+`eval "$(ur env)"` so does `ur_NAME`. `ur help NAME` describes its arguments.
 
 ## On which base
 
-A test runs every program on every base in the simulator, without a display, on ROS 1 and on ROS 2: every topic comes at
-its rate, the frames are one tree, nothing is said on standard error, and nothing is left at the end. Where a base
-cannot do it, the program says in one line what it lacks. `bench/matrix [--ros 2]` runs the same and prints it.
+A test runs every program on every base in the simulator, without a display, on ROS 1 and on ROS 2: every topic is
+published at its rate, the frames are one tree, nothing is printed on standard error, and nothing is left at the end.
+Where a base cannot do it, the program prints in one line what it lacks. `bench/matrix [--ros 2]` prints the same.
 """
 _SHOWS = """\
 ## What they show
 
-What comes where the base has what it needs; rates are those of the base's file, where a name of a field stands, in
-messages a second.
+Topics are published where the base has what they need. Rates are in messages a second; a name is a field of the base's
+file.
 """
 
 
@@ -50,41 +48,21 @@ def make_page() -> str:
     bases = list_all_bases()
     cells = load_cells(bases)
     table = yaml.safe_load(TABLE.read_text(encoding="utf-8"))
-    parts = [_HEAD, _render_matrix(cells), "", "## Each of them", ""]
-    parts += [_render_program(program) for program in list_programs(PACKAGE / "bin")]
-    parts += [_SHOWS, *_render_topics(table)]
+    parts = [_HEAD, _render_matrix(cells), "", _SHOWS, *_render_topics(table)]
     return "\n".join(parts).rstrip() + "\n"
 
 
 def _render_matrix(cells: Sequence[Cell]) -> str:
-    columns = list(dict.fromkeys(describe_base(cell.base) for cell in cells))
-    lines = [f"| | {' | '.join(columns)} |", "|---" * (len(columns) + 1) + "|"]
-    for name in dict.fromkeys(cell.program.name for cell in cells):
-        words = [_word(cell) for cell in cells if cell.program.name == name]
-        lines.append(f"| [`{name}`](#{name}) | {' | '.join(words)} |")
-    return "\n".join(lines)
-
-
-def _word(cell: Cell) -> str:
-    return "no " + ", no ".join("/".join(need) for need in cell.lacks) if cell.lacks else "runs"
-
-
-def _render_program(program: Program) -> str:
-    path = find_launch_file(program)
-    file = f"\nLaunch file: `{path.relative_to(PACKAGE)}`.\n" if path else ""
-    return f"### {program.name}\n\n{program.summary}\n\n{read_overview(program.path)}\n{file}"
-
-
-def read_overview(path: Path) -> str:
-    """What a program says after `##Overview:`, as Markdown."""
-    lines: list[str] = []
-    for line in path.read_text(encoding="utf-8").splitlines():
-        if line.startswith("##Overview:"):
-            lines.append(line.removeprefix("##Overview:").strip())
-        elif lines and line.startswith("##"):
-            lines.append(line.removeprefix("##").strip())
-        elif lines:
-            break
+    lines = ["| program | | runs on |", "|---|---|---|"]
+    for program in {cell.program.name: cell.program for cell in cells}.values():
+        lacks: dict[str, list[str]] = {}
+        for cell in cells:
+            if cell.program.name == program.name and cell.lacks:
+                reason = "no " + ", no ".join("/".join(need) for need in cell.lacks)
+                lacks.setdefault(reason, []).append(describe_base(cell.base))
+        without = "; ".join(f"not on {', '.join(bases)}: {reason}" for reason, bases in lacks.items())
+        link = f"[`{program.name}`](../../ubiquity_launches/launches.md#ur_{program.name})"
+        lines.append(f"| {link} | {program.summary} | {without or 'all bases'} |")
     return "\n".join(lines)
 
 

@@ -43,10 +43,9 @@ def test_links_of_readmes_lead_to_files(readme: Path) -> None:
     assert all("://" in target or (readme.parent / target).exists() for target in targets)
 
 
-def test_table_holds_the_packages_and_imports_that_are_enforced() -> None:
-    rows = [line.split(" | ") for line in LAYERS.read_text(encoding="utf-8").splitlines() if line.startswith("| `")]
-    table = {row[0].strip("| `"): tuple(_CODE.findall(row[-1])) for row in rows}
-    assert table == MAY_IMPORT
+def test_table_holds_the_packages_whose_imports_are_enforced() -> None:
+    rows = re.findall(r"^\| `([^`]+)` \| \S.* \|$", LAYERS.read_text(encoding="utf-8"), re.MULTILINE)
+    assert sorted(rows) == sorted(MAY_IMPORT)
 
 
 @pytest.mark.parametrize(

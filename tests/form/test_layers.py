@@ -1,4 +1,4 @@
-"""Imports point down: the table of docs/reference/layers.md, kept."""
+"""Imports point down: what each package of docs/reference/layers.md may import."""
 
 from __future__ import annotations
 
