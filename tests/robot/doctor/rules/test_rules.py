@@ -118,7 +118,7 @@ def test_one_difference_is_one_finding_with_something_to_do(rule: str, pair: Com
 
 def test_every_kind_of_finding_is_tried_here_and_explained_to_users() -> None:
     assert {rule for rule, _ in [*CASES, *ROS2_CASES]} == set(KINDS)
-    page = Path(__file__).parents[4] / "docs" / "how-to" / "two-computers.md"
+    page = Path(__file__).parents[4] / "docs" / "reference" / "doctor.md"
     assert set(KINDS) <= set(re.findall(r"`([a-z0-9-]+)`", page.read_text(encoding="utf-8")))
 
 
