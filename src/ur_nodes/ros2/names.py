@@ -26,7 +26,7 @@ UPSTREAM = {
     "dynamic_map": "slam_toolbox/dynamic_map",
     "global_localization": "reinitialize_global_localization",
 }
-"""The ends of names of topics and services of ROS 1, and what Nav2 calls them. `docs/reference/ros2.md` has this table."""
+"""Ends of names of topics and services of ROS 1, and what Nav2 calls them: the table of `docs/reference/ros2.md`."""
 
 
 def upstream_name(full: str) -> str:

@@ -23,22 +23,18 @@ OPEN, CLOSE = "«", "»"
 
 
 def render_rule_page(rule: Rule) -> str:
-    """Return the page of a rule in Markdown, with its examples."""
+    """Return the page of a rule in Markdown, with its first examples; the others are for tests."""
     kinds = [f"group `{rule.group.value}`", rule.severity.value]
     if rule.group is RuleGroup.CONVENTIONS:
         kinds.append("only for packages that follow the conventions")
     if rule.fix is not None:
         kinds.append("repaired by `--fix`, where that is safe")
     parts = [f"# {rule.id}\n", f"{rule.summary}\n", f"*{', '.join(kinds)}*\n", f"{rule.explanation.strip()}\n"]
-    for heading, examples in (("Not like this", rule.bad), ("But like this", rule.good)):
-        if not examples:
-            continue
-        parts.append(f"## {heading}\n")
-        for example in examples:
-            parts.append(_show_files(example))
-            if example in rule.bad:
-                found = shorten_paths(check_example(example), "/ws/my_robot").findings
-                parts.append(f"```text\n{render_human(found)}```\n")
+    for example in rule.bad[:1]:
+        found = shorten_paths(check_example(example), FOLDER).findings
+        parts += ["## Not like this\n", _show_files(example), f"```text\n{render_human(found)}```\n"]
+    for example in rule.good[:1]:
+        parts += ["## But like this\n", _show_files(example)]
     parts.append(f"Hide it with `{hide_comment(rule)}` [before the place](index.md).\n")
     return "\n".join(parts)
 
