@@ -5,17 +5,26 @@ from __future__ import annotations
 from pathlib import Path
 
 from ur.cli.verbs import list_trust
+from ur.cli.verbs.verb import Trust
 
 PAGE = Path(__file__).parents[1] / "docs" / "explain" / "security.md"
 BEGIN = "<!-- Made by tools/make_trust_table.py from src/ur/cli/verbs/. -->\n"
 END = "<!-- The end of the table. -->\n"
 
 
+SSH = "to the robot, by ssh with a known host key"
+
+
 def make_table() -> str:
-    """The table as Markdown: a line for each command, in the order of the help."""
-    lines = ["| command | reads | starts | sends, to whom | writes |", "|---|---|---|---|---|"]
+    """The table as Markdown, in the order of the help: a line for the commands that trust the same."""
+    names: dict[Trust, list[str]] = {}
     for name, trust in list_trust():
-        lines.append(f"| `ur {name}` | {trust.reads} | {trust.starts} | {trust.sends} | {trust.writes} |")
+        names.setdefault(trust, []).append(f"`ur {name}`")
+    lines = ["| command | reads | starts | sends, to whom | writes |", "|---|---|---|---|---|"]
+    for trust, commands in names.items():
+        sends = trust.sends.replace(SSH, "*to the robot*")
+        cells = (", ".join(commands), trust.reads, trust.starts, sends, trust.writes)
+        lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 
