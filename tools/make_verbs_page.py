@@ -19,6 +19,7 @@ HEAD = """# All verbs of `ur`
 Made by `tools/make_verbs_page.py` from the help: edit the verbs or their rows in `src/ur/cli/verbs/` instead.
 `ur help VERB` prints the same in a terminal, with more examples; `ur help PROGRAM` describes a program of `ur list`.
 """
+_EXAMPLES = 2  # of a verb
 SHARED = "Options and arguments of several verbs"
 _OFTEN = 3
 """In how many commands an option or argument stands, with the same text, to be described once for all of them."""
@@ -60,9 +61,9 @@ def _describe(command: click.Command, path: str, shared: Sequence[str]) -> Itera
     if also:
         own.append(f"- [also](#{SHARED.lower().replace(' ', '-')}) {', '.join(also)}")
     yield from [f"    ur {path} {' '.join(usage)}".rstrip(), ""]
-    most = 1 if " " in path else 2
-    yield from (f"    {line}  # {meaning}" for line, meaning in dict(list_pages())[path].examples[:most])
-    yield ""
+    if " " not in path:
+        yield from (f"    {line}  # {meaning}" for line, meaning in dict(list_pages())[path].examples[:_EXAMPLES])
+        yield ""
     yield from [*own, ""] if own else ()
 
 
