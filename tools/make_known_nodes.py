@@ -5,8 +5,7 @@ The heads of the executables `ubiquity_launches/n_*/bin/*` have lines `##Subscri
 begin with `## `. A note in parentheses may follow a name; with the word `where` the name is published on some robots
 only. `params/sources.yaml` in backticks stands for the topics of that file.
 
-They become `ur.launchfile.query.library_nodes`, the table in src/ur_nodes/README.md, and the table of sources in
-docs/reference/mux.md. A test compares them.
+They become `ur.launchfile.query.library_nodes`, and the table of sources in docs/reference/mux.md; a test compares.
 """
 
 from __future__ import annotations
@@ -22,7 +21,6 @@ ROOT = Path(__file__).resolve().parents[1]
 LIBRARY = ROOT / "ubiquity_launches"
 SOURCES = LIBRARY / "n_cmd_vel_mux/params/sources.yaml"
 MODULE = ROOT / "src/ur/launchfile/query/library_nodes.py"
-README = ROOT / "src/ur_nodes/README.md"
 PAGE = ROOT / "docs/reference/mux.md"
 HEADINGS = {
     "Publishes": "publishes",
@@ -103,21 +101,6 @@ def _arguments(head: dict[str, str]) -> Iterator[str]:
             yield f'        {parts[-1]}",'
 
 
-def make_readme(text: str) -> str:
-    """The README with the table of nodes."""
-    rows = ["| node | subscribes | publishes | offers, calls, actions |", "|---|---|---|---|"]
-    for executable, head in read_heads().items():
-        more = [
-            *([head["Offers"]] if "Offers" in head else []),
-            *([f"calls {head['Calls']}"] if "Calls" in head else []),
-            *([f"action {head['Actions']}"] if "Actions" in head else []),
-            *([f"uses the action {head['Uses']}"] if "Uses" in head else []),
-        ]
-        cells = (f"`{executable}`", head.get("Subscribes", ""), head.get("Publishes", ""), "; ".join(more))
-        rows.append("|".join(["", *(f" {cell} " if cell else " " for cell in cells), ""]))
-    return _replace_table(text, "| node |", rows)
-
-
 def make_page(text: str) -> str:
     """The page of the mux with the table of sources."""
     given = yaml.safe_load(SOURCES.read_text(encoding="utf-8"))
@@ -145,7 +128,6 @@ def _replace_table(text: str, start: str, rows: list[str]) -> str:
 
 FILES = {
     MODULE: lambda _: make_module(),
-    README: make_readme,
     PAGE: make_page,
 }
 

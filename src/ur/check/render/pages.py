@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from ur.check.render.text import shorten_paths
 from ur.check.rule import Example, Rule, RuleGroup
 from ur.check.run import CheckReport, check_paths
@@ -20,6 +22,8 @@ _OTHERS = {
 _PACKAGES = {"my_robot": FOLDER, "demo_nodes": "/opt/demo_nodes", "rviz": "/opt/rviz"}
 _EXECUTABLES = ("/opt/demo_nodes/bin/talker", "/opt/demo_nodes/bin/listener", "/opt/rviz/bin/rviz")
 OPEN, CLOSE = "«", "»"
+_EXCERPT = re.compile(r" +\d* \|")
+"""A line of the file below a finding, or its marks."""
 
 
 def render_rule_page(rule: Rule) -> str:
@@ -32,7 +36,8 @@ def render_rule_page(rule: Rule) -> str:
     parts = [f"# {rule.id}\n", f"{rule.summary}\n", f"*{', '.join(kinds)}*\n", f"{rule.explanation.strip()}\n"]
     for example in rule.bad[:1]:
         found = shorten_paths(check_example(example), FOLDER).findings
-        parts += ["## Not like this\n", _show_files(example), f"```text\n{render_human(found)}```\n"]
+        lines = [line for line in render_human(found).splitlines() if not _EXCERPT.match(line)]
+        parts += ["## Not like this\n", _show_files(example), "\n".join(["```text", *lines, "```\n"])]
     for example in rule.good[:1]:
         parts += ["## But like this\n", _show_files(example)]
     parts.append(f"Hide it with `{hide_comment(rule)}` [before the place](index.md).\n")
