@@ -78,6 +78,7 @@ def _figures(variants: Sequence[Base]) -> list[str]:
         found = [dict(base.list_sensors()).get(key) for base in variants]
         rows.append([kind.title, *(sensor.describe() if sensor else "none" for sensor in found)])
     shown = [row for row in rows if any(cell != "none" for cell in row[1:])]
+    shown = [[title, first, *("same" if cell == first else cell for cell in cells)] for title, first, *cells in shown]
     heads = [f"variant `{base.variant}`" if base.variant else f"`{base.name}`" for base in variants]
     return _table(["", *heads], shown)
 
@@ -93,8 +94,11 @@ def _drivers(variants: Sequence[Base]) -> list[str]:
         where = f", on `{driver.device}`" if driver.device else ""
         speed = f" at {driver.baud} baud" if driver.baud else ""
         starts = f", started by `{driver.node}`" if driver.node else ""
-        what = f"`{driver.executable}` of the package `{driver.package}`"
-        lines.append(f"- Driver of the {driver.part}: {what}{where}{speed}{starts}. To get it: {driver.install}.\n")
+        package, get = f"the package `{driver.package}`", f". To get it: {driver.install}"
+        if driver.package == "ubiquity_launches":
+            package, get = "this project", driver.install.removeprefix("it is part of this package")
+        what = f"`{driver.executable}` of {package}"
+        lines.append(f"- Driver of the {driver.part}: {what}{where}{speed}{starts}{get}.\n")
     return [*lines, "\n"]
 
 
