@@ -22,8 +22,7 @@ _OTHERS = {
 _PACKAGES = {"my_robot": FOLDER, "demo_nodes": "/opt/demo_nodes", "rviz": "/opt/rviz"}
 _EXECUTABLES = ("/opt/demo_nodes/bin/talker", "/opt/demo_nodes/bin/listener", "/opt/rviz/bin/rviz")
 OPEN, CLOSE = "«", "»"
-_EXCERPT = re.compile(r" +\d* \|")
-"""A line of the file below a finding, or its marks."""
+_EXCERPT = re.compile(r" +\d* \|")  # a line of the file below a finding, or its marks
 
 
 def render_rule_page(rule: Rule) -> str:
@@ -40,7 +39,6 @@ def render_rule_page(rule: Rule) -> str:
         parts += ["## Not like this\n", _show_files(example), "\n".join(["```text", *lines, "```\n"])]
     for example in rule.good[:1]:
         parts += ["## But like this\n", _show_files(example)]
-    parts.append(f"Hide it with `{hide_comment(rule)}` [before the place](index.md).\n")
     return "\n".join(parts)
 
 
