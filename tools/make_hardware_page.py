@@ -25,7 +25,7 @@ Nobody has tried any of this on the hardware itself.
 *Simulator* means that the simulated robot was tried, not its drivers.
 *Description* means that a test reads a description of this kind; the makers' own description is in no test.
 *Drives* were made once, with `bench/navigation`, by the simulated base that `ur new base` wrote; no test repeats them.
-What no test tries is in the last column.
+What no test tries is in the last column; `tools/hardware.yaml` names each test.
 See [find devices](../how-to/devices.md) for their names, and [get packages](../how-to/get-packages.md) for drivers.
 
 ## What one command brings
@@ -73,13 +73,7 @@ def make_page() -> str:
     known = [(each.name, _list_bases(each), _list_devices(each)) for each in supported if each.devices or each.bases]
     parts = [_HEAD, _table(heads, rows), "\n## How they are known\n\n"]
     parts += [_table(("robot or sensor", "base files", "USB id or device: stable name"), known)]
-    tried = (f"- {each.name}: {_list_subjects(each)}\n" for each in supported if each.trials)
-    return "".join([*parts, "\n## What was tried\n\n`tools/hardware.yaml` names the test of each.\n\n", *tried])
-
-
-def _list_subjects(each: Supported) -> str:
-    ways = ((way, [trial.subject for trial in each.trials if trial.way == way]) for way in _ways(each))
-    return ". ".join(f"*{way}*: {'; '.join(subjects)}" for way, subjects in ways)
+    return "".join(parts)
 
 
 def _ways(each: Supported) -> list[str]:
