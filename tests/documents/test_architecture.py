@@ -6,16 +6,13 @@ import re
 from pathlib import Path
 
 import pytest
-from tests.form.test_layers import MAY_IMPORT
 
 ROOT = Path(__file__).parents[2]
 SRC = ROOT / "src"
 PAGE = ROOT / "docs" / "architecture.md"
-LAYERS = ROOT / "docs" / "reference" / "layers.md"
 READMES = sorted(SRC.rglob("README.md"))
 PAGES = (
     PAGE,
-    LAYERS,
     *(ROOT / "docs" / each for each in ("reference/launch-library.md", "explain/own-code.md")),
     *READMES,
 )
@@ -35,11 +32,6 @@ def test_the_page_is_read_in_ten_minutes() -> None:
 def test_the_page_leads_to_the_readme_of_each_package_that_has_one() -> None:
     named = {(PAGE.parent / target).resolve() for target in _LINK.findall(PAGE.read_text(encoding="utf-8"))}
     assert {*PAGES[1:]} <= named
-
-
-def test_table_holds_the_packages_whose_imports_are_enforced() -> None:
-    rows = re.findall(r"^\| `([^`]+)` \| \S.* \|$", LAYERS.read_text(encoding="utf-8"), re.MULTILINE)
-    assert sorted(rows) == sorted(MAY_IMPORT)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Imports point down: what each package of docs/reference/layers.md may import."""
+"""Imports point down: what each package may import."""
 
 from __future__ import annotations
 
