@@ -36,9 +36,9 @@ def render_rule_page(rule: Rule) -> str:
     for example in rule.bad[:1]:
         found = shorten_paths(check_example(example), FOLDER).findings
         lines = [line for line in render_human(found).splitlines() if not _EXCERPT.match(line)]
-        parts += ["## Not like this\n", _show_files(example), "\n".join(["```text", *lines, "```\n"])]
+        parts += ["## Wrong\n", _show_files(example), "\n".join(["```text", *lines, "```\n"])]
     for example in rule.good[:1]:
-        parts += ["## But like this\n", _show_files(example)]
+        parts += ["## Right\n", _show_files(example)]
     return "\n".join(parts)
 
 
