@@ -42,11 +42,12 @@ def render_rule_page(rule: Rule) -> str:
     return "\n".join(parts)
 
 
-def hide_comment(rule: Rule) -> str:
-    """Return the comment that hides a rule's findings, in the language of most of its examples."""
+def explain_rule(rule: Rule) -> str:
+    """Return the page of a rule, and the comment that hides its findings, in the language of most of its examples."""
     in_xml = not rule.bad or any(path.endswith((".launch", ".xml")) for path in rule.bad[0].files)
     words = f"ur: ignore {rule.id}: REASON"
-    return f"<!--{words}-->" if in_xml else f"# {words}"
+    comment = f"<!--{words}-->" if in_xml else f"# {words}"
+    return f"{render_rule_page(rule)}\nHide it with `{comment}` before the place.\n"
 
 
 def _show_files(example: Example) -> str:

@@ -67,16 +67,14 @@ def command(
     from ur.check.catalogue import choose_rules, find_rule, list_rules
     from ur.check.computer import make_world
     from ur.check.links import describe_left_out
-    from ur.check.render.pages import hide_comment, render_rule_page
+    from ur.check.render.pages import explain_rule
     from ur.check.run import check_paths
     from ur.request.arguments import split_argv, values_of
     from ur.request.environment import add_own_package
     from ur.source.progress_line import show_progress
 
     if explain is not None:
-        rule = find_rule(explain) if explain else None
-        hide = f"\nHide it with `{hide_comment(rule)}` before the place.\n" if rule else ""
-        click.echo(render_rule_page(rule) + hide if rule else list_rules(), nl=False)
+        click.echo(explain_rule(find_rule(explain)) if explain else list_rules(), nl=False)
         return 0
     chosen = choose_rules(_words(select), _words(ignore))
     names, arguments = split_argv(paths)
