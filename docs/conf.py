@@ -22,7 +22,7 @@ root_doc = "docs/README"
 include_patterns = [
     "docs/**.md", "*.md", "src/**/README.md", "bench/**/README.md", "editors/README.md", "ubiquity_launches/*.md"
 ]  # fmt: skip
-exclude_patterns = ["**/.venv", "**/node_modules"]
+exclude_patterns = [".*", "**/node_modules"]
 myst_heading_anchors = 4
 myst_fence_as_directive = ["mermaid"]
 mermaid_output_format = "raw"
