@@ -36,7 +36,7 @@ _MODULE = '''"""Topics, services and actions of this library's nodes. Made by to
 
 from __future__ import annotations
 
-from ur.launchfile.query.known_nodes import Interface, make_interface
+from ur.launchfile.query.interface import Interface, make_interface
 
 LIBRARY_NODES: dict[str, Interface] = {
 '''
