@@ -10,6 +10,7 @@ from tests.e2e.conftest import UrShell
 from tests.e2e.web_page import PROGRAM, BrowserPage, open_first, start_server
 from tests.ros2_session import PYTHON, free_domain
 
+TITLES = ("Start", "Stop")
 LAUNCH = str(Path(__file__).with_name("robot.launch"))
 
 pytestmark = [
@@ -46,3 +47,14 @@ def test_page_shows_the_robot_and_drives_it_by_the_stick(page: BrowserPage) -> N
     page.wait(f"Math.abs(page.pose.x - {before}) > 0.05")
     page.touch("End")
     page.wait("page.drive.press === 'idle'")
+
+
+def test_page_records_the_topics_of_the_robot(page: BrowserPage) -> None:
+    page.run("page.panels.toggle('recordings'); 0")
+    panel = "document.getElementById('recordings-panel')"
+    start, stop = (f"[...{panel}.querySelectorAll('button')].find((e) => e.innerText === {each!r})" for each in TITLES)
+    page.wait(f"{start} && !{start}.disabled")
+    page.run(f"{start}.click(); 0")
+    page.wait(f"/^Recording all topics .* [1-9][^ ]* [kM]B/m.test({panel}.innerText)")
+    page.run(f"{stop}.click(); 0")
+    page.wait(f"{panel}.querySelectorAll('a[download$=\".mcap\"]').length === 1")

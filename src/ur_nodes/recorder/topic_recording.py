@@ -40,6 +40,7 @@ class RecordNode:
     ) -> None:
         self._node = node
         self._patterns = tuple(f"/{each.lstrip('/')}" for each in node.parameters.text("topics", "").split())
+        self._pictures = node.parameters.boolean("pictures", True)
         self._writer = SplitWriter(read_settings(node.parameters))
         self._to_unix = unix_ns() - steady_ns()
         self._waiting: list[RecordedMessage] = []
@@ -56,7 +57,7 @@ class RecordNode:
     def _choose(self, graph: Graph | None) -> None:
         self._node.after(_LOOK, lambda: self._node.read_graph(self._choose), steady=True)
         if graph is not None and not self._over:
-            self._recorder.record(choose_topics(graph.without(self._node.name), self._patterns))
+            self._recorder.record(choose_topics(graph.without(self._node.name), self._patterns, self._pictures))
 
     def _take(self, batch: Sequence[RecordedMessage]) -> None:
         if self._over:
@@ -134,14 +135,15 @@ def read_settings(parameters: Parameters) -> SplitSettings:
     )
 
 
-def choose_topics(graph: Graph, patterns: Sequence[str]) -> tuple[RecordedTopic, ...]:
+def choose_topics(graph: Graph, patterns: Sequence[str], pictures: bool = True) -> tuple[RecordedTopic, ...]:
     """The topics that fit one of the patterns, with every message.
 
     Without patterns all: a raw picture is left out where it is published compressed, too, and pictures are taken only
-    while another node subscribes to them.
+    while another node subscribes to them. Without `pictures`, neither pictures nor clouds.
     """
     if not patterns:
-        return tuple(replace(each, period=0.0) for each in select_topics(graph, wake=False)[:MOST_TOPICS])
+        found = select_topics(graph, wake=False)[:MOST_TOPICS]
+        return tuple(replace(each, period=0.0) for each in found if pictures or not each.period)
     topics = [each for each in graph.topics.values() if each.publishers]
     chosen = [each for each in topics if any(fnmatchcase(each.name, pattern) for pattern in patterns)]
     return tuple(RecordedTopic(each.name, each.publishers, type_name=each.kind) for each in chosen[:MOST_TOPICS])

@@ -214,3 +214,9 @@ def test_patterns_choose_topics_with_every_message() -> None:
     graph = Graph(topics)
     assert [each.name for each in choose_topics(graph, ["/camera/*"])] == ["/camera/image"]
     assert [(each.name, each.period) for each in choose_topics(graph, ())] == [("/scan", 0.0)]
+
+
+def test_pictures_that_somebody_sees_are_recorded_unless_they_are_left_out() -> None:
+    topics = {"/eye": Topic("/eye", "sensor_msgs/Image", ("/robot",), ("/viewer",))}
+    assert [each.name for each in choose_topics(Graph(topics), ())] == ["/eye"]
+    assert choose_topics(Graph(topics), (), pictures=False) == ()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,21 +22,16 @@ from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
 from ur.web.server.connections.listener import listen  # noqa: E402
 from ur.web.server.logins.gate import LoginGate  # noqa: E402
-from ur.web.server.recordings.recorder import RecordingLimits  # noqa: E402
-from ur.web.server.recordings.recording_pages import RecordingPages  # noqa: E402
+from ur.web.server.recordings.recording_pages import PublishedTopic, RecordingPages, list_topics  # noqa: E402
 from ur.web.server.recordings.store import recordings_folder  # noqa: E402
-from ur.web.server.recordings.topics import PublishedTopic, TopicSelection, list_topics  # noqa: E402
 
-NAME = "2026-03-01_14-05-31_0.bag"
-BYTES = b"#ROSBAG V2.0\n" + bytes(300_000)
-SCRIPT = 'trap "mv $0_0.bag.active $0_0.bag; exit" INT; echo $@ > $0_0.bag.active; while :; do sleep 0.05; done'
+NAME = "recording_2026-03-01_14-05-31_001.mcap"
+BYTES = b"\x89MCAP0\r\n" + bytes(300_000)
+SCRIPT = 'trap "mv $0.mcap.part $0.mcap; exit" INT; echo $@ > $0.mcap.part; while :; do sleep 0.05; done'
 
 
-class Writer:
-    ending, unfinished = ".bag", ".bag.active"
-
-    def make_command(self, stem: Path, selection: TopicSelection) -> list[str]:
-        return ["/bin/sh", "-c", SCRIPT, str(stem), *selection.topics]
+def make_command(_: Mapping[str, str], folder: Path, topics: Sequence[str]) -> list[str]:
+    return ["/bin/sh", "-c", SCRIPT, f"{folder}/recording_2026-03-01_15-00-00_001", *topics]
 
 
 @dataclass
@@ -63,8 +58,8 @@ async def server(tmp_path: Path) -> AsyncIterator[RecordingServer]:
     recordings = RecordingPages(
         environment,
         lambda _: None,
-        Writer(),
-        RecordingLimits(free=0),
+        None,
+        make_command,
         lambda master: tuple(topics) or list_topics(master),
     )
     application = Application(gate, {}, environment, "bob", lambda _: None, recordings=recordings)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import re
-
 import pytest
 
 from ur.source.foreign.json_values import convert_json
-from ur.web.server.recordings.topics import MOST_TOPICS, ChosenTopics, PublishedTopic, TopicSelection, select
+from ur.web.server.recordings.recording_pages import MOST_TOPICS, ChosenTopics, list_topics
 from ur.web.wire.reading import BadRequestError
 
 
@@ -31,14 +29,7 @@ def test_choice_that_is_no_short_list_is_refused(value: object) -> None:
 
 def test_chosen_topics_are_recorded_once_each() -> None:
     assert read_topics(["/scan", "/robot/odom", "/scan"]) == ("/scan", "/robot/odom")
-    assert select(("/image",), [PublishedTopic("/image", "sensor_msgs/Image")]) == TopicSelection(("/image",))
 
 
-def test_pictures_and_clouds_are_left_out_by_type_and_later_ones_by_name() -> None:
-    published = [PublishedTopic("/eye", "sensor_msgs/Image"), PublishedTopic("/scan", "sensor_msgs/LaserScan")]
-    selection = select((), published)
-    assert selection.topics == ()
-    out = ["/eye", "/camera/image_raw", "/camera/image_raw/compressed", "/depth/points", "/cloud", "/x/theora"]
-    kept = ["/scan", "/odom", "/tf", "/eye_state", "/map", "/diagnostics", "/cmd_vel", "/robot/scan"]
-    matched = [name for name in (*out, *kept) if re.fullmatch(selection.left_out, name)]
-    assert matched == out
+def test_no_topics_are_known_without_asking_on_ros_2() -> None:
+    assert list_topics("ros2://localhost/5") == ()

@@ -1,24 +1,26 @@
-"""The one process that records: started, monitored, ended at a limit, and at the latest with the server."""
+"""The recording of a page: the node of `ur record`, monitored, ended at a limit, and at the latest with the server."""
 
 from __future__ import annotations
 
 import asyncio
 import os
-import shutil
+import secrets
 import signal
 import time
-from collections.abc import Callable, Mapping
+from collections import deque
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
+from pathlib import Path
 
 from ur.source.printable import printable
+from ur.system.child_processes import read_errors, start_child, wait_or_kill
+from ur.system.ros import node_command
 from ur.web.server.recordings.store import RecordingBusyError, Store
-from ur.web.server.recordings.topics import TopicSelection
-from ur.web.server.recordings.writer import NoWriterError, RecordingWriter
 
+_MODULE = "ur_nodes.recorder.record_node"
 _PERIOD = 0.5  # s between two checks of the limits
-_MOST_ERRORS = 2000  # bytes of the process's output that are kept
-_WITH_US = ("setpriv", "--pdeathsig", "INT", "--")  # it ends when the server is killed
+_FREE = 1000  # MB that stay free on the disk
 
 
 class RecorderError(Exception):
@@ -27,36 +29,33 @@ class RecorderError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class RecordingLimits:
-    """Limits: bytes of `all` recordings, bytes left `free` on the disk, and `seconds` of one recording.
-
-    `patience` is the time in s between SIGINT and SIGKILL.
-    """
+    """Limits: bytes of `all` recordings, and `seconds` of one. `patience`: s between SIGINT and SIGKILL."""
 
     all: int = 2_000_000_000
-    free: int = 1_000_000_000
     seconds: float = 3600.0
-    patience: float = 5.0
+    patience: float = 12.0
 
 
 @dataclass(frozen=True, slots=True)
 class Running:
-    """The recording in progress: names of its files begin with `stem`; `size` in bytes, `seconds` so far.
+    """The recording in progress: `size` in bytes, `seconds` so far, `topics` the number of chosen ones, 0 for all."""
 
-    `topics` is the number of chosen topics, 0 for all.
-    """
-
-    stem: str
     size: int
     seconds: float
     topics: int
 
 
-def find_reason(limits: RecordingLimits, used: int, free: int, seconds: float) -> str:
+def make_command(environment: Mapping[str, str], folder: Path, topics: Sequence[str]) -> list[str]:
+    """Return the command that records topics, without any all but pictures and clouds, into a folder."""
+    chosen = f"_topics:={' '.join(topics)}" if topics else "_pictures:=false"
+    name = f"__name:=page_recorder_{secrets.token_hex(4)}"
+    return [*node_command(environment), _MODULE, name, f"_folder:={folder}", f"_free_megabytes:={_FREE}.0", chosen]
+
+
+def find_reason(limits: RecordingLimits, used: int, seconds: float) -> str:
     """Return the reason why a recording has to end, or must not begin; "" if there is none."""
     if used >= limits.all:
         return f"all recordings have {limits.all / 1e9:g} GB: delete some"
-    if free < limits.free:
-        return f"less than {limits.free / 1e9:g} GB is free on the disk"
     if seconds >= limits.seconds:
         return f"a recording takes {limits.seconds / 60:g} minutes at most"
     return ""
@@ -68,18 +67,19 @@ class Recorder:
     def __init__(
         self,
         store: Store,
-        writer: RecordingWriter,
         environment: Mapping[str, str],
         log: Callable[[str], None],
         limits: RecordingLimits | None = None,
+        command: Callable[[Mapping[str, str], Path, Sequence[str]], list[str]] = make_command,
     ) -> None:
-        self._store, self._writer, self._log = store, writer, log
+        self._store, self._log, self._make_command = store, log, command
         self._environment, self._limits = environment, limits or RecordingLimits()
         self._task: asyncio.Task[None] | None = None
         self._asked: asyncio.Event = asyncio.Event()
         self._reason = ""
         self._closed = False
-        self._stem, self._started, self._topics = "", 0.0, 0
+        self._started, self._topics = 0.0, 0
+        self._before: Collection[str] = ()
         self.end = ""
 
     @property
@@ -87,10 +87,10 @@ class Recorder:
         """The recording in progress."""
         if self._task is None:
             return None
-        return Running(self._stem, self._store.measure(self._stem), time.monotonic() - self._started, self._topics)
+        return Running(self._store.measure(self._before), time.monotonic() - self._started, self._topics)
 
-    def start(self, selection: TopicSelection) -> None:
-        """Start recording. Raises RecorderError."""
+    def start(self, topics: Sequence[str]) -> None:
+        """Start recording topics, or all without any. Raises RecorderError."""
         if self._task is not None:
             raise RecorderError("a recording is under way: stop it first")
         if self._closed:
@@ -100,18 +100,15 @@ class Recorder:
                 self._store.prepare()
                 stack.enter_context(self._store.lock())
                 self._store.adopt()
-                used, free, stem = self._store.measure(), self._store.free(), self._store.new_stem()
-                command = self._writer.make_command(self._store.folder / stem, selection)
             except RecordingBusyError:
                 raise RecorderError("another page of this computer records: stop it there") from None
-            except NoWriterError as problem:
-                raise RecorderError(str(problem)) from None
             except OSError as problem:
                 raise RecorderError(f"{self._store.folder}: {(problem.strerror or str(problem)).lower()}") from None
-            if reason := find_reason(self._limits, used, free, 0.0):
+            if reason := find_reason(self._limits, self._store.measure(), 0.0):
                 raise RecorderError(reason)
-            self._stem, self._started = stem, time.monotonic()
-            self._topics, self._reason, self._asked = len(selection.topics), "", asyncio.Event()
+            self._before, self._started = self._store.names(), time.monotonic()
+            self._topics, self._reason, self._asked = len(topics), "", asyncio.Event()
+            command = self._make_command(self._environment, self._store.folder, topics)
             self._task = asyncio.create_task(self._run(command, stack.pop_all()))
 
     async def stop(self, reason: str) -> bool:
@@ -139,59 +136,29 @@ class Recorder:
             self.end = f"{command[0]}: {(problem.strerror or str(problem)).lower()}"
         finally:
             self._task = None
-            self._log(f"recording {self._stem} has ended: {self.end}")
+            self._log(f"the recording has ended: {self.end}")
 
     async def _record(self, command: list[str]) -> str:
         """Run the process; return the reason of its end."""
-        process = await asyncio.create_subprocess_exec(
-            *(*(_WITH_US if shutil.which(_WITH_US[0]) else ()), *command),
-            stdin=asyncio.subprocess.DEVNULL,
-            stdout=asyncio.subprocess.DEVNULL,
-            stderr=asyncio.subprocess.PIPE,
-            env=dict(self._environment),
-            cwd=self._store.folder,
-            umask=0o077,
-            start_new_session=True,  # Ctrl-C is for this process, which ends that one
-        )
-        errors = bytearray()
-        assert process.stderr is not None
-        reading = asyncio.create_task(_read(process.stderr, errors))
+        process = await start_child(command, (), self._environment)
+        errors: deque[str] = deque(maxlen=1)
+        reading = asyncio.create_task(read_errors(process, errors.append))
         waits = (asyncio.ensure_future(process.wait()), asyncio.ensure_future(self._asked.wait()))
         try:
             while True:
                 done, _ = await asyncio.wait(waits, timeout=_PERIOD, return_when=asyncio.FIRST_COMPLETED)
                 if waits[0] in done:
                     await asyncio.wait((reading,), timeout=_PERIOD)
-                    return f"rosbag has ended by itself: {_last_line(errors) or f'exit code {process.returncode}'}"
+                    reason = printable(errors[0])[:200] if errors else f"exit code {process.returncode}"
+                    return f"the recorder has ended by itself: {reason}"
                 if waits[1] in done:
                     return self._reason
-                used, free = self._store.measure(), self._store.free()
-                if reason := find_reason(self._limits, used, free, time.monotonic() - self._started):
+                if reason := find_reason(self._limits, self._store.measure(), time.monotonic() - self._started):
                     return reason
         finally:
-            await _end(process, self._limits.patience)
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGINT)  # it completes its files
+            await wait_or_kill(process, self._limits.patience)
             for task in (*waits, reading):
                 task.cancel()
             await asyncio.gather(*waits, reading, return_exceptions=True)
-
-
-async def _read(stream: asyncio.StreamReader, into: bytearray) -> None:
-    while part := await stream.read(1 << 12):
-        into += part
-        del into[:-_MOST_ERRORS]
-
-
-def _last_line(errors: bytearray) -> str:
-    lines = errors.decode("utf-8", "replace").strip().splitlines()
-    return printable(lines[-1])[:200] if lines else ""
-
-
-async def _end(process: asyncio.subprocess.Process, patience: float) -> None:
-    """Interrupt a process, so that it completes its files, and kill it after `patience` s."""
-    for number in (signal.SIGINT, signal.SIGKILL):
-        if process.returncode is not None:
-            return
-        with suppress(ProcessLookupError):
-            os.killpg(process.pid, number)
-        with suppress(asyncio.TimeoutError):
-            await asyncio.wait_for(process.wait(), patience)

@@ -3,22 +3,74 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated
 
 from aiohttp import web
+from msgspec import Meta
 
 from ur.recordings.replays import CommandName, ReplayCommand, ask_replay
-from ur.run.master.xml_rpc import CallRefused, Unanswered
+from ur.run.master.client import parse_master_uri
+from ur.run.master.xml_rpc import CallRefused, Unanswered, WrongServer
 from ur.source.diagnostic import UserError
-from ur.system.ros import graph_address
+from ur.source.foreign.json_values import ForeignValue
+from ur.system.ros import NONE, graph_address, read_domain
 from ur.web.access.roles import Role
 from ur.web.server.logins.gate import SESSION, demand_drive, read_body
-from ur.web.server.recordings.recorder import Recorder, RecorderError, RecordingLimits
+from ur.web.server.recordings.recorder import Recorder, RecorderError, RecordingLimits, make_command
 from ur.web.server.recordings.store import RecordingBusyError, Store, recordings_folder
-from ur.web.server.recordings.topics import ChosenTopics, PublishedTopic, list_topics, select
-from ur.web.server.recordings.writer import RecordingWriter, Rosbag
+
+MOST_TOPICS = 40
+"""Topics that a page may choose."""
+
+_NAME = r"^(/[A-Za-z][A-Za-z0-9_]{0,99}){1,10}\Z"
+
+
+@dataclass(frozen=True, slots=True)
+class PublishedTopic:
+    """A published topic and its type."""
+
+    name: str
+    kind: str
+
+
+class ChosenTopics(ForeignValue, frozen=True):
+    """The topics that a request names; None for all."""
+
+    topics: (
+        Annotated[
+            tuple[Annotated[str, Meta(pattern=_NAME)], ...],
+            Meta(min_length=1, max_length=MOST_TOPICS, description=f"1 to {MOST_TOPICS} full names, such as /scan"),
+        ]
+        | None
+    ) = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Return each topic once."""
+        return tuple(dict.fromkeys(self.topics or ()))
+
+
+def list_topics(address: str) -> tuple[PublishedTopic, ...]:
+    """List the topics that are published at a master; this blocks. None are known on ROS 2, which has no master.
+
+    Raises Unanswered, CallRefused or UserError if there is no answer of a master.
+    """
+    if read_domain(address) not in (None, NONE):
+        return ()
+    found = parse_master_uri(address).call("getPublishedTopics", "")
+    if not isinstance(found, list):
+        raise WrongServer("expected the topics of a ROS master")
+    pairs = [each for each in found if isinstance(each, list) and len(each) == 2]
+    return tuple(
+        PublishedTopic(name, str(kind)[:200])
+        for name, kind in sorted(pairs, key=str)
+        if isinstance(name, str) and re.search(_NAME, name)
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,15 +88,14 @@ class RecordingPages:
         self,
         environment: Mapping[str, str],
         log: Callable[[str], None],
-        writer: RecordingWriter | None = None,
         limits: RecordingLimits | None = None,
+        command: Callable[[Mapping[str, str], Path, Sequence[str]], list[str]] = make_command,
         ask_topics: Callable[[str], tuple[PublishedTopic, ...]] = list_topics,
     ) -> None:
         self._log, self._ask_master, self._environment = log, ask_topics, environment
         self._master = graph_address(environment)
-        writer = writer or Rosbag(environment)
-        self._store = Store(recordings_folder(environment), writer.ending, writer.unfinished)
-        self._recorder = Recorder(self._store, writer, environment, log, limits)
+        self._store = Store(recordings_folder(environment))
+        self._recorder = Recorder(self._store, environment, log, limits, command)
 
     def routes(self) -> list[web.RouteDef]:
         """Return the routes."""
@@ -79,12 +130,12 @@ class RecordingPages:
         return web.json_response([asdict(each) for each in await self._ask_topics()])
 
     async def _start(self, request: web.Request) -> web.Response:
-        """Start recording all topics except large ones, or those that the request names."""
+        """Start recording all topics except pictures and clouds, or those that the request names."""
         demand_drive(request)
         chosen = (await read_body(request, ChosenTopics)).names
-        selection = select(chosen, await self._ask_topics())
+        await self._ask_topics()
         try:
-            self._recorder.start(selection)
+            self._recorder.start(chosen)
         except RecorderError as problem:
             raise web.HTTPConflict(text=f"{problem}\n") from None
         self._note(request, f"records {', '.join(chosen) or 'all topics but pictures and clouds'}")

@@ -1,7 +1,7 @@
 """The folder of recordings: names of files, their list, their removal, and the recorder's lock.
 
-File names consist of the local time at which the recording began, and the number of the part:
-`2026-03-01_14-05-31_0.bag`. One whose recorder was killed is incomplete: `2026-03-01_14-05-31_0_cut.bag`.
+File names are those of `ur record`: `recording_2026-03-01_14-05-31_001.mcap`. One whose recorder was killed is
+incomplete: `recording_2026-03-01_14-05-31_001_cut.mcap`.
 """
 
 from __future__ import annotations
@@ -18,9 +18,10 @@ from pathlib import Path
 from ur.source.replace import PRIVATE
 from ur.source.user_folders import user_folder
 
-_NAME = re.compile(r"(\d{4}-\d\d-\d\d_\d\d-\d\d-\d\d)_(\d{1,4})(_cut)?", re.ASCII)
+_NAME = re.compile(r"recording_(\d{4}-\d\d-\d\d_\d\d-\d\d-\d\d)_(\d{3,4})(_cut)?", re.ASCII)
 _TIME = "%Y-%m-%d_%H-%M-%S"
 _CUT = "_cut"
+_ENDING, _UNFINISHED = ".mcap", ".mcap.part"
 _LOCK = "lock"
 
 
@@ -44,45 +45,33 @@ def recordings_folder(environment: Mapping[str, str]) -> Path:
     return Path(user_folder("XDG_STATE_HOME", environment), "ubiquity_launches", "web", "recordings")
 
 
-def choose_stem(now: float, names: Collection[str]) -> str:
-    """Return the stem for the file names of a new recording, which no file has yet."""
-    while any(name.startswith(_format(now)) for name in names):
-        now += 1.0
-    return _format(now)
-
-
 class Store:
-    """Files with an ending, such as `.bag`; incomplete ones have another ending, such as `.bag.active`."""
+    """The files; incomplete ones have another ending."""
 
-    def __init__(self, folder: Path, ending: str, unfinished: str) -> None:
-        self.folder, self._ending, self._unfinished = folder, ending, unfinished
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
 
     def list(self) -> tuple[Recorded, ...]:
         """List the complete files, the newest first."""
-        found = [_describe(name.removesuffix(self._ending), name, size) for name, size in self._sizes().items()]
+        found = [_describe(name.removesuffix(_ENDING), name, size) for name, size in self._sizes().items()]
         return tuple(sorted((each for each in found if each), key=lambda each: each.name, reverse=True))
 
     def find(self, name: object) -> Path | None:
         """Return the path of a listed file; None for any other name."""
         return next((self.folder / each.name for each in self.list() if each.name == name), None)
 
-    def measure(self, stem: str = "") -> int:
-        """Return the bytes of all files, or of those whose names begin with `stem`, complete or not."""
-        return sum(size for name, size in self._sizes().items() if name.startswith(stem))
+    def names(self) -> Collection[str]:
+        """Return the names of all files, complete or not."""
+        return self._sizes().keys()
 
-    def free(self) -> int:
-        """Return the bytes that are free on the disk for a user."""
-        found = os.statvfs(self.folder)
-        return found.f_bavail * found.f_frsize
+    def measure(self, without: Collection[str] = ()) -> int:
+        """Return the bytes of all files but those of some names, complete or not."""
+        return sum(size for name, size in self._sizes().items() if name not in without)
 
     def prepare(self) -> None:
         """Create the folder with access for its user only. Raises OSError."""
         self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         self.folder.chmod(0o700)
-
-    def new_stem(self) -> str:
-        """Return the stem for the file names of a recording that begins now."""
-        return choose_stem(time.time(), self._sizes())
 
     @contextmanager
     def lock(self) -> Iterator[None]:
@@ -99,10 +88,10 @@ class Store:
     def adopt(self) -> None:
         """Add files that a killed recorder has left to the list. The caller must hold the lock."""
         for name in self._sizes():
-            stem = name.removesuffix(self._unfinished)
-            if name.endswith(self._unfinished) and _NAME.fullmatch(stem):
+            stem = name.removesuffix(_UNFINISHED)
+            if name.endswith(_UNFINISHED) and _NAME.fullmatch(stem):
                 with suppress(OSError):
-                    (self.folder / name).rename(self.folder / f"{stem}{_CUT}{self._ending}")
+                    (self.folder / name).rename(self.folder / f"{stem}{_CUT}{_ENDING}")
 
     def _sizes(self) -> dict[str, int]:
         """Return the sizes of recordings by name. Symbolic links are ignored."""
@@ -110,7 +99,7 @@ class Store:
         with suppress(OSError), os.scandir(self.folder) as entries:
             for entry in entries:
                 with suppress(OSError):
-                    if entry.name.endswith((self._ending, self._unfinished)) and entry.is_file(follow_symlinks=False):
+                    if entry.name.endswith((_ENDING, _UNFINISHED)) and entry.is_file(follow_symlinks=False):
                         sizes[entry.name] = entry.stat(follow_symlinks=False).st_size
         return sizes
 
@@ -123,8 +112,4 @@ def _describe(stem: str, name: str, size: int) -> Recorded | None:
         started = time.mktime(time.strptime(match[1], _TIME))
     except (ValueError, OverflowError):
         return None
-    return Recorded(name, size, started, int(match[2]) + 1, match[3] is not None)
-
-
-def _format(now: float) -> str:
-    return time.strftime(_TIME, time.localtime(now))
+    return Recorded(name, size, started, int(match[2]), match[3] is not None)

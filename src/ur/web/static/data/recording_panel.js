@@ -11,7 +11,7 @@ import { DATA_TEXTS } from "./texts.js";
  */
 
 const EVERY = 2000; // ms between two looks at the state
-const MOST = 40; // topics, see ur.web.server.recordings.topics
+const MOST = 40; // topics, see ur.web.server.recordings.recording_pages
 
 /** @type {import("./data_panels.js").Maker} */
 export function makeRecordingPanel(box, page) {

@@ -108,7 +108,7 @@ export const DATA_TEXTS = {
   finished: "Finished",
   noRecordings: "No recordings yet.",
   /** @param {{size: number, started: number, part: number, cut: boolean}} file */
-  recorded: ({ size, started, part, cut }) => [new Date(1000 * started).toLocaleString(), part > 1 ? `part ${part}` : "", bytes(size), cut ? "incomplete: rosbag reindex repairs it" : ""].filter(Boolean).join(", "),
+  recorded: ({ size, started, part, cut }) => [new Date(1000 * started).toLocaleString(), part > 1 ? `part ${part}` : "", bytes(size), cut ? "incomplete: its last seconds are missing" : ""].filter(Boolean).join(", "),
   download: "Download",
   delete: "Delete",
   /** @param {string} verb @param {string} name */
