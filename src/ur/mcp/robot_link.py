@@ -7,13 +7,11 @@ import contextlib
 import itertools
 import json
 import os
-import socket
 from collections.abc import Callable, Mapping
 from typing import Protocol
 
 from ur.source.foreign.json_values import read_json
-from ur.system.child_processes import read_errors, start_child, wait_or_kill
-from ur.system.ros import node_command
+from ur.system.child_processes import NodeProcess, start_node
 
 _MODULE = "ur_nodes.assistant.assistant_end_node"
 _LINE = 1 << 26  # bytes
@@ -77,8 +75,8 @@ class ProcessLink:
         self._environment, self._log = environment, log
         self._answers = PendingAnswers()
         self._writer: asyncio.StreamWriter | None = None
-        self._tasks: list[asyncio.Task[None]] = []
-        self._process: asyncio.subprocess.Process | None = None
+        self._node: NodeProcess | None = None
+        self._reading: asyncio.Task[None] | None = None
         self._starting = asyncio.Lock()
         self.challenge = 0
         self.on_revoked: Callable[[str], None] = lambda _: None
@@ -100,26 +98,18 @@ class ProcessLink:
 
     async def close(self) -> None:
         """End the process, which ends every motion first."""
-        if self._writer is not None:
-            self._writer.close()
-        if self._process is not None:
-            await wait_or_kill(self._process)
-        for each in self._tasks:
-            each.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        if self._node is not None and self._reading is not None:
+            await self._node.close()
+            self._reading.cancel()
+            await asyncio.gather(self._reading, return_exceptions=True)
 
     async def _start(self) -> None:
         async with self._starting:
             if self._writer is not None and not self._writer.is_closing():
                 return
-            own, other = socket.socketpair()
-            command = (*node_command(self._environment), _MODULE)
-            self._process = await start_child(command, (other,), self._environment)
-            reader, self._writer = await asyncio.open_connection(sock=own, limit=_LINE)
-            self._tasks = [
-                asyncio.create_task(self._read(reader)),
-                asyncio.create_task(read_errors(self._process, self._log)),
-            ]
+            self._node = await start_node(_MODULE, self._environment, self._log, longest=_LINE)
+            ((reader, self._writer),) = self._node.links
+            self._reading = asyncio.create_task(self._read(reader))
 
     async def _read(self, reader: asyncio.StreamReader) -> None:
         with contextlib.suppress(ConnectionError, ValueError):

@@ -7,6 +7,9 @@ import shutil
 import socket
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
+from dataclasses import dataclass
+
+from ur.system.ros import node_command
 
 _END_LIMIT = 5.0  # s
 
@@ -35,6 +38,32 @@ async def start_child(
             env=dict(environment),
             start_new_session=True,  # Ctrl-C is for this process, which ends that one
         )
+
+
+@dataclass(slots=True)
+class NodeProcess:
+    """A node that is connected by sockets, and ends when they are closed."""
+
+    process: asyncio.subprocess.Process
+    links: list[tuple[asyncio.StreamReader, asyncio.StreamWriter]]
+    _errors: asyncio.Task[None]
+
+    async def close(self) -> None:
+        """End it, and wait for its last errors."""
+        for _, writer in self.links:
+            writer.close()
+        await wait_or_kill(self.process)
+        await asyncio.gather(self._errors, return_exceptions=True)
+
+
+async def start_node(
+    module: str, environment: Mapping[str, str], log: Callable[[str], None], *, links: int = 1, longest: int = 1 << 16
+) -> NodeProcess:
+    """Start a module of `ur_nodes` with sockets. `log` gets its errors; a line that is read has `longest` bytes."""
+    pairs = [socket.socketpair() for _ in range(links)]
+    process = await start_child((*node_command(environment), module), [its for _, its in pairs], environment)
+    opened = [await asyncio.open_connection(sock=ours, limit=longest) for ours, _ in pairs]
+    return NodeProcess(process, opened, asyncio.create_task(read_errors(process, log)))
 
 
 async def read_errors(process: asyncio.subprocess.Process, take: Callable[[str], None]) -> None:

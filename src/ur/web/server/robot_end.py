@@ -5,9 +5,8 @@ from __future__ import annotations
 import asyncio
 import json
 import os
-import socket
 from collections import deque
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import AsyncIterator, Callable, Collection, Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Literal
@@ -19,8 +18,8 @@ from ur.run.record.registry import list_runs
 from ur.source.foreign.json_values import read_json
 from ur.source.printable import one_line
 from ur.source.run_users import PAGE, forget_user, note_user
-from ur.system.child_processes import read_errors, start_child, wait_or_kill
-from ur.system.ros import NONE, graph_address, node_command, read_domain, viewer_socket
+from ur.system.child_processes import start_node
+from ur.system.ros import NONE, graph_address, read_domain, viewer_socket
 from ur.web.wire.frames import LENGTH, LONGEST
 
 State = Literal["no master", "starting", "up"]
@@ -115,43 +114,26 @@ class RobotProcess:
         return True
 
     async def _run_once(self) -> None:
-        (view, its_view), (drive, its_drive) = socket.socketpair(), socket.socketpair()
-        command = (*node_command(self._environment), _MODULE)
-        process = await start_child(command, (its_view, its_drive), self._environment)
-        self.pid = process.pid
-        frames, self._view = await asyncio.open_connection(sock=view)
-        messages, self._drive = await asyncio.open_connection(sock=drive, limit=_DRIVE_LINE)
-        tasks = [
-            asyncio.create_task(self._read_frames(frames)),
-            asyncio.create_task(self._read_messages(messages)),
-            asyncio.create_task(read_errors(process, self._take_error)),
-        ]
+        node = await start_node(_MODULE, self._environment, self._take_error, links=2, longest=_DRIVE_LINE)
+        self.pid = node.process.pid
+        (frames, self._view), (messages, self._drive) = node.links
+        tasks = [asyncio.create_task(self._take_frames(frames)), asyncio.create_task(self._read_messages(messages))]
         try:
             self._on_start()
-            await asyncio.wait(tasks[:2], return_when=asyncio.FIRST_COMPLETED)
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         finally:
-            for writer in (self._view, self._drive):
-                writer.close()
             self._view = self._drive = None
-            for task in tasks[:2]:
+            for task in tasks:
                 task.cancel()
-            await self._end(process, tasks)
+            await node.close()
+            await asyncio.gather(*tasks, return_exceptions=True)
+            self.problem = find_error(self._printed) if node.process.returncode else ""
 
-    async def _end(self, process: asyncio.subprocess.Process, tasks: list[asyncio.Task[None]]) -> None:
-        """Wait for the process, which ends when its sockets are closed."""
-        await wait_or_kill(process)
-        await asyncio.gather(*tasks, return_exceptions=True)
-        self.problem = find_error(self._printed) if process.returncode else ""
-
-    async def _read_frames(self, reader: asyncio.StreamReader) -> None:
-        with suppress(asyncio.IncompleteReadError, ConnectionError):
-            while True:
-                (length,) = LENGTH.unpack(await reader.readexactly(LENGTH.size))
-                if length > LONGEST:
-                    raise ConnectionError(f"frame of {length} bytes")
-                self.problem = ""
-                self._enter("up")
-                self._on_frame(await reader.readexactly(length))
+    async def _take_frames(self, reader: asyncio.StreamReader) -> None:
+        async for frame in read_frames(reader):
+            self.problem = ""
+            self._enter("up")
+            self._on_frame(frame)
 
     async def _read_messages(self, reader: asyncio.StreamReader) -> None:
         with suppress(ConnectionError, ValueError):
@@ -161,6 +143,16 @@ class RobotProcess:
     def _take_error(self, text: str) -> None:
         self._printed.append(text)
         self._log(text)
+
+
+async def read_frames(reader: asyncio.StreamReader) -> AsyncIterator[bytes]:
+    """Yield the frames of a node until the connection ends, or one is too long."""
+    with suppress(asyncio.IncompleteReadError, ConnectionError):
+        while True:
+            (length,) = LENGTH.unpack(await reader.readexactly(LENGTH.size))
+            if length > LONGEST:
+                return
+            yield await reader.readexactly(length)
 
 
 def find_error(lines: Iterable[str]) -> str:

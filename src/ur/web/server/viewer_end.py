@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import socket
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -12,8 +11,7 @@ from typing import Annotated
 from msgspec import Meta
 
 from ur.source.foreign.json_values import read_json
-from ur.system.child_processes import read_errors, start_child, wait_or_kill
-from ur.system.ros import node_command
+from ur.system.child_processes import NodeProcess, start_node
 
 _MODULE = "ur_nodes.web.viewers.viewer_end_node"
 _START_LIMIT = 20.0  # s
@@ -36,9 +34,7 @@ class ViewerProcess:
         self._environment, self._log = environment, log
         self._lock = asyncio.Lock()
         self._holders = 0
-        self._process: asyncio.subprocess.Process | None = None
-        self._link: asyncio.StreamWriter | None = None
-        self._reading: asyncio.Task[None] | None = None
+        self._node: NodeProcess | None = None
         self._address = ("", 0)
 
     @asynccontextmanager
@@ -50,7 +46,7 @@ class ViewerProcess:
         self._holders += 1
         try:
             async with self._lock:
-                if self._process is None or self._process.returncode is not None:
+                if self._node is None or self._node.process.returncode is not None:
                     await self._end()
                     await self._start()
             yield self._address
@@ -61,14 +57,9 @@ class ViewerProcess:
                     await self._end()
 
     async def _start(self) -> None:
-        ours, its = socket.socketpair()
-        self._process = process = await start_child(
-            (*node_command(self._environment), _MODULE), (its,), self._environment
-        )
-        reader, self._link = await asyncio.open_connection(sock=ours)
-        self._reading = asyncio.create_task(read_errors(process, lambda line: self._log(f"viewers: {line}")))
+        self._node = await start_node(_MODULE, self._environment, lambda line: self._log(f"viewers: {line}"))
         try:
-            line = await asyncio.wait_for(reader.readline(), _START_LIMIT)
+            line = await asyncio.wait_for(self._node.links[0][0].readline(), _START_LIMIT)
             address = read_json(line, _Address)
         except (OSError, ValueError, asyncio.TimeoutError):
             await self._end()
@@ -76,13 +67,6 @@ class ViewerProcess:
         self._address = address.host, address.port
 
     async def _end(self) -> None:
-        """End the process by closing its socket."""
-        process, self._process = self._process, None
-        if self._link is not None:
-            self._link.close()
-            self._link = None
-        if process is None:
-            return
-        await wait_or_kill(process)
-        if self._reading is not None:
-            await asyncio.gather(self._reading, return_exceptions=True)
+        node, self._node = self._node, None
+        if node is not None:
+            await node.close()

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import json
-import socket
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Literal
 
-from ur.system.child_processes import read_errors, start_child, wait_or_kill
-from ur.system.ros import node_command
+from ur.system.child_processes import start_node
+from ur.web.server.robot_end import read_frames
 from ur.web.wire.data_frames import DataFrame, unpack_frame
-from ur.web.wire.frames import LENGTH, LONGEST
 
 _MODULE = "ur_nodes.web.data.data_end_node"
 _PAUSE = 1.0  # s before it is started again
@@ -73,33 +71,18 @@ class DataProcess:
             await asyncio.sleep(_PAUSE)
 
     async def _run_once(self) -> None:
-        ours, its = socket.socketpair()
-        process = await start_child((*node_command(self._environment), _MODULE), (its,), self._environment)
-        self.pid = process.pid
-        errors = asyncio.create_task(read_errors(process, lambda line: self._log(f"data: {line}")))
-        reader, link = await asyncio.open_connection(sock=ours)
+        node = await start_node(_MODULE, self._environment, lambda line: self._log(f"data: {line}"))
+        self.pid = node.process.pid
+        ((reader, link),) = node.links
         self._link = link
         try:
             self._on_start()
-            await self._read_frames(reader)
+            with suppress(ValueError):
+                async for body in read_frames(reader):
+                    frame = unpack_frame(body)
+                    self.state = "up"
+                    self._on_frame(frame)
         finally:
-            link.close()
             if self._link is link:
                 self._link = None
-            await asyncio.shield(_finish(process, errors))
-
-    async def _read_frames(self, reader: asyncio.StreamReader) -> None:
-        with suppress(asyncio.IncompleteReadError, ConnectionError, ValueError):
-            while True:
-                (length,) = LENGTH.unpack(await reader.readexactly(LENGTH.size))
-                if length > LONGEST:
-                    raise ValueError(f"frame of {length} bytes")
-                frame = unpack_frame(await reader.readexactly(length))
-                self.state = "up"
-                self._on_frame(frame)
-
-
-async def _finish(process: asyncio.subprocess.Process, errors: asyncio.Task[None]) -> None:
-    """Wait for the process, which ends when its socket is closed."""
-    await wait_or_kill(process)
-    await asyncio.gather(errors, return_exceptions=True)
+            await asyncio.shield(node.close())
