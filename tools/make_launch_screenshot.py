@@ -26,9 +26,9 @@ from ur.run.clients.protocol import (
     StatsSampled,
     find_severity,
 )
+from ur.run.clients.run_state import NodeRow
 from ur.run.debugger.attach import DebugMethods
 from ur.tui.app import WatchApp
-from ur.tui.run_state import NodeRow
 
 ROOT = Path(__file__).resolve().parents[1]
 NOW = 1_700_049_600.0

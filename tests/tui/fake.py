@@ -27,9 +27,9 @@ from ur.run.clients.protocol import (
     find_severity,
     parse_command,
 )
+from ur.run.clients.run_state import NodeRow
 from ur.run.debugger.attach import DebugMethod, DebugMethods
 from ur.tui.app import WatchApp
-from ur.tui.run_state import NodeRow
 
 NOON = 1_700_049_600.0
 RUN = RunStarted("m_map.77", 77, "m_map", "http://localhost:11311", "/logs", NOON - 187)

@@ -7,7 +7,7 @@ import pytest
 from tests.tui.fake import RUN, FakeRun, example, line
 
 from ur.run.clients.protocol import LinkChanged, NodeChanged, NodeReadiness, Notice, RunEnded, RunEvent, RunStopping
-from ur.tui.run_state import RunState, apply_events
+from ur.run.clients.run_state import RunState, apply_events
 from ur.tui.status_line import describe_status, show_events, show_status_line
 
 COLOUR = re.compile("\x1b\\[[0-9;]*m")

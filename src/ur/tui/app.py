@@ -8,12 +8,12 @@ from typing import ClassVar
 from textual.binding import BindingType
 
 from ur.run.clients.protocol import KillNode, RestartNode, RunCommand, StartNode, StopNode, StopRun
+from ur.run.clients.run_state import NodeRow
 from ur.run.debugger.attach import DebugMethod
 from ur.run.supervisor.events import CTRL_C
 from ur.tui.dialogs import DialogAnswer, Question
 from ur.tui.keys import make_bindings
 from ur.tui.log_actions import LogActions
-from ur.tui.run_state import NodeRow
 
 
 class WatchApp(LogActions):

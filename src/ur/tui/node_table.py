@@ -15,12 +15,12 @@ from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
 from ur.run.clients.protocol import find_severity
+from ur.run.clients.run_state import Mood, NodeRow, RunState
 from ur.source.ansi import strip_styles
 from ur.source.printable import printable
 from ur.tui.journal import Filter, clean, strip_head
 from ur.tui.log_view import short_name
 from ur.tui.palette import ScreenPalette
-from ur.tui.run_state import Mood, NodeRow, RunState
 
 _WORDS: dict[Mood, str] = {"up": "up", "busy": "starting or stopping", "failed": "failed", "idle": "not running"}
 _SHORT: dict[Mood, str] = {"up": "up", "busy": "starting", "failed": "failed", "idle": "off"}

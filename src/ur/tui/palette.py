@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from rich.style import Style
 
 from ur.run.clients.protocol import Severity
-from ur.tui.run_state import Mood
+from ur.run.clients.run_state import Mood
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,7 @@ from textual.widgets import Input, Static
 
 from ur.run.clients.client import RunControl
 from ur.run.clients.protocol import Notice, OutputLine, RunEvent, RunStarted, RunStopping, Watch
+from ur.run.clients.run_state import NodeRow, RunState, apply_events, begin_state
 from ur.run.debugger.attach import DebugMethods
 from ur.source.printable import printable
 from ur.tui.journal import Journal
@@ -22,7 +23,6 @@ from ur.tui.keys import describe_foot
 from ur.tui.log_view import LogView
 from ur.tui.node_table import NodeTable, describe_filter, describe_run
 from ur.tui.palette import DARK, LIGHT
-from ur.tui.run_state import NodeRow, RunState, apply_events, begin_state
 from ur.tui.screen.app import FullScreenApp
 
 PAUSE = 0.05  # s between two updates of the screen: faster events are drawn together

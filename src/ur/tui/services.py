@@ -12,9 +12,9 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 
 from ur.run.clients.protocol import RunStarted
+from ur.run.clients.run_state import NodeRow
 from ur.run.debugger.attach import DebugMethods, list_debug_methods
 from ur.run.debugger.environment import find_debug_tools, read_node_facts
-from ur.tui.run_state import NodeRow
 
 
 class SystemServices:

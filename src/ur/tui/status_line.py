@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 from ur.run.clients.client import RunControl
 from ur.run.clients.protocol import Notice, OutputLine, RunEvent, RunStarted, StopRun, Watch
+from ur.run.clients.run_state import STANDING, Mood, RunState, apply_events, begin_state
 from ur.run.supervisor.events import CTRL_C
 from ur.source.ansi import BOLD, CLEAR_LINE, DIM, GREEN, RED, YELLOW, paint, strip_styles
-from ur.tui.run_state import STANDING, Mood, RunState, apply_events, begin_state
 
 SIGNS: dict[Mood, tuple[str, str]] = {
     "up": (GREEN, "up"),

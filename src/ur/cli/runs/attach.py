@@ -13,7 +13,6 @@ import click
 
 from ur.cli.runs.detached import choose_run, connect
 from ur.run.clients.client import iterate_events
-from ur.run.clients.node_view import describe_node
 from ur.run.clients.protocol import (
     NodeChanged,
     Notice,
@@ -25,6 +24,7 @@ from ur.run.clients.protocol import (
     Watch,
     dump_line,
 )
+from ur.run.clients.run_state import describe_node
 from ur.run.record.entry import RunEntry
 from ur.source.render import shows_colour
 

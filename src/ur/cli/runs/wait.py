@@ -10,8 +10,8 @@ from collections.abc import Callable
 import click
 
 from ur.cli.runs.detached import choose_run, connect
-from ur.run.clients.node_view import ReadinessView
 from ur.run.clients.protocol import Watch
+from ur.run.clients.run_state import apply_events, begin_state, list_missing
 from ur.run.detach import Detach, run_detached
 from ur.run.record.entry import RunEntry
 from ur.source.progress_line import show_progress
@@ -39,7 +39,7 @@ def command(run: str | None, timeout: float) -> int:
 def wait_ready(entry: RunEntry, timeout: float) -> int:
     """Wait at most `timeout` s until every node is ready; print the missing ones, and return the exit code."""
     end = time.monotonic() + timeout
-    view = ReadinessView()
+    state = begin_state()
     with connect(entry) as client, show_progress(f"waiting for the nodes of {entry.run}") as progress:
         client.send(Watch(readiness=True))
         while (left := end - time.monotonic()) > 0:
@@ -48,16 +48,15 @@ def wait_ready(entry: RunEntry, timeout: float) -> int:
             if events is None:
                 sys.stderr.write(f"error: run {entry.run} has ended\n")
                 return 1
-            for event in events:
-                view.take(event)
-            if view.cause is not None:
-                sys.stderr.write(f"error: run {entry.run} ends: {view.cause}\n")
+            state = apply_events(state, events)
+            if state.cause is not None:
+                sys.stderr.write(f"error: run {entry.run} ends: {state.cause}\n")
                 return 1
-            late = view.list_missing()
-            if view.nodes and not late:
+            late, count = list_missing(state), sum(state.count().values())
+            if count and not late:
                 return 0
-            progress(f"waiting for {len(late)} of {len(view.nodes)} nodes: {', '.join(late)}")
-    _print_missing(view.list_missing(), timeout)
+            progress(f"waiting for {len(late)} of {count} nodes: {', '.join(late)}")
+    _print_missing(list_missing(state), timeout)
     return 1
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 import os
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 
 from ur.run.clients.client import RunClient, RunUnreachable, connect_run
 from ur.run.clients.protocol import (
@@ -21,15 +22,19 @@ from ur.run.clients.protocol import (
     Watch,
     find_severity,
 )
+from ur.run.clients.run_state import NodeRow, RunState, apply_events, begin_state
 from ur.run.record.computer import read_computer
 from ur.run.record.ended import EndedRun, list_ended
 from ur.run.record.entry import RunEntry
 from ur.run.record.registry import list_runs
 from ur.web.runs.log_lines import LogLines, read_lines
-from ur.web.runs.run_view import RunView, begin_view, describe_runs, take_event
 from ur.web.wire.run_requests import ChangeNode
 
 Show = Callable[[str, str, str], None]
+MOST_ENDED = 5
+"""Runs that have ended, of which the page shows so many."""
+
+_LAST_LINES = 12
 
 _PERIOD = 1.0  # s between two searches for runs
 _COMMANDS: Mapping[str, Callable[[str], RunCommand]] = {"start": StartNode, "stop": StopNode, "restart": RestartNode}
@@ -39,14 +44,15 @@ class _Watched:
     """A run with its connection."""
 
     def __init__(self, entry: RunEntry, client: RunClient) -> None:
-        self.view: RunView = begin_view(entry)
+        self.entry = entry
+        self.state: RunState = begin_state()
         self.client = client
         self.lines = LogLines()
         self.read_back = ReadBack(self.lines.add)
 
     def logs(self) -> dict[str, str]:
         """The log files by node."""
-        return {name: node.changed.log for name, node in self.view.nodes.items() if node.changed.log}
+        return {row.name: row.changed.log for row in self.state.rows if row.changed.log}
 
 
 class RunWatcher:
@@ -81,9 +87,8 @@ class RunWatcher:
 
     def describe(self) -> dict[str, object]:
         """Return the state of all runs for a page."""
-        return describe_runs(
-            sorted((each.view for each in self._watched.values()), key=lambda view: view.entry.started), self._ended
-        )
+        watched = sorted(self._watched.values(), key=lambda each: each.entry.started)
+        return describe_runs([(each.entry, each.state) for each in watched], self._ended)
 
     def lines(self) -> Mapping[str, LogLines]:
         """Return the last lines of each run."""
@@ -102,7 +107,7 @@ class RunWatcher:
         watched = self._watched.get(request.run)
         if watched is None:
             return f"run {request.run} has ended"
-        node = watched.view.nodes.get(request.node)
+        node = watched.state.find(request.node)
         if node is None:
             return f"run {request.run} has no node {request.node}"
         if node.changed.core:
@@ -140,21 +145,20 @@ class RunWatcher:
     def _receive(self, watched: _Watched) -> None:
         events = watched.client.receive()
         if events is None:
-            self._drop(watched.view.entry.run)
+            self._drop(watched.entry.run)
             return
+        watched.state = apply_events(watched.state, events)
         for event in events:
             if isinstance(event, OutputLine):
                 watched.read_back.take(event.name, event.severity, event.text)
             elif isinstance(event, Notice):
                 for line in event.text.splitlines():
                     watched.lines.add("", event.severity or "info", line)
-            else:
-                watched.view = take_event(watched.view, event)
-                if isinstance(event, Synchronised):
-                    watched.read_back.begin(watched.logs())
-                    watched.client.send(Watch(output=True, stats=True, readiness=True))
-                elif isinstance(event, StatsSampled):  # the run sends lines to clients whose `Watch` has arrived
-                    watched.read_back.confirm(watched.logs())
+            elif isinstance(event, Synchronised):
+                watched.read_back.begin(watched.logs())
+                watched.client.send(Watch(output=True, stats=True, readiness=True))
+            elif isinstance(event, StatsSampled):  # the run sends lines to clients whose `Watch` has arrived
+                watched.read_back.confirm(watched.logs())
         self._changed()
 
     def _drop(self, run: str) -> None:
@@ -213,3 +217,46 @@ class ReadBack:
         while waiting.popleft() != text:
             pass
         return True
+
+
+def describe_runs(active: Sequence[tuple[RunEntry, RunState]], ended: Sequence[EndedRun]) -> dict[str, object]:
+    """Return the runs for display: active ones, oldest first, then ended ones, latest first."""
+    return {
+        "t": "runs",
+        "runs": [_describe_run(*each) for each in active],
+        "ended": [_describe_ended(each) for each in reversed(ended[-MOST_ENDED:])],
+    }
+
+
+def _describe_run(entry: RunEntry, state: RunState) -> dict[str, object]:
+    return {
+        "run": entry.run,
+        "title": entry.title,
+        "master": entry.master_uri,
+        "started": entry.started,
+        "detached": entry.detached,
+        "stopping": state.cause,
+        "lost": state.lost.seconds if state.lost is not None else None,
+        "known": state.known,
+        "nodes": [_describe_node(row) for row in state.rows],
+    }
+
+
+def _describe_node(node: NodeRow) -> dict[str, object]:
+    hidden = ("log", "program", "folder")  # paths of this computer, which a browser cannot use
+    fields = {name: value for name, value in asdict(node.changed).items() if name not in hidden}
+    restart_in = None if node.changed.restart_in is None else round(node.changed.restart_in)
+    measured = {"ready": node.ready, "missing": list(node.missing), "cpu": node.cpu, "memory": node.memory}
+    return {**fields, "restart_in": restart_in, **measured}
+
+
+def _describe_ended(run: EndedRun) -> dict[str, object]:
+    return {
+        "run": run.entry.run,
+        "title": run.entry.title,
+        "started": run.entry.started,
+        "ended": run.ended,
+        "exit_code": run.exit_code,
+        "cause": run.cause,
+        "lines": list(run.lines[-_LAST_LINES:]),
+    }

@@ -1,4 +1,4 @@
-"""The state of the nodes of a run, derived from its events for the table. Pure."""
+"""The state of a run and its nodes, derived from its events, for every client. Pure."""
 
 from __future__ import annotations
 
@@ -18,8 +18,10 @@ from ur.run.clients.protocol import (
     RunStarted,
     RunStopping,
     StatsSampled,
+    Synchronised,
 )
-from ur.run.output.messages import describe_link
+from ur.run.output.messages import describe_link, describe_status
+from ur.run.supervisor.state import ExitStatus
 
 Mood = Literal["up", "busy", "idle", "failed"]
 STANDING: tuple[Mood, ...] = ("up", "busy", "failed", "idle")  # the order in which moods are counted
@@ -36,7 +38,7 @@ _NOISE = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class NodeRow:
-    """A node as the table shows it. `cpu` in cores, `memory` in bytes; None: not measured, or not running."""
+    """A node. `cpu` in cores, `memory` in bytes; None: not measured, or not running."""
 
     changed: NodeChanged
     ready: bool = False
@@ -94,14 +96,20 @@ class NodeRow:
 class RunState:
     """The whole run. `cause` is the reason of its end, None before; `exit_code` is set when it has ended.
 
-    `link` describes a problem of the connection to the robot, '' while there is none.
+    `lost` is the newest state of the connection to the robot while it is lost. `known`: all nodes have been described.
     """
 
     run: RunStarted
     rows: tuple[NodeRow, ...] = ()
     cause: str | None = None
     exit_code: int | None = None
-    link: str = ""
+    lost: LinkChanged | None = None
+    known: bool = False
+
+    @property
+    def link(self) -> str:
+        """Describe the problem of the connection to the robot, '' while there is none."""
+        return describe_link(self.lost.robot, self.lost.seconds, lost=True) if self.lost is not None else ""
 
     def find(self, name: str) -> NodeRow | None:
         """Return the row of a node, or None."""
@@ -124,7 +132,6 @@ def begin_state() -> RunState:
 def apply_events(state: RunState, events: Sequence[RunEvent]) -> RunState:
     """Return the state after these events, in order. The time is proportional to events plus nodes."""
     rows = {row.name: row for row in state.rows}
-    run, cause, exit_code = state.run, state.cause, state.exit_code
     last: dict[str, str] = {}
     for event in events:
         match event:
@@ -139,19 +146,28 @@ def apply_events(state: RunState, events: Sequence[RunEvent]) -> RunState:
                 for name, row in rows.items():
                     found = used.get(name)
                     rows[name] = replace(row, cpu=found.cpu if found else None, memory=found.memory if found else None)
-            case RunStarted():
-                run = event
-            case RunStopping(why):
-                cause = why
-            case RunEnded(code):
-                exit_code = code
             case _:
-                pass
+                state = _change_run(state, event)
     for name, text in last.items():
         if name in rows:
             rows[name] = replace(rows[name], last=text)
     ordered = sorted(rows.values(), key=lambda row: row.changed.core)  # stable: the launch file's order
-    return RunState(run, tuple(ordered), cause, exit_code, _find_link(state.link, events))
+    return replace(state, rows=tuple(ordered))
+
+
+def _change_run(state: RunState, event: RunEvent) -> RunState:
+    match event:
+        case RunStarted():
+            return replace(state, run=event)
+        case RunStopping(cause):
+            return replace(state, cause=cause)
+        case RunEnded(code):
+            return replace(state, exit_code=code)
+        case LinkChanged():
+            return replace(state, lost=event if event.lost else None)
+        case Synchronised():
+            return replace(state, known=True)
+    return state
 
 
 def describe_end(changed: NodeChanged) -> str:
@@ -166,11 +182,39 @@ def describe_end(changed: NodeChanged) -> str:
     return "finished" if changed.exit_code == 0 else f"exit {changed.exit_code}"
 
 
-def _find_link(before: str, events: Sequence[RunEvent]) -> str:
-    last = next((event for event in reversed(events) if isinstance(event, LinkChanged)), None)
-    if last is None:
-        return before
-    return describe_link(last.robot, last.seconds, lost=True) if last.lost else ""
+def list_missing(state: RunState) -> dict[str, tuple[str, ...]]:
+    """List the nodes that are not ready, each with its unmet conditions.
+
+    A program that has ended successfully is no longer waited for.
+    """
+    missing = {}
+    for row in state.rows:
+        node = row.changed
+        if node.core or row.ready or (node.state == "ended" and node.exit_code == 0):
+            continue
+        if node.state == "running":
+            missing[row.name] = row.missing or ("it is not looked at yet",)
+        else:
+            log = f" (log: {node.log})" if node.log else ""
+            missing[row.name] = (f"it does not run: {describe_node(node)}{log}",)
+    return missing
+
+
+def describe_node(node: NodeChanged) -> str:
+    """Describe the state of a node briefly."""
+    if node.pid is not None:
+        text = f"{node.state}, process {node.pid}"
+    elif node.state == "waiting" and node.restart_in is not None:
+        text = f"starts again in {node.restart_in:.0f} s"
+    elif node.held:
+        text = "stopped by hand"
+    elif node.signal is not None or node.exit_code is not None:
+        text = describe_status(ExitStatus(node.exit_code, node.signal))
+        text = f"{node.state}, {text}"
+    else:
+        text = node.state
+    text += f", restarted {node.restarts} times" if node.restarts else ""
+    return f"{text}: {node.reason}" if node.reason else text
 
 
 def _change(before: NodeRow | None, now: NodeChanged) -> NodeRow:

@@ -4,9 +4,9 @@ import pytest
 from tests.tui.fake import RUN, line
 
 from ur.run.clients.protocol import NodeChanged, NodeReadiness, NodeStats, RunEvent, RunStopping, StatsSampled
+from ur.run.clients.run_state import NodeRow, RunState, apply_events, begin_state, describe_node, list_missing
 from ur.tui.node_table import describe_run
 from ur.tui.palette import DARK
-from ur.tui.run_state import NodeRow, RunState, apply_events
 
 
 @pytest.mark.parametrize(("changed", "mood", "word"), [
@@ -106,3 +106,38 @@ def test_nodes_that_end_with_the_run_are_stopping_not_starting() -> None:
     line_ = describe_run(apply_events(RunState(RUN), events), 0.0, 100, DARK).plain
     assert "1 stopping" in line_
     assert "starting" not in line_
+
+
+@pytest.mark.parametrize(
+    ("node", "text"),
+    [
+        (NodeChanged("/a", "running", pid=7), "running, process 7"),
+        (NodeChanged("/a", "waiting", restart_in=3.0, restarts=2), "starts again in 3 s, restarted 2 times"),
+        (NodeChanged("/a", "ended", held=True), "stopped by hand"),
+        (NodeChanged("/a", "ended", reason="no such file"), "ended: no such file"),
+    ],
+)
+def test_state_of_a_node_is_described(node: NodeChanged, text: str) -> None:
+    assert describe_node(node) == text
+
+
+def missing_after(*events: RunEvent) -> dict[str, tuple[str, ...]]:
+    return list_missing(apply_events(begin_state(), events))
+
+
+def test_node_is_missing_until_it_is_up_or_has_done_its_work() -> None:
+    events: list[RunEvent] = [
+        NodeChanged("/master", "running", core=True),
+        NodeReadiness("/unknown", ready=False, missing=("x",)),
+    ]
+    assert missing_after(*events) == {}
+    events.append(NodeChanged("/a", "running", pid=7))
+    assert missing_after(*events) == {"/a": ("it is not looked at yet",)}
+    assert missing_after(*events, NodeReadiness("/a", ready=False, missing=("no scan",))) == {"/a": ("no scan",)}
+    assert missing_after(*events, NodeReadiness("/a", ready=True)) == {}
+    assert missing_after(*events, NodeChanged("/a", "ended", exit_code=0)) == {}
+
+
+def test_node_that_does_not_run_is_missing_with_its_state_and_log() -> None:
+    missing = missing_after(NodeChanged("/a", "waiting", restart_in=2.0, log="/tmp/a.log"))
+    assert missing == {"/a": ("it does not run: starts again in 2 s (log: /tmp/a.log)",)}

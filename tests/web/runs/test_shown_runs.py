@@ -12,19 +12,17 @@ from ur.run.clients.protocol import (
     StatsSampled,
     Synchronised,
 )
+from ur.run.clients.run_state import apply_events, begin_state
 from ur.run.record.ended import EndedRun
 from ur.run.record.entry import RunEntry
-from ur.web.runs.run_view import MOST_ENDED, begin_view, describe_runs, take_event
+from ur.web.runs.watcher import MOST_ENDED, describe_runs
 
 ENTRY = RunEntry("demo.7", 7, 1, "demo", "http://localhost:11311", "/secret/log", 100.0, True, "here", "/secret/run")
 RUNNING = NodeChanged("/talk", "running", pid=8, log="/secret/talk.log", program="/secret/talk", folder="/secret")
 
 
 def show(*events: RunEvent) -> dict[str, Any]:
-    view = begin_view(ENTRY)
-    for event in events:
-        view = take_event(view, event)
-    shown: Any = describe_runs([view], ())
+    shown: Any = describe_runs([(ENTRY, apply_events(begin_state(), events))], ())
     (run,) = shown["runs"]
     return dict(run)
 
