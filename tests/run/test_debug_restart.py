@@ -13,7 +13,8 @@ import pytest
 from tests.run.conftest import RunWorld
 
 from ur.run.clients.client import RunClient, connect_run
-from ur.run.clients.protocol import NodeChanged, RestartNode, RunEvent
+from ur.run.clients.protocol import NodeChanged, RunEvent
+from ur.run.supervisor.events import RestartNode
 
 pytestmark = pytest.mark.ros
 BODY = '<node pkg="little_nodes" type="sleeper" name="one" launch-prefix="nice -n 1"/>'

@@ -15,19 +15,17 @@ from tests.run.leftovers import wait_nothing_left
 
 from ur.run.clients.client import connect_run, iterate_events
 from ur.run.clients.protocol import (
-    KillNode,
     NodeChanged,
     OutputLine,
     RunEnded,
     RunEvent,
     RunStarted,
-    StartNode,
     StatsSampled,
-    StopNode,
     StopRun,
     Synchronised,
     Watch,
 )
+from ur.run.supervisor.events import KillNode, StartNode, StopNode
 
 pytestmark = pytest.mark.ros
 

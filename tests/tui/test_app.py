@@ -3,8 +3,9 @@ from __future__ import annotations
 import pytest
 from tests.tui.fake import FakeServices, example, read_screen, until, watching
 
-from ur.run.clients.protocol import KillNode, RestartNode, RunCommand, StartNode, StopNode, StopRun
+from ur.run.clients.protocol import RunCommand, StopRun
 from ur.run.debugger.attach import DebugMethod, DebugMethods
+from ur.run.supervisor.events import KillNode, RestartNode, StartNode, StopNode
 from ur.tui.dialogs import Question
 
 

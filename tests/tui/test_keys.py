@@ -10,7 +10,8 @@ import pytest
 from rich.console import Console
 from tests.tui.fake import FakeRun, FakeServices, line, until, watching
 
-from ur.run.clients.protocol import RestartNode, StartNode, StopNode, StopRun
+from ur.run.clients.protocol import StopRun
+from ur.run.supervisor.events import RestartNode, StartNode, StopNode
 from ur.tui.app import WatchApp
 from ur.tui.dialogs import Question, TextDialog
 from ur.tui.journal import Filter

@@ -8,7 +8,8 @@ import pytest
 from tests.tui.fake import FakeRun, FakeServices, read_screen, until, watching
 from textual import events
 
-from ur.run.clients.protocol import KillNode, StartNode, StopNode, StopRun
+from ur.run.clients.protocol import StopRun
+from ur.run.supervisor.events import KillNode, StartNode, StopNode
 from ur.tui.app import WatchApp
 from ur.tui.dialogs import Question, TextDialog
 from ur.tui.keys import KEYS

@@ -7,10 +7,10 @@ from typing import ClassVar
 
 from textual.binding import BindingType
 
-from ur.run.clients.protocol import KillNode, RestartNode, RunCommand, StartNode, StopNode, StopRun
+from ur.run.clients.protocol import RunCommand, StopRun
 from ur.run.clients.run_state import NodeRow
 from ur.run.debugger.attach import DebugMethod
-from ur.run.supervisor.events import CTRL_C
+from ur.run.supervisor.events import CTRL_C, KillNode, RestartNode, StartNode, StopNode
 from ur.tui.dialogs import DialogAnswer, Question
 from ur.tui.keys import make_bindings
 from ur.tui.log_actions import LogActions

@@ -6,21 +6,17 @@ import pytest
 
 from ur.run.clients.protocol import (
     BadLineError,
-    KillNode,
     NodeChanged,
     NodeReadiness,
     NodeStats,
     Notice,
     OutputLine,
-    RestartNode,
     RunCommand,
     RunEnded,
     RunEvent,
     RunStarted,
     RunStopping,
-    StartNode,
     StatsSampled,
-    StopNode,
     StopRun,
     Synchronised,
     Watch,
@@ -29,6 +25,7 @@ from ur.run.clients.protocol import (
     parse_command,
     parse_event,
 )
+from ur.run.supervisor.events import KillNode, RestartNode, StartNode, StopNode
 
 EVENTS: list[RunEvent] = [
     RunStarted("drive.7", 7, "drive", "http://localhost:11311", "/logs", 1.5, detached=True, terminal="/front"),

@@ -8,7 +8,8 @@ import click
 
 from ur.cli.runs.detached import choose_run, connect, find_node_name
 from ur.run.clients.client import iterate_events
-from ur.run.clients.protocol import NodeChanged, Notice, RestartNode, Synchronised
+from ur.run.clients.protocol import NodeChanged, Notice, Synchronised
+from ur.run.supervisor.events import RestartNode
 
 
 @click.command("restart")

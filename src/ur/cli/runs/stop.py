@@ -11,9 +11,10 @@ import click
 
 from ur.cli.runs.detached import choose_run, connect, find_node_name, leave_out_joined, list_own_runs
 from ur.run.clients.client import RunClient
-from ur.run.clients.protocol import NodeChanged, OutputLine, RunEnded, StopNode, StopRun, Synchronised, Watch
+from ur.run.clients.protocol import NodeChanged, OutputLine, RunEnded, StopRun, Synchronised, Watch
 from ur.run.join.owner import describe_joined, list_joined
 from ur.run.remote.local_runs import wait_exit
+from ur.run.supervisor.events import StopNode
 from ur.source.diagnostic import UserError, error
 from ur.source.progress_line import show_progress
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import select
 from typing import TYPE_CHECKING
 
-from ur.run.supervisor.events import Event, RestartWanted, StartWanted, StopRequested, StopWanted
+from ur.run.supervisor.events import Event, KillNode, RestartNode, StartNode, StopNode, StopRequested
 from ur.run.supervisor.state import State
 
 if TYPE_CHECKING:
@@ -156,17 +156,11 @@ class Monitor:
 
 def translate_command(command: RunCommand) -> Event:
     """Translate a client's command into an event of the supervisor."""
-    from ur.run.clients.protocol import KillNode, RestartNode, StartNode, StopNode, StopRun
+    from ur.run.clients.protocol import StopRun
 
     match command:
-        case StartNode(name):
-            return StartWanted(name)
-        case StopNode(name):
-            return StopWanted(name)
-        case KillNode(name):
-            return StopWanted(name, kill=True)
-        case RestartNode(name, prefix):
-            return RestartWanted(name, prefix)
+        case StartNode() | StopNode() | RestartNode() | KillNode():
+            return command
         case StopRun(reason):
             return StopRequested(reason)
     raise ValueError(command)  # Watch, which Subscribers handle themselves

@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
+from ur.run.supervisor.events import KillNode, NodeRequest, RestartNode, StartNode, StopNode
+
 NodeState = Literal["waiting", "starting", "running", "stopping", "ended"]
 Severity = Literal["", "debug", "info", "warning", "error", "fatal"]
 OutputSource = Literal["out", "err", "log"]
@@ -164,42 +166,13 @@ class Watch:
 
 
 @dataclass(frozen=True, slots=True)
-class StartNode:
-    """Start a node that has ended or waits. No effect on a running node."""
-
-    name: str
-
-
-@dataclass(frozen=True, slots=True)
-class StopNode:
-    """Stop a node and keep it stopped: SIGINT, SIGTERM, SIGKILL. The run continues, even if the node is required."""
-
-    name: str
-
-
-@dataclass(frozen=True, slots=True)
-class RestartNode:
-    """Stop a node and start it again; once with `prefix` in front of its program, in place of its own prefix."""
-
-    name: str
-    prefix: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class KillNode:
-    """SIGKILL a node and keep it stopped."""
-
-    name: str
-
-
-@dataclass(frozen=True, slots=True)
 class StopRun:
     """End the run, as Ctrl-C does; repeated commands end it faster. `reason` is a text for the user."""
 
     reason: str = "asked to stop"
 
 
-RunCommand = Watch | StartNode | StopNode | RestartNode | KillNode | StopRun
+RunCommand = Watch | NodeRequest | StopRun
 
 _EVENTS: dict[str, Any] = {
     kind.__name__: kind

@@ -87,26 +87,32 @@ class StopRequested:
 
 
 @dataclass(frozen=True, slots=True)
-class StartWanted:
-    """The user requests that a unit runs."""
+class StartNode:
+    """Start a node that has ended or waits. No effect on a running node."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
-class StopWanted:
-    """The user requests that a unit does not run; with `kill`, immediately. The run continues."""
+class StopNode:
+    """Stop a node and keep it stopped: SIGINT, SIGTERM, SIGKILL. The run continues, even if the node is required."""
 
     name: str
-    kill: bool = False
 
 
 @dataclass(frozen=True, slots=True)
-class RestartWanted:
-    """The user requests a restart of a unit; once with `prefix` in front of its program, in place of its own."""
+class RestartNode:
+    """Stop a node and start it again; once with `prefix` in front of its program, in place of its own prefix."""
 
     name: str
     prefix: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class KillNode:
+    """SIGKILL a node and keep it stopped."""
+
+    name: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,6 +178,9 @@ class Unregistered:
     """Registrations of the run's nodes are removed from the master, or could not be removed."""
 
 
+NodeRequest = StartNode | StopNode | RestartNode | KillNode
+"""What a user requests of one unit; also a command of clients (`ur.run.clients.protocol`)."""
+
 Event = (
     Begin
     | MasterAnswered
@@ -183,9 +192,7 @@ Event = (
     | Evicted
     | OwnerEnded
     | StopRequested
-    | StartWanted
-    | StopWanted
-    | RestartWanted
+    | NodeRequest
     | MasterLost
     | MasterReturned
     | MasterReplaced

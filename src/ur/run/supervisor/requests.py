@@ -6,11 +6,11 @@ from dataclasses import replace
 
 from ur.run.supervisor.actions import Action, ReportPressure, ReportRequest, SignalUnit
 from ur.run.supervisor.changes import SIGNALS, Step, is_before, put_unit, signal_patience, start_units
-from ur.run.supervisor.events import RestartWanted, StartWanted, StopWanted
+from ur.run.supervisor.events import KillNode, NodeRequest, RestartNode, StartNode
 from ur.run.supervisor.state import RunPhase, State, StopRequest, UnitState, UnitStatus
 
 
-def apply_request(state: State, wanted: StartWanted | StopWanted | RestartWanted, now: float) -> Step:
+def apply_request(state: State, wanted: NodeRequest, now: float) -> Step:
     """Start to execute a request. While the run ends, requests are ignored."""
     if not is_before(state, RunPhase.STOPPING_NODES):
         return state, []
@@ -20,17 +20,17 @@ def apply_request(state: State, wanted: StartWanted | StopWanted | RestartWanted
     if each.unit.core:
         return state, [ReportRequest(wanted.name, "it belongs to the run itself; stop the run instead")]
     match wanted:
-        case StartWanted():
+        case StartNode():
             if each.alive:
                 return (put_unit(state, replace(each, request=StopRequest.RESTART)) if each.request else state), []
             return _start_anew(state, each, now)
-        case RestartWanted() if not each.alive:
+        case RestartNode() if not each.alive:
             return _start_anew(state, each, now)
     if not each.alive:
         held = replace(each, status=UnitStatus.ENDED, due=None, held=True)
         return put_unit(state, held), [] if each.held else [ReportRequest(wanted.name)]
-    request = StopRequest.RESTART if isinstance(wanted, RestartWanted) else StopRequest.STOP
-    pressure = 2 if isinstance(wanted, StopWanted) and wanted.kill else each.pressure
+    request = StopRequest.RESTART if isinstance(wanted, RestartNode) else StopRequest.STOP
+    pressure = 2 if isinstance(wanted, KillNode) else each.pressure
     return press_unit(state, replace(each, request=request, pressure=pressure), now)
 
 

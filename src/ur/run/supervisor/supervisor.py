@@ -25,6 +25,7 @@ from ur.run.supervisor.events import (
     Event,
     Evicted,
     Exited,
+    KillNode,
     LinkLost,
     LinkRestored,
     MasterAnswered,
@@ -34,16 +35,16 @@ from ur.run.supervisor.events import (
     NothingLeft,
     OwnerEnded,
     ParametersSet,
-    RestartWanted,
+    RestartNode,
     RobotMasterLost,
     SetupFailed,
     ShareFailed,
     ShareStarted,
     Started,
     StartFailed,
-    StartWanted,
+    StartNode,
+    StopNode,
     StopRequested,
-    StopWanted,
     Tick,
     Unregistered,
 )
@@ -104,7 +105,7 @@ def _handle(state: State, event: Event, now: float) -> Step:
             if is_before(state, RunPhase.STOPPING_NODES):
                 return begin_end(state, cause, exit_code, now)
             return press_all(state, now)
-        case StartWanted() | StopWanted() | RestartWanted():
+        case StartNode() | StopNode() | RestartNode() | KillNode():
             return apply_request(state, event, now)
         case Tick():
             return _tick(state, now)

@@ -12,11 +12,8 @@ from ur.run.clients.client import RunClient, RunUnreachable, connect_run
 from ur.run.clients.protocol import (
     Notice,
     OutputLine,
-    RestartNode,
     RunCommand,
-    StartNode,
     StatsSampled,
-    StopNode,
     StopRun,
     Synchronised,
     Watch,
@@ -27,6 +24,7 @@ from ur.run.record.computer import read_computer
 from ur.run.record.ended import EndedRun, list_ended
 from ur.run.record.entry import RunEntry
 from ur.run.record.registry import list_runs
+from ur.run.supervisor.events import RestartNode, StartNode, StopNode
 from ur.web.runs.log_lines import LogLines, read_lines
 from ur.web.wire.run_requests import ChangeNode
 
