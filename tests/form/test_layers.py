@@ -214,7 +214,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.teleop.terminal": ("ur.source", "ur.tui.screen", "ur_nodes.ports", "ur_nodes.run", "ur_nodes.client"),
     "ur_nodes.teleop.map_view": (
         "ur.source",
-        "ur.maps",
+        "ur.tui.screen",
         "ur_nodes.geometry",
         "ur_nodes.ports",
         "ur_nodes.run",
@@ -253,6 +253,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "ur_nodes.teleop.camera": (
         "ur.source",
+        "ur.tui.screen",
         "ur_nodes.ports",
         "ur_nodes.run",
         "ur_nodes.pictures",

@@ -22,8 +22,7 @@ _PICTURE = (30, 6)  # columns and lines of the picture of a map in a list
 _SCRIPT_PICTURE = (64, 32)  # the same for a script
 _WALLS_FROM = 50
 _UNKNOWN, _FREE, _WALL = 0, 1, 2
-_COLOURS = (234, 239, 252)  # of the palette of 256
-_LETTERS = " .#"
+_COLOURS = ((28, 28, 28), (78, 78, 78), (208, 208, 208))
 _NARROW = 70  # columns: without pictures
 
 
@@ -108,6 +107,7 @@ def draw_lines(values: NDArray[np.int8], columns: int, rows: int, *, colour: boo
     """
     import numpy as np
 
+    from ur.tui.screen.half_blocks import draw_half_blocks
     from ur.worlds.cells import OCCUPIED
 
     seen = values >= 0
@@ -124,17 +124,5 @@ def draw_lines(values: NDArray[np.int8], columns: int, rows: int, *, colour: boo
     walls = ((blocks >= _WALLS_FROM) & (blocks <= OCCUPIED)).any(axis=(1, 3))
     free = (blocks >= 0).mean(axis=(1, 3)) >= 0.5
     pixels = np.where(walls, _WALL, np.where(free, _FREE, _UNKNOWN))
-    pairs = pixels.reshape(-1, 2, wide)
-    if not colour:
-        return ["".join(_LETTERS[each] for each in pair.max(axis=0).tolist()).rstrip() for pair in pairs]
-    return [_coloured(upper.tolist(), lower.tolist()) for upper, lower in pairs]
-
-
-def _coloured(upper: list[int], lower: list[int]) -> str:
-    text, before = "", (-1, -1)
-    for pair in zip(upper, lower, strict=True):
-        if pair != before:
-            text += f"\033[38;5;{_COLOURS[pair[0]]};48;5;{_COLOURS[pair[1]]}m"
-            before = pair
-        text += "▀"
-    return text + RESET
+    lines = draw_half_blocks(np.array(_COLOURS, np.uint8)[pixels], "palette" if colour else "letters")
+    return lines if colour else [line.rstrip() for line in lines]

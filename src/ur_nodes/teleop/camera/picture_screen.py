@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import textwrap
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ur.source.ansi import RESET, REVERSE
+from ur.tui.screen.half_blocks import draw_half_blocks
 from ur_nodes.pictures.decode import Pixels
 from ur_nodes.pictures.feed import FeedView
 
 _STALE = 2.0  # s
-_LEVELS = np.array([0, 95, 135, 175, 215, 255])  # of the 6 x 6 x 6 cube that terminals of 256 colours have
 
 
 def describe_silence(view: FeedView) -> str:
@@ -51,7 +48,10 @@ def draw_picture_screen(
     first = [advice] if advice and rows > 2 else []
     bars = [_draw_bar(*each, columns) for each in (*first, (status, "q quits"))]
     room = rows - len(bars)
-    lines = [] if picture is None else _draw_cells(picture, columns, rich=rich)
+    lines: list[str] = []
+    if picture is not None:
+        indent = " " * max(0, (columns - picture.shape[1]) // 2)
+        lines = [indent + line for line in draw_half_blocks(picture, "rich" if rich else "palette")]
     body = _centre(lines, room)
     if notice:
         width = max(1, columns - 4)
@@ -70,45 +70,3 @@ def _draw_bar(text: str, end: str, columns: int) -> str:
 def _centre(lines: list[str], room: int) -> list[str]:
     above = max(0, (room - len(lines)) // 2)
     return ([""] * above + lines + [""] * room)[:room]
-
-
-def _draw_cells(picture: Pixels, columns: int, *, rich: bool) -> list[str]:
-    if picture.shape[0] % 2:
-        picture = np.concatenate([picture, np.zeros_like(picture[:1])])
-    indent = " " * max(0, (columns - picture.shape[1]) // 2)
-    codes = _pack(picture) if rich else _palette(picture)
-    write = _write_rich if rich else _write_plain
-    lines = []
-    for upper, lower in zip(codes[0::2].tolist(), codes[1::2].tolist(), strict=True):
-        parts, front, back = [indent], -1, -1
-        for top, bottom in zip(upper, lower, strict=True):
-            if top != front:
-                parts.append(write(38, top))
-                front = top
-            if bottom != back:
-                parts.append(write(48, bottom))
-                back = bottom
-            parts.append("▀")
-        lines.append("".join([*parts, RESET]))
-    return lines
-
-
-def _pack(picture: Pixels) -> NDArray[np.int64]:
-    wide: NDArray[np.int64] = picture.astype(np.int64)
-    packed: NDArray[np.int64] = wide[..., 0] << 16 | wide[..., 1] << 8 | wide[..., 2]
-    return packed
-
-
-def _palette(picture: Pixels) -> NDArray[np.int64]:
-    # The nearest level of the cube for each of red, green and blue (xterm's 256 colours: 16 + 36 r + 6 g + b).
-    levels = np.abs(picture[..., None].astype(np.int64) - _LEVELS).argmin(axis=-1)
-    codes: NDArray[np.int64] = 16 + 36 * levels[..., 0] + 6 * levels[..., 1] + levels[..., 2]
-    return codes
-
-
-def _write_rich(kind: int, colour: int) -> str:
-    return f"\x1b[{kind};2;{colour >> 16};{colour >> 8 & 255};{colour & 255}m"
-
-
-def _write_plain(kind: int, colour: int) -> str:
-    return f"\x1b[{kind};5;{colour}m"

@@ -6,9 +6,10 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from ur.tui.screen.half_blocks import Colour, Glyph
 from ur_nodes.client.snapshot import GoalReport, RobotSnapshot
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.map_view.palette import Colour, MapPalette
+from ur_nodes.teleop.map_view.palette import MapPalette
 from ur_nodes.teleop.map_view.picture import ROBOT_LENGTH, SMALL_ROBOT, Viewport
 
 _ARROWS = "→↗↑↖←↙↓↘"
@@ -17,17 +18,6 @@ _LEAST_BAR, _MOST_BAR = 5, 0.25  # columns; of the map's width
 
 Cell = tuple[int, int]
 """Column and row."""
-
-
-@dataclass(frozen=True, slots=True)
-class Glyph:
-    """A character over the pixels of one terminal cell."""
-
-    column: int
-    row: int
-    text: str
-    colour: Colour
-    behind: Colour | None = None  # None: what the pixels show
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from functools import lru_cache
 
 import numpy as np
 
-from ur.source.ansi import RESET
+from ur.tui.screen.half_blocks import draw_half_blocks
 from ur_nodes.client.snapshot import RobotSnapshot
 from ur_nodes.geometry.grid import Grid
-from ur_nodes.teleop.map_view.cells import Run, cells_of_pixels
 from ur_nodes.teleop.map_view.glyphs import Mark, place_glyphs, place_marks, scale_bar
-from ur_nodes.teleop.map_view.palette import DARK, Colour
+from ur_nodes.teleop.map_view.palette import DARK
 from ur_nodes.teleop.map_view.picture import GridIndex, Viewport, draw_map, draw_overlay, fit_viewport, index_grid
 
 _BEGIN = (-2.0, -2.0, 2.0, 2.0)  # m: shown while there is no map
@@ -23,7 +21,6 @@ _COARSEST = 0.2  # m in a pixel: coarser than that the map moves with the robot 
 _FINEST, _FARTHEST = 0.01, 2.0  # m in a pixel, of a scale that a person chooses
 _STEPS = {"+": 0.8, "=": 0.8, "-": 1.25}
 _MIDDLE = 0.3  # of the view, from each side: the view moves when the robot leaves this part
-_WALL, _FREE = 120, 30  # brightness from which a pixel is a wall, or floor, without colours
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,30 +102,4 @@ def draw_map_lines(
         *place_glyphs(snapshot, {}, None, view, DARK),
         *scale_bar(view, DARK),
     ]
-    write = _colours if colour else _letters
-    return [
-        "".join(write(run) for run in line) + (RESET if colour else "") for line in cells_of_pixels(picture, glyphs)
-    ]
-
-
-def _colours(run: Run) -> str:
-    text, fore, back = run
-    return f"\x1b[38;5;{_code(fore)};48;5;{_code(back)}m{text}"
-
-
-def _letters(run: Run) -> str:
-    text, fore, back = run
-    if text.strip("▀ ") or (text == " " and fore != back):
-        return text
-    brightest = max(max(fore), max(back))
-    return ("#" if brightest >= _WALL else "." if brightest >= _FREE else " ") * len(text)
-
-
-@lru_cache(maxsize=4096)
-def _code(colour: Colour) -> int:
-    """Return the index of the nearest of 256 colours: a grey, or one of the cube of 6 x 6 x 6."""
-    if max(colour) - min(colour) < 8:
-        grey = round((sum(colour) / 3 - 8) / 10)
-        return 16 if grey < 0 else 231 if grey > 23 else 232 + grey
-    red, green, blue = (0 if part < 48 else 1 if part < 115 else (part - 35) // 40 for part in colour)
-    return 16 + 36 * red + 6 * green + blue
+    return draw_half_blocks(picture, "palette" if colour else "letters", glyphs)

@@ -11,13 +11,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ur.tui.screen.half_blocks import Colour, Pixels
 from ur_nodes.client.snapshot import RobotSnapshot
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.map_view.palette import Colour, MapPalette
-
-Pixels = NDArray[np.uint8]
-"""(rows, columns, 3), red, green, blue."""
+from ur_nodes.teleop.map_view.palette import MapPalette
 
 ROBOT_LENGTH = 0.45
 """The diameter of the robot in m when it is large enough to be drawn to scale."""

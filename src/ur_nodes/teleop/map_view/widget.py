@@ -15,15 +15,14 @@ from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
 
+from ur.tui.screen.half_blocks import Colour, Pixels, Run, cells_of_pixels
 from ur_nodes.client.snapshot import GoalReport, LastGoalState, RobotSnapshot, heading_there
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.map_view.cells import Run, cells_of_pixels
 from ur_nodes.teleop.map_view.glyphs import place_glyphs, scale_bar
-from ur_nodes.teleop.map_view.palette import Colour, MapPalette
+from ur_nodes.teleop.map_view.palette import MapPalette
 from ur_nodes.teleop.map_view.picture import (
     GridIndex,
-    Pixels,
     Viewport,
     draw_map,
     draw_overlay,

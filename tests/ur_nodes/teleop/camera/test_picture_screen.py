@@ -23,13 +23,13 @@ def bare(lines: list[str]) -> list[str]:
 def test_two_pixels_share_a_cell() -> None:
     picture = np.array([[[255, 0, 0]], [[0, 0, 255]]], np.uint8)
     lines = draw_picture_screen(picture, "", 1, 2, rich=True)
-    assert lines[0] == "\x1b[38;2;255;0;0m\x1b[48;2;0;0;255m▀\x1b[0m"
+    assert lines[0] == "\x1b[38;2;255;0;0;48;2;0;0;255m▀\x1b[0m"
 
 
 def test_terminal_of_256_colours_gets_the_nearest_of_its_cube() -> None:
     picture = np.array([[[250, 10, 0]], [[90, 140, 180]]], np.uint8)
     lines = draw_picture_screen(picture, "", 1, 2, rich=False)
-    assert lines[0] == f"\x1b[38;5;{16 + 36 * 5}m\x1b[48;5;{16 + 36 + 6 * 2 + 3}m▀\x1b[0m"
+    assert lines[0] == f"\x1b[38;5;{16 + 36 * 5};48;5;{16 + 36 + 6 * 2 + 3}m▀\x1b[0m"
 
 
 @pytest.mark.parametrize(("columns", "rows"), [(80, 24), (20, 5), (1, 1), (7, 2)])

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import pytest
 
+from ur.tui.screen.half_blocks import Glyph
 from ur_nodes.client.snapshot import GoalReport, LastGoalState, RobotSnapshot
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.map_view.glyphs import Glyph, place_glyphs, scale_bar
+from ur_nodes.teleop.map_view.glyphs import place_glyphs, scale_bar
 from ur_nodes.teleop.map_view.palette import DARK
 from ur_nodes.teleop.map_view.picture import Viewport
 

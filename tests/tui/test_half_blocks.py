@@ -2,8 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ur_nodes.teleop.map_view.cells import cells_of_pixels
-from ur_nodes.teleop.map_view.glyphs import Glyph
+from ur.tui.screen.half_blocks import Glyph, cells_of_pixels
 
 RED, BLUE = (255, 0, 0), (0, 0, 255)
 
