@@ -10,7 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from ur.recordings.datagrams import open_folder
-from ur.recordings.replays import ReplayState, read_command, sockets_folder, write_state
+from ur.recordings.replays import ReplayState, read_command, sockets_folder
+from ur.source.foreign.json_values import write_json
 
 
 class FakeReplay:
@@ -33,7 +34,7 @@ class FakeReplay:
             self.state = replace(self.state, speed=command.value)
         elif command.name == "jump":
             self.state = replace(self.state, position=command.value)
-        return write_state(self.state)
+        return write_json(self.state).encode()
 
 
 @contextmanager

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 import socket
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal
 
 from ur.recordings.datagrams import send_to_all
 from ur.source.foreign.json_values import BadJsonError, read_json, write_json
@@ -52,18 +51,10 @@ def sockets_folder(environment: Mapping[str, str]) -> str:
     return f"{user_folder('XDG_STATE_HOME', environment)}/ur/replay"
 
 
-def write_command(command: ReplayCommand) -> bytes:
-    """Return a command as a datagram."""
-    return f"{command.name} {command.value:.9g}".encode()
-
-
 def read_command(data: bytes) -> ReplayCommand | None:
     """Parse a datagram; None if it is no command."""
-    name, _, text = data.decode("utf-8", "replace").partition(" ")
-    with suppress(ValueError):
-        value = float(text or 0)
-        if name in get_args(CommandName) and math.isfinite(value):
-            return ReplayCommand(name, value)  # type: ignore[arg-type]
+    with suppress(BadJsonError):
+        return read_json(data, ReplayCommand, MOST_BYTES)
     return None
 
 
@@ -72,17 +63,12 @@ def describe_state(state: ReplayState) -> str:
     return f"{state.doing} at {state.position:.1f} of {state.length:.1f} s, speed {state.speed:g}"
 
 
-def write_state(state: ReplayState) -> bytes:
-    """Return a state as a datagram."""
-    return write_json(state).encode()
-
-
 def ask_replay(command: ReplayCommand, environment: Mapping[str, str]) -> ReplayState | None:
     """Send a command to the replays of this user; return the state after it, None where no replay runs."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as client:
         client.bind("")  # an address that the replay answers to
         client.settimeout(_PATIENCE)
-        if send_to_all(sockets_folder(environment), write_command(command), client):
+        if send_to_all(sockets_folder(environment), write_json(command).encode(), client):
             with suppress(TimeoutError, BadJsonError):
                 return read_json(client.recv(_MOST_STATE), ReplayState)
     return None

@@ -19,9 +19,9 @@ from ur.recordings.replays import (
     describe_state,
     read_command,
     sockets_folder,
-    write_state,
 )
 from ur.source.diagnostic import UserError, error_about
+from ur.source.foreign.json_values import write_json
 from ur_nodes.datagram_socket import DatagramSocket
 from ur_nodes.ports.node import Node, Publisher
 from ur_nodes.ports.qualities import Quality
@@ -164,7 +164,7 @@ def open_control_socket(
 
     def take_datagram(data: bytes) -> bytes:
         command = read_command(data)
-        return b"" if command is None else write_state(take(command))
+        return b"" if command is None else write_json(take(command)).encode()
 
     without = "'ur replay --pause' and others have no effect"
     return DatagramSocket(node, sockets_folder(environment), _CONTROL_EVERY, MOST_BYTES, take_datagram, without)

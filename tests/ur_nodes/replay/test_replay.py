@@ -10,9 +10,9 @@ from tests.recordings.test_mcap_file import BEGIN, write_recording
 
 from ur.recordings.datagrams import send_to_all
 from ur.recordings.mcap_file import StoredMessage, open_recording
-from ur.recordings.replays import CommandName, ReplayCommand, ReplayState, sockets_folder, write_command
+from ur.recordings.replays import CommandName, ReplayCommand, ReplayState, sockets_folder
 from ur.source.diagnostic import UserError
-from ur.source.foreign.json_values import read_json
+from ur.source.foreign.json_values import read_json, write_json
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.raw import RawMessage
 from ur_nodes.replay.playback import ReplayNode
@@ -81,7 +81,7 @@ def test_end_is_reached_and_play_begins_again(tmp_path: Path) -> None:
 def command(folder: Path, name: CommandName, value: float = 0.0, sender: socket.socket | None = None) -> int:
     """Send a command to the replays of a user; the number of those that take it."""
     path = sockets_folder({"XDG_STATE_HOME": str(folder)})
-    return send_to_all(path, write_command(ReplayCommand(name, value)), sender)
+    return send_to_all(path, write_json(ReplayCommand(name, value)).encode(), sender)
 
 
 def test_node_publishes_a_recording_with_its_clock(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
