@@ -14,9 +14,10 @@ from tests.ur_nodes.first_drive.drive import FirstDrive
 
 from ur.mcp.assistant import Assistant
 from ur.mcp.grants import GrantFiles, make_grant
-from ur.mcp.robot_link import LinkError, PendingAnswers, Values
+from ur.mcp.robot_link import LinkError, Values
 from ur.mcp.serve import make_server
 from ur.mcp.terms import Area
+from ur.system.child_processes import PendingAnswers
 from ur_nodes.assistant.session import AssistantSession
 
 STEP = 0.01  # s of simulated time between two looks of the server at its sockets
@@ -26,7 +27,7 @@ class BusLink:
     """See RobotLink: the robot's end on a bus. `silent`: signs of life do not arrive any more."""
 
     def __init__(self, stage: FirstDrive) -> None:
-        self._answers = PendingAnswers()
+        self._answers = PendingAnswers[Values](LinkError)
         self.session = AssistantSession(stage.bus.node("assistant"), self)
         self.silent = False
         self.beats = 0
@@ -55,7 +56,7 @@ class BusLink:
         elif "challenge" in value:
             self.challenge = int(str(value["challenge"]))
         else:
-            self._answers.give(json.loads(json.dumps(value)))
+            self._answers.give(value.get("id"), json.loads(json.dumps(value)))
 
 
 class AssistedRobot:

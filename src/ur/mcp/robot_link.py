@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import itertools
 import json
 import os
 from collections.abc import Callable, Mapping
 from typing import Protocol
 
 from ur.source.foreign.json_values import read_json
-from ur.system.child_processes import NodeProcess, start_node
+from ur.system.child_processes import NodeProcess, PendingAnswers, start_node
 
 _MODULE = "ur_nodes.assistant.assistant_end_node"
 _LINE = 1 << 26  # bytes
@@ -40,40 +39,12 @@ class LinkError(Exception):
     """The robot's end does not answer; the text says why."""
 
 
-class PendingAnswers:
-    """The calls that wait for an answer, by their ids."""
-
-    def __init__(self) -> None:
-        self._waiting: dict[int, asyncio.Future[Values]] = {}
-        self._ids = itertools.count(1)
-
-    def add(self) -> tuple[int, asyncio.Future[Values]]:
-        """A new id, and the answer to come."""
-        number, future = next(self._ids), asyncio.get_running_loop().create_future()
-        self._waiting[number] = future
-        future.add_done_callback(lambda _: self._waiting.pop(number, None))
-        return number, future
-
-    def give(self, answer: Values) -> None:
-        """Take an answer of the robot's end."""
-        number = answer.get("id")
-        future = self._waiting.get(number) if isinstance(number, int) else None
-        if future is not None and not future.done():
-            future.set_result(answer)
-
-    def fail(self, reason: str) -> None:
-        """Nothing is answered any more."""
-        for each in list(self._waiting.values()):
-            if not each.done():
-                each.set_exception(LinkError(reason))
-
-
 class ProcessLink:
     """See RobotLink: a process of the robot's middleware, started by the first message, and again when it has ended."""
 
     def __init__(self, environment: Mapping[str, str], log: Callable[[str], None]) -> None:
         self._environment, self._log = environment, log
-        self._answers = PendingAnswers()
+        self._answers = PendingAnswers[Values](LinkError)
         self._writer: asyncio.StreamWriter | None = None
         self._node: NodeProcess | None = None
         self._reading: asyncio.Task[None] | None = None
@@ -120,7 +91,7 @@ class ProcessLink:
                 elif isinstance(challenge := message.get("challenge"), int):
                     self.challenge = challenge
                 else:
-                    self._answers.give(message)
+                    self._answers.give(message.get("id"), message)
         if self._writer is not None:
             self._writer.close()
         self._answers.fail("the connection to the robot has ended; does a program run on it?")

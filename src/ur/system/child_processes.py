@@ -3,15 +3,50 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 import shutil
 import socket
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 from ur.system.ros import node_command
 
+Answer = TypeVar("Answer")
 _END_LIMIT = 5.0  # s
+
+
+class PendingAnswers(Generic[Answer]):
+    """Requests to another process that wait for an answer, by their numbers. `failure` makes the error of one."""
+
+    def __init__(self, failure: Callable[[str], Exception]) -> None:
+        self._failure = failure
+        self._waiting: dict[object, asyncio.Future[Answer]] = {}
+        self._numbers = itertools.count(1)
+
+    def add(self) -> tuple[int, asyncio.Future[Answer]]:
+        """Return a new number, and the answer to come."""
+        number, future = next(self._numbers), asyncio.get_running_loop().create_future()
+        self._waiting[number] = future
+        future.add_done_callback(lambda _: self._waiting.pop(number, None))
+        return number, future
+
+    def give(self, number: object, answer: Answer, problem: str | None = None) -> None:
+        """Give an answer, or the problem in place of it, to the request of a number, if that still waits."""
+        future = self._waiting.get(number)
+        if future is None or future.done():
+            return
+        if problem is None:
+            future.set_result(answer)
+        else:
+            future.set_exception(self._failure(problem))
+
+    def fail(self, reason: str) -> None:
+        """Answer nothing any more."""
+        for each in list(self._waiting.values()):
+            if not each.done():
+                each.set_exception(self._failure(reason))
 
 
 def end_with_us() -> list[str]:

@@ -9,6 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from ur.source.foreign.json_values import convert_json, read_json
+from ur.system.child_processes import PendingAnswers
 
 LONGEST_LINE = 1 << 16
 _ANSWER_LIMIT = 30.0  # s: a server may have to be started first
@@ -38,9 +39,8 @@ class Peer:
 
     def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, handle: Handler) -> None:
         self._reader, self._writer, self._handle = reader, writer, handle
-        self._answers: dict[int, asyncio.Future[object]] = {}
+        self._answers = PendingAnswers[object](PeerError)
         self._tasks: set[asyncio.Task[None]] = set()
-        self._number = 0
         self.ended = False
 
     async def run(self) -> None:
@@ -53,25 +53,19 @@ class Peer:
             self.ended = True
             for task in self._tasks:
                 task.cancel()
-            for answer in self._answers.values():
-                if not answer.done():
-                    answer.set_exception(PeerError("the server of this robot has ended"))
+            self._answers.fail("the server of this robot has ended")
             self._writer.close()
 
     async def ask(self, request: Mapping[str, object]) -> object:
         """Return the answer to a request, a JSON value. Raises PeerError."""
         if self.ended:
             raise PeerError("the server of this robot has ended")
-        self._number += 1
-        number = self._number
-        answer = self._answers[number] = asyncio.get_running_loop().create_future()
+        number, answer = self._answers.add()
         try:
             self._write({"ask": number, "value": dict(request)})
             return await asyncio.wait_for(answer, _ANSWER_LIMIT)
         except asyncio.TimeoutError:
             raise PeerError("the server of this robot does not answer") from None
-        finally:
-            del self._answers[number]
 
     def close(self) -> None:
         """Make `run` return on both ends."""
@@ -86,14 +80,8 @@ class Peer:
             task = asyncio.create_task(self._answer(message.ask, request))
             self._tasks.add(task)
             task.add_done_callback(self._tasks.discard)
-            return
-        answer = self._answers.get(message.answer or 0)
-        if answer is None or answer.done():
-            return
-        if message.problem is not None:
-            answer.set_exception(PeerError(message.problem))
         else:
-            answer.set_result(message.value)
+            self._answers.give(message.answer, message.value, message.problem)
 
     async def _answer(self, number: int, request: Mapping[str, object]) -> None:
         try:
