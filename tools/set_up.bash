@@ -58,14 +58,16 @@ check_system() {
 }
 
 # run_step TITLE COMMAND...: output goes to the log; a terminal shows the time and how far it is, or the last line. For
-# pip, $asked is the number of packages.
+# pip, $asked is the number of packages. Nothing that it starts holds the lock, and a program that needs no root gets a
+# process group of its own, so that it can be ended with all that it has started.
 asked=0
 run_step() {
-  local title="$1" start=$SECONDS from width line status
+  local title="$1" start=$SECONDS from width line status apart=()
   shift
   printf '\n== %s: %s\n' "$title" "$*" >>"$log"
   from=$(wc -c <"$log")
-  "$@" >>"$log" 2>&1 </dev/null &
+  if [[ $(type -t "$1") == file && ! " $* " =~ \ (apt-get|dpkg)\  ]]; then apart=(setsid) group=-; fi
+  "${apart[@]}" "$@" >>"$log" 2>&1 </dev/null 9>&- &
   child=$!
   if [[ -t 2 ]]; then
     while [[ -e /proc/$child ]]; do
@@ -80,10 +82,15 @@ run_step() {
   fi
   wait "$child"
   status=$?
-  child=
+  child='' group=''
   if [[ $status -ne 0 ]]; then
-    say "error: $title failed (exit code $status); the last lines of $log:"
-    tail -c "+$((from + 1))" "$log" | grep -vE '^ *$|^(dl|pm)status:' | tail -n 12 | sed 's/^/  | /' >&2
+    line="$(tail -c "+$((from + 1))" "$log" | grep -oEm 1 "Temporary failure [^<>()]*|Name or service not known|Network is unreachable")"
+    if [[ -n $line ]]; then
+      say "error: $title: no network: $line (details in $log)"
+    else
+      say "error: $title failed (exit code $status); the last lines of $log:"
+      tail -c "+$((from + 1))" "$log" | grep -vE '^ *$|^(dl|pm)status:' | tail -n 12 | sed 's/^/  | /' >&2
+    fi
     return "$status"
   fi
   say "  $title: done in $((SECONDS - start)) s"
@@ -215,8 +222,7 @@ bring_pip() {
   rm -rf "$folder" && mkdir -p "$folder" || return
   (cd "$folder" && apt-get -q download python3-pip-whl && dpkg-deb -x python3-pip-whl_*.deb .) || return
   wheels=("$folder"/usr/share/python-wheels/pip-*.whl)
-  PYTHONPATH="${wheels[0]}" .venv/bin/python -m pip install --no-index --disable-pip-version-check "${wheels[0]}" || return
-  rm -rf "$folder"
+  PYTHONPATH="${wheels[0]}" exec .venv/bin/python -m pip install --no-index --disable-pip-version-check "${wheels[0]}"
 }
 
 make_environment() {
@@ -231,6 +237,7 @@ make_environment() {
       if ! "$python" -m venv --clear --without-pip --system-site-packages .venv || ! run_step "pip" bring_pip; then
         die "the virtual environment .venv could not be made" "sudo apt-get install python3-venv; then run this again"
       fi
+      rm -rf .cache/pip-package
     fi
   fi
   [[ -e /etc/ubiquity_debian ]] && enter_by_python
@@ -333,7 +340,7 @@ copy_wheel() {
   rm -rf "$to"/ur "$to"/ur_nodes "$to"/ubiquity_launches-*.dist-info
   cp -R "$source"/ur "$source"/ur_nodes "$source"/ubiquity_launches-*.dist-info "$to" || return
   find "$to"/ur "$to"/ur_nodes -name __pycache__ -prune -exec rm -rf {} +
-  .venv/bin/python -I -m compileall -q -x /_project/ "$to"/ur "$to"/ur_nodes # there, programs ending in .py are bash
+  exec .venv/bin/python -I -m compileall -q -x /_project/ "$to"/ur "$to"/ur_nodes # there, programs ending in .py are bash
 }
 
 # apt that is terminated takes the terminal away from dpkg, which dies of that and leaves the package in its hands broken;
@@ -346,20 +353,23 @@ dpkg_works() {
   return 1
 }
 
-child=
+child='' group='' # `group` is '-' where kill ends the process group of `child`
 interrupted() {
   local signal said=
+  trap '' INT TERM HUP
+  child="${child:-$(jobs -pr)}"
   while [[ -n $child && -e /proc/$child ]]; do
     signal=TERM
-    if dpkg_works; then
+    if [[ -z $group ]] && dpkg_works; then
       signal=INT
       [[ -n $said ]] || say "  ending when the packages in hand are unpacked ..."
       said=yes
     fi
-    kill -s "$signal" "$child" 2>/dev/null || sudo -n kill -s "$signal" "$child" 2>/dev/null
-    sleep 1
+    kill -s "$signal" -- "$group$child" 2>/dev/null || [[ -n $group ]] || sudo -n kill -s "$signal" "$child" 2>/dev/null
+    sleep 0.2
   done
   [[ -n $child ]] && wait "$child"
+  [[ -z $group ]] || kill -s KILL -- "-$child" 2>/dev/null # what has outlived its leader
   say ""
   say "interrupted: nothing is broken, the next start continues"
   exit 130
@@ -380,8 +390,13 @@ if leave_ros1; then
 elif [[ $release_ros == brought ]]; then
   bring_debian "$@"
 fi
-exec 9>.cache/set_up.lock
-flock -n 9 || { say "another set-up of this folder is running: waiting for it" && flock 9; }
+exec 9>>.cache/set_up.lock
+if ! flock -n 9; then
+  read -r holder <.cache/set_up.lock
+  say "another set-up of this folder is running, process ${holder:-of unknown number}: waiting for it"
+  flock 9
+fi
+echo $$ >.cache/set_up.lock
 begin=$SECONDS
 made_from="$(cd "$root" && cat requirements/run.lock tools/set_up.bash "$source/ur/system/ros_packages.txt" pyproject.toml | sha256sum)"
 made_from="${made_from%% *}" # before it is used: a file that changes meanwhile makes the next start look again

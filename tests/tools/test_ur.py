@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
+import signal
 import subprocess
 from pathlib import Path
 
@@ -53,3 +55,39 @@ def test_debian_root_is_found_with_another_home_and_made_again_when_it_is_gone(t
     (data / "enter.bash").unlink()
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (3, "set up\n")
+
+
+def test_ctrl_c_in_the_set_up_ends_all_that_it_started_and_frees_the_lock(tmp_path: Path) -> None:
+    clone, ready = tmp_path / "clone", tmp_path / "ready"
+    for name in ("tools", "requirements", "src/ur/system"):
+        shutil.copytree(ROOT / name, clone / name)
+    (clone / "pyproject.toml").touch()
+    (clone / ".venv/bin").mkdir(parents=True)
+    os.mkfifo(ready)
+    python = clone / ".venv/bin/python"  # pip is content at once; compileall has a worker that outlives it
+    python.write_text(
+        f'#!/bin/bash\ncase "$*" in\n*compileall*) (echo $BASHPID >{ready}; exec sleep 600) & wait ;;\n'
+        '-c*) exec /usr/bin/python3 "$@" ;;\nesac\n'
+    )
+    python.chmod(0o755)
+    command = ["bash", str(clone / "tools/set_up.bash"), "run"]
+    environment = {"PATH": os.environ["PATH"], "HOME": str(tmp_path)}
+    first = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    worker = int(ready.read_text())
+    second = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    try:
+        assert second.stderr is not None
+        waits = f"another set-up of this folder is running, process {first.pid}: waiting for it\n"
+        assert second.stderr.readline() == waits
+        os.killpg(first.pid, signal.SIGINT)
+        assert first.wait(20) == 130
+        assert ready.read_text()  # the second one has the lock, and compiles
+        with pytest.raises(ProcessLookupError):
+            os.kill(worker, 0)
+        os.killpg(second.pid, signal.SIGINT)
+        assert second.wait(20) == 130
+    finally:
+        for each in (first, second):
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(each.pid, signal.SIGKILL)
+            each.communicate()
