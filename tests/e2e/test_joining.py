@@ -46,3 +46,15 @@ def test_argument_that_the_running_robot_contradicts_is_refused(
     assert f"'ur stop {run}' ends that robot" in done.stderr
     assert "bring_up:=false" in done.stderr
     assert len(shell.ur("ps").stdout.splitlines()) == 2
+
+
+def test_mapping_is_not_started_beside_localisation(shell_of_either: UrShell) -> None:
+    shell = shell_of_either
+    done = shell.ur("run", "keyboard_navigate", "--no-terminal", "--detach", "--wait", "--timeout-ready", "200")
+    assert done.returncode == 0, done.stderr
+    run = done.stdout.strip()
+    done = shell.ur("run", "make_map", "--no-terminal", "map:=beside")
+    assert done.returncode == 1
+    assert f"error: amcl of {run} publishes map -> odom already, and so would slam_gmapping" in done.stderr
+    assert f"'ur stop {run}' ends it" in done.stderr
+    assert len(shell.ur("ps").stdout.splitlines()) == 2

@@ -10,7 +10,7 @@ from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.memory import MemoryWorld
 from ur.run.join.claims import Claims, define_nodes, make_claims, read_claims, write_claims
-from ur.run.join.decision import Held, decide, find_free_names, find_misfits, leave_out
+from ur.run.join.decision import Held, decide, find_free_names, find_localisers, find_misfits, leave_out
 
 BASE = """<launch>
   <arg name="world" default="maze"/>
@@ -116,3 +116,19 @@ def test_claims_are_read_as_they_were_written(tmp_path: Path) -> None:
 def test_claims_that_cannot_be_read_are_empty(tmp_path: Path, text: str) -> None:
     (tmp_path / "claims.json").write_text(text)
     assert read_claims(str(tmp_path)) == Claims()
+
+
+def test_localisers_are_known_by_program_and_frames_whatever_their_names() -> None:
+    frames = '<param name="map_frame" value="/site"/><param name="odom_frame" value="{}"/>'
+    nodes = [
+        '<node pkg="nav2_amcl" type="amcl" name="where"/>',
+        f'<node pkg="x" type="slam_gmapping" name="mapping">{frames.format("odom_2")}</node>',
+        f'<node pkg="x" type="slam_gmapping" name="by_hand">{frames.format("")}</node>',
+        '<node pkg="x" type="map_server" name="amcl"/>',
+    ]
+    plan = load_plan(["/l.launch"], [], MemoryWorld({"/l.launch": f"<launch>{''.join(nodes)}</launch>"}))
+    assert find_localisers(define_nodes(plan.nodes, plan.params)) == {
+        "/where": ("map", "odom"),
+        "/mapping": ("site", "odom_2"),
+        "/by_hand": ("site", "base_link"),
+    }

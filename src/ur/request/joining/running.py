@@ -76,8 +76,8 @@ def refuse_second_master() -> None:
 def join_running(loaded: LoadedPlan, report: Report) -> tuple[Plan, tuple[RunEntry, ...]]:
     """Return the plan without running nodes, and the runs of this user on this computer that it joins.
 
-    Raises UserError if a node would end, the running robot differs from the requested one, or every node of this
-    computer is already running.
+    Raises UserError if a node would end, two nodes would publish the same transform, the running robot differs from the
+    requested one, or every node of this computer is already running.
     """
     plan, robot = loaded.plan, loaded.robot
     assert plan is not None
@@ -85,6 +85,7 @@ def join_running(loaded: LoadedPlan, report: Report) -> tuple[Plan, tuple[RunEnt
     uri = find_master_uri(loaded.request.options)
     entries = {entry.run: entry for entry in _await_stopping(_list_runs(uri), report)}
     selection = loaded.request.selection
+    _check_localisers(plan, ours, entries.values())
     held = _find_held(ours, entries.values(), uri, elsewhere=selection is not None and not selection.simulated)
     if not held:
         return plan, ()
@@ -198,6 +199,31 @@ def _find_foreign(names: Sequence[str], uri: str, *, elsewhere: bool) -> list[st
 
     away = find_taken(live, master, is_local_address)
     return [name for name in live if name not in away]
+
+
+def _check_localisers(plan: Plan, ours: Collection[str], entries: Iterable[RunEntry]) -> None:
+    from ur.run.join.claims import define_nodes
+    from ur.run.join.decision import find_localisers
+
+    planned = find_localisers(define_nodes([node for node in plan.nodes if node.full_name in ours], plan.params))
+    problems = []
+    for entry in entries if planned else ():
+        running = find_localisers(read_claims(entry.folder).nodes)
+        alive = _list_nodes(entry) if running else frozenset()
+        problems += [
+            error(
+                f"{name.strip('/')} of {entry.run} publishes {frames[0]} -> {frames[1]} already, and so would "
+                f"{own.strip('/')}; expected one of them for a robot",
+                rule="node-runs-already",
+                help=f"'ur stop {entry.run}' ends it; --replace starts {own.strip('/')} beside it",
+                subject=name,
+            )
+            for own, wanted in planned.items()
+            for name, frames in running.items()
+            if name in alive and name != own and frames[1] == wanted[1]
+        ]
+    if problems:
+        raise UserError(*problems)
 
 
 def _check_refused(decision: Decision, *, declares_bring_up: bool) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ur.launchfile.plan.specs import Plan
+from ur.launchfile.query.known_nodes import LOCALISERS
 from ur.run.join.claims import Definition, define_nodes, is_base
 from ur.run.startup.machine_assignment import keep_nodes
 
@@ -92,6 +93,20 @@ def find_misfits(plan: Plan, decision: Decision, varied: Mapping[str, Sequence[P
                 for key in wrong
                 if any(each.name in other and other[each.name].get(key) != ours[key] for other in others)
             ]
+    return found
+
+
+def find_localisers(nodes: Mapping[str, Definition]) -> dict[str, tuple[str, str]]:
+    """Return the frames, parent and child, between which each localiser of these nodes publishes the transform."""
+    found = {}
+    for name, items in nodes.items():
+        parameters = LOCALISERS.get(items.get("program", "").rpartition("/")[2])
+        if parameters is not None:
+            parent, child = (
+                items.get(f"param {key}", default).strip("/")
+                for key, default in zip(parameters, ("map", "odom"), strict=True)
+            )
+            found[name] = (parent, child or items.get("param base_frame", "base_link").strip("/"))
     return found
 
 
