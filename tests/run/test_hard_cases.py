@@ -86,20 +86,42 @@ def test_binary_output_leaves_the_terminal_alone_and_the_log_complete(world: Any
     assert log.read_bytes() == bytes(range(256)) * 40 + b"\x1b[2J\x1b]0;title\x07\n"
 
 
-def test_full_disk_under_the_log_folder_loses_logs_not_the_run(world: Any) -> None:
+def start_on_small_disk(world: Any, body: str, prepare: str) -> Any:
+    """Start a launch whose logs are on a disk of 2 MB, in which `prepare` is done before: `$1` is its folder."""
     logs = world.folder / "full"
     logs.mkdir()
+    command = f'mount -t tmpfs -o size=2m none "$1" || exit; {prepare}\nshift; exec "$@"'
+    inside = ["unshare", "-m", "sh", "-c", command, "sh", str(logs)]
+    if subprocess.run(
+        [*inside[:4], 'mount -t tmpfs none "$1"', "sh", logs], check=False, capture_output=True
+    ).returncode:
+        pytest.skip("mounting a small disk takes rights that are not there")
+    world.environment["ROS_LOG_DIR"] = str(logs)
+    return world.start([*inside, sys.executable, "-m", "ur", "launch", world.write(body)])
+
+
+def test_full_disk_is_the_first_thing_reported_and_nothing_starts(world: Any) -> None:
+    body = '<node pkg="little_nodes" type="sleeper" name="sleeper"/>'
+    run = start_on_small_disk(world, body, 'head -c 1800K /dev/zero >"$1/rest"')
+    assert run.wait() == 1
+    first, help_line = run.text.splitlines()
+    assert first == f"error: the disk of {world.folder}/full is full, expected 1 MB or more for logs [full-disk]"
+    assert "ROS_LOG_DIR" in help_line
+    wait_nothing_left(world.folder)
+
+
+def test_disk_that_fills_loses_logs_not_the_run(world: Any) -> None:
     body = (
         '<node pkg="little_nodes" type="noisy" name="noisy" output="screen"/>'
         '<node pkg="little_nodes" type="sleeper" name="sleeper"/>'
     )
-    command = 'mount -t tmpfs -o size=64k none "$1" && head -c 60K /dev/zero >"$1/rest"; shift; exec "$@"'
-    inside = ["unshare", "-m", "sh", "-c", command, "sh", str(logs), sys.executable, "-m", "ur", "launch"]
-    if subprocess.run([*inside[:5], str(logs), "true"], check=False, capture_output=True).returncode:
-        pytest.skip("mounting a small disk takes rights that are not there")
-    world.environment["ROS_LOG_DIR"] = str(logs)
-    run = world.start([*inside, world.write(body)])
-    run.until("[/noisy] line 300 of", "[/sleeper] started")
+    fill = world.folder / "fill"
+    os.mkfifo(fill)
+    run = start_on_small_disk(world, body, f'(read _; head -c 3M /dev/zero >"$1/rest"; echo >{fill}) <{fill} 2>&- &')
+    run.until("[/sleeper] started")
+    fill.write_text("now\n")
+    fill.read_text()
+    run.until("[/noisy] line 300 of")
     run.process.send_signal(signal.SIGINT)
     assert run.wait() == 0
     assert "Traceback" not in run.text

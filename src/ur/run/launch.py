@@ -36,13 +36,13 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     parameter value, no master on the selected robot, no folder for log files, or an invalid limit of their size.
     """
     environment = {**world.environment, **options.environment}
-    bounds = read_bounds(environment)
+    bounds, home = read_bounds(environment), make_home(environment)
     nodes, programs = _find_nodes(plan, world, console, options)
     middleware = find_middleware(environment, world, options, console)
     if options.timings is not None:
         options.timings.mark("master asked")
     environment |= middleware.environment
-    folder, home = make_run_folder(environment, middleware.run_id or new_run_id()), make_home(environment)
+    folder = make_run_folder(environment, middleware.run_id or new_run_id())
     programs = middleware.arrange(number_logs(programs, middleware.logs), nodes, folder)
     commands = start_commands(plan.params, environment)
     if not programs and not middleware.core:

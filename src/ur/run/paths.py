@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import socket
 from collections.abc import Mapping
 from pathlib import Path
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import Diagnostic, UserError, error
+
+_ROOM = 1 << 20  # B, without which the first logs are not written
 
 
 def ros_home(environment: Mapping[str, str]) -> str:
@@ -47,21 +51,37 @@ def make_run_folder(environment: Mapping[str, str], run_id: str) -> str:
 
 
 def make_home(environment: Mapping[str, str]) -> str:
-    """Create the working directory of nodes. Raises UserError."""
+    """Create the working directory of nodes, and check that it and the logs have room. Raises UserError."""
     home = Path(ros_home(environment))
-    try:
-        home.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        reason = (problem.strerror or str(problem)).lower()
-        raise UserError(
-            error(
-                f"folder {home} cannot be made: {reason}",
-                rule="bad-home",
-                help="ROS_HOME chooses another place",
-                subject=str(home),
-            )
-        ) from None
+    for folder, variable in ((home, "ROS_HOME"), (Path(log_root(environment)), "ROS_LOG_DIR")):
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            probe = folder / f".room.{os.getpid()}"  # a quota may be used up where the disk is not
+            try:
+                probe.write_bytes(bytes(_ROOM))
+            finally:
+                probe.unlink(missing_ok=True)
+        except OSError as problem:  # noqa: PERF203 - two folders
+            raise UserError(_explain_unusable(folder, variable, problem)) from None
     return str(home)
+
+
+def _explain_unusable(folder: Path, variable: str, problem: OSError) -> Diagnostic:
+    if problem.errno in (errno.ENOSPC, errno.EDQUOT):
+        what = "disk" if problem.errno == errno.ENOSPC else "quota"
+        return error(
+            f"the {what} of {folder} is full, expected {_ROOM >> 20} MB or more for logs",
+            rule="full-disk",
+            help=f"make room (df -h; 'rosclean purge' deletes old logs), or choose another disk with {variable}",
+            subject=str(folder),
+        )
+    reason = (problem.strerror or str(problem)).lower()
+    return error(
+        f"folder {folder} cannot be made or written: {reason}",
+        rule="bad-home",
+        help=f"{variable} chooses another place",
+        subject=str(folder),
+    )
 
 
 def new_run_id() -> str:
