@@ -187,3 +187,9 @@ def test_folder_in_place_of_a_world_or_map_is_called_a_folder(
     code, _, err = resolve(capsys, NAVIGATE, f"{argument}:={home}/folder")
     assert code != 0
     assert err.startswith(f"error: {said} '{home}/folder' is a folder, expected the path of a ")
+
+
+def test_name_of_a_map_to_be_made_is_checked_before_the_start(capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, err = resolve(capsys, "m_make_map.launch.xml", "map:=../x", "use_rviz:=false")
+    assert code != 0
+    assert err.startswith("error: map name '../x', expected a letter, then letters")

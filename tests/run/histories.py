@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ur.run.supervisor.actions import Action
 from ur.run.supervisor.events import Begin, Event, MasterAnswered, ParametersSet, Started
-from ur.run.supervisor.state import ExitStatus, State, Unit
+from ur.run.supervisor.state import ExitStatus, State, TimeLimits, Unit
 from ur.run.supervisor.supervisor import begin_state, next_deadline, step
 
 CLEAN = ExitStatus(code=0)
@@ -17,9 +17,9 @@ ROSOUT = Unit("/rosout", core=True, respawn=True)
 class RunHistory:
     """A run that is being told what happens."""
 
-    def __init__(self, *units: Unit, own_master: bool = False) -> None:
+    def __init__(self, *units: Unit, own_master: bool = False, limits: TimeLimits | None = None) -> None:
         core = (MASTER, ROSOUT) if own_master else ()
-        self.state: State = begin_state([*units, *core], own_master=own_master)
+        self.state: State = begin_state([*units, *core], own_master=own_master, limits=limits)
         self.now = 100.0
 
     def happens(self, *events: Event, after: float = 0.0) -> list[Action]:

@@ -97,6 +97,12 @@ class RecordingFile:
                 yield StoredMessage(topic, message.log_time, message.data)
 
 
+def check_recording(path: Path) -> None:
+    """Raise UserError if a file cannot be read, or does not begin as a recording. Needs no further package."""
+    with _reading(path):
+        pass
+
+
 def open_recording(path: Path) -> RecordingFile:
     """Read what a recording holds. Raises UserError: it cannot be read, or is no MCAP file."""
     from mcap.exceptions import McapError

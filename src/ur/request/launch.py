@@ -263,6 +263,7 @@ def make_limits(options: LaunchOptions) -> TimeLimits:
     return TimeLimits(
         interrupt=options.sigint_timeout or defaults.interrupt,
         terminate=options.sigterm_timeout or defaults.terminate,
+        failures_count=bool(options.program),
         quick_deaths=defaults.quick_deaths if options.respawn_limit is None else options.respawn_limit,
     )
 

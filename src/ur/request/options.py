@@ -66,7 +66,8 @@ class LaunchOptions(NamedTuple):
     replace: bool = False
     report: str | None = None  # a file for errors before the start, as JSON
     queries: Sequence[Query] = ()
-    program: str = ""  # of `ur run`, which refuses arguments that its launch file does not declare
+    # Of `ur run` and `ur replay`: arguments that it does not declare are refused, and a failed required node counts.
+    program: str = ""
 
     @property
     def mode(self) -> Mode:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ur.launchfile.plan.specs import NodeSpec, Plan
+from ur.maps.names import check_map_name
 from ur.request.arguments import Argument, values_of
 from ur.request.environment import PACKAGE
 from ur.source.diagnostic import UserError, error
@@ -64,11 +65,14 @@ def _start_arguments(given: Mapping[str, str], declared: Sequence[str]) -> list[
 def check_worlds(plan: Plan) -> None:
     """Read the worlds and maps of the launch library's nodes on this computer.
 
-    Raises UserError if one does not exist or is invalid, or the robot would start in a wall.
+    Raises UserError if one does not exist or is invalid, a new map has no valid name, or the robot would start in a wall.
     """
     parameters = {each.name: each.value for each in plan.params}
     by_fiducials = any(node.package == PACKAGE.name and node.type == "fiducial_slam" for node in plan.nodes)
     for node in plan.nodes:
+        name = parameters.get(f"{node.full_name}/map_name")
+        if node.package == PACKAGE.name and node.type == "slam_gmapping" and name:
+            check_map_name(str(name))
         if node.package != PACKAGE.name or not plan.is_local(node):
             continue
         if node.type == "simulator":

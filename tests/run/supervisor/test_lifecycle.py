@@ -37,6 +37,13 @@ def test_required_node_that_fails_ends_the_run_as_roslaunch_with_0() -> None:
     assert history.happens(Unregistered()) == [Finish(0)]
 
 
+@pytest.mark.parametrize(("status", "code"), [(CLEAN, 0), (FAILED, 1), (KILLED, 1)])
+def test_program_has_failed_when_a_required_node_of_it_has(status: ExitStatus, code: int) -> None:
+    history = RunHistory(Unit("/a", required=True), limits=TimeLimits(failures_count=True)).running()
+    history.happens(Exited("/a", status), NothingLeft())
+    assert history.happens(Unregistered()) == [Finish(code)]
+
+
 @pytest.mark.parametrize(
     ("status", "code", "told"), [(CLEAN, 0, False), (FAILED, 3, False), (KILLED, 137, True), (ExitStatus(), 127, True)]
 )

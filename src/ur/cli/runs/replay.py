@@ -52,12 +52,16 @@ def command(
     if pause or play or jump is not None or back is not None:
         message = "--pause, --play, --jump and --back reach a replay that runs, expected no file"
         raise UserError(error(message, rule="bad-options", help="'--from SECONDS' begins later"))
+    from ur.recordings.mcap_file import check_recording
+
     if info:
+        check_recording(Path(recording))
         return _describe(Path(recording))
     if to_simulator and program is None:
         message = "--to-simulator starts the nodes of a program, expected its name"
         raise UserError(error(message, rule="bad-options", help="ur replay FILE keyboard_navigate --to-simulator"))
     played = _read_request(recording, program or "", arguments)
+    check_recording(played.path)
     if to_simulator:
         return _start_simulator(played, start)
     return _play(played, 1.0 if speed is None else speed, start or 0.0)
@@ -140,7 +144,7 @@ def _play(played: _Played, speed: float, start: float) -> int:
     apply_selection(selection)
     world = make_world()
     launch = plan_replay(played.path, played.launch_file, played.arguments, selection, world, playback=(speed, start))
-    options = LaunchOptions(except_=launch.left_out, watch=True)
+    options = LaunchOptions(except_=launch.left_out, watch=True, program="replay")
     return run_launch(launch.argv, selection, options, StartReporter(), None)
 
 
@@ -170,4 +174,4 @@ def _start_simulator(played: _Played, seconds: float | None) -> int:
         argv = [f"{name}:={value}" for name, value in own.items() if name not in given]
         sys.stderr.write(f"the simulated robot starts at {place.x:.2f}, {place.y:.2f}, {place.yaw:.2f} rad\n")
         words = [played.launch_file, *argv, *map(str, played.arguments)]
-        return run_launch(words, selection, LaunchOptions(), StartReporter(), None)
+        return run_launch(words, selection, LaunchOptions(program="replay"), StartReporter(), None)

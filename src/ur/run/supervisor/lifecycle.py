@@ -62,7 +62,7 @@ def _end_with(state: State, each: UnitState, death: ReportDeath, now: float) -> 
     unit, status = each.unit, death.status
     if not unit.terminal:
         # roslaunch exits with 0 then; a run with a program of this project in front has not fulfilled its task.
-        counts = unit.core or any(other.unit.terminal for other in state.units)
+        counts = unit.core or state.limits.failures_count or any(other.unit.terminal for other in state.units)
         code = int(bool(death.evicted_by) or (counts and not status.clean))
         state, actions = begin_end(state, f"{unit.name} is required and has ended", code, now)
         return state, [replace(death, ends_run=True), *actions]

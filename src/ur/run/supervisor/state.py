@@ -86,6 +86,7 @@ class TimeLimits:
     quick_death: float = 10.0  # a unit that ran shorter than this is restarted with growing delays
     longest_backoff: float = 30.0
     quick_deaths: int = 10  # ends in a row, after which a unit is not restarted; 0: no limit, as in roslaunch
+    failures_count: bool = False  # the run has exit code 1 after a required unit has failed; 0 in roslaunch
     bad_inputs: int = 3  # the same for units that exit with 2: their arguments do not change by themselves
 
 
