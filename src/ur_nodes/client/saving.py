@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+import time
 from collections.abc import Callable
 
 from ur.maps.names import is_map_name
@@ -12,6 +14,7 @@ from ur_nodes.ports.values import Result
 
 HINT = "s saves the map"
 _PATIENCE = 30.0  # s
+_PATIENCE_AT_END = 5.0  # s
 _BLACK_BOX = "black_box/write"
 
 
@@ -64,10 +67,26 @@ class MapSaving(Saving):
         self.name = ""
         """The name of the map that was saved last."""
 
+    def save_last(self, ended: threading.Event) -> str:
+        """Save the map as its program ends, and return how to go on; '' once the node has ended."""
+        before, until = self.count, time.monotonic() + _PATIENCE_AT_END
+        self.ask()
+        while self.count == before and time.monotonic() < until:
+            if ended.wait(0.02):
+                return ""
+        if self.count == before:
+            return "the map is stored when the program has ended: 'ur maps' lists it"
+        return describe_stored(self.name) if self.success else self.line
+
     def _describe_map(self, result: Result) -> str:
         name, problem = read_saved(result)
         self.name = name or self.name
         return f"map '{name}' saved" if name else f"the map was not saved: {problem}"
+
+
+def describe_stored(name: str) -> str:
+    """Report under which name a map is stored, and how to go on."""
+    return f"the map is stored as '{name}'; navigate on it with\n    ur run keyboard_navigate map:={name}"
 
 
 def save_recordings(node: Node) -> Saving:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import pytest
 
@@ -146,6 +148,27 @@ def test_map_that_is_not_saved_has_a_reason(bus: Bus, answer: Result, line: str)
     saving.ask()
     bus.run(0.1)
     assert (saving.line, saving.name) == (line, "")
+
+
+@pytest.mark.parametrize(
+    ("answer", "line"),
+    [
+        (
+            Result(True, "flat"),
+            "the map is stored as 'flat'; navigate on it with\n    ur run keyboard_navigate map:=flat",
+        ),
+        (Result(False, "the disk is full"), "the map was not saved: the disk is full"),
+    ],
+)
+def test_program_that_ends_saves_its_map_and_tells_how_to_go_on(bus: Bus, answer: Result, line: str) -> None:
+    class Running(threading.Event):
+        def wait(self, timeout: float | None = None) -> bool:
+            bus.run(timeout or 0.0)
+            return False
+
+    bus.node("mapper").serve("save", Trigger, lambda _request: answer)
+    saving = MapSaving(bus.node("screen"), "save")
+    assert saving.save_last(Running()) == line
 
 
 def test_exploration_is_shown_while_it_is_there_and_how_it_ended(bus: Bus) -> None:

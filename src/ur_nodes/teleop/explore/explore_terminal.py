@@ -12,7 +12,7 @@ from typing import Protocol
 
 from ur_nodes.client.exploration import ExplorationTopics
 from ur_nodes.client.mux import EmergencyStop
-from ur_nodes.client.saving import MapSaving, Saving
+from ur_nodes.client.saving import MapSaving, Saving, describe_stored
 from ur_nodes.client.snapshot import RobotSnapshot
 from ur_nodes.exploration.status import ExploreStatus, describe_left, describe_status
 from ur_nodes.teleop.explore.explore_screen import FRONTIER, GIVEN_UP, draw_explore_screen, room_for_map
@@ -96,8 +96,7 @@ def finish(program: str, status: ExploreStatus) -> int:
     else:
         _print(describe_status(status))
     if status.saved:
-        _print(f"the map is stored as '{status.saved}'; navigate on it with")
-        _print(f"    ur run keyboard_navigate map:={status.saved}")
+        _print(describe_stored(status.saved))
     else:
         sys.stderr.write(f"error: {program}: no map is stored, expected one of this exploration\n")
     return exit_code(status)

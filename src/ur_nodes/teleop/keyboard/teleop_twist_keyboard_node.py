@@ -23,7 +23,7 @@ from ur_nodes.teleop.terminal.raw import own_terminal
 _NAME = "teleop_twist_keyboard"
 _PROGRAM = "keyboard_drive"
 
-Wired = PipeDriver | tuple[KeyDriver, MapFeed | None]
+Wired = PipeDriver | tuple[KeyDriver, MapFeed | None, MapSaving | None]
 
 
 def start(node: Node) -> Wired:
@@ -41,19 +41,21 @@ def start(node: Node) -> Wired:
         node, settings, rate, commander, MuxLink(node, mux), save_recordings(node), saving, make_watch(os.environ)
     )
     if is_plain(os.environ) or not own.boolean("show_map", False):
-        return keys, None
+        return keys, None, saving
     frames = own.text("map_frame", "map"), own.text("base_frame", "base_footprint")
-    return keys, MapFeed(node, *frames, colour=allows_colour(os.environ))
+    return keys, MapFeed(node, *frames, colour=allows_colour(os.environ)), saving
 
 
 def drive(wired: Wired, ended: threading.Event) -> int:
     """Run until Ctrl-C, the end of the pipe, or the end of the node. Returns the exit code."""
     if isinstance(wired, PipeDriver):
         return drive_by_pipe(_NAME, sys.stdin.fileno(), wired, ended)
-    driver, growing = wired
+    driver, growing, saving = wired
     plain, colours = is_plain(os.environ), allows_colour(os.environ)
     with own_terminal(sys.stdin.fileno(), sys.stdout.fileno(), plain=plain, colours=colours) as terminal:
         drive_by_terminal(terminal, driver, ended, growing)
+    if saving and not ended.is_set():
+        sys.stdout.write(f"{saving.save_last(ended)}\n")
     return 0
 
 

@@ -13,8 +13,8 @@ EMPTY_LINE_KEYS = frozenset({"plus", "minus", "equals_sign", "0", "left", "right
 MAP_MODE_KEYS = EMPTY_LINE_KEYS | {"up", "down", "h", "j", "k", "l", "f", "t"}
 """Keys that are the map's after Tab, until another key begins a command."""
 
-_HINT = "Space: emergency stop   ?: help   g X Y   m NAME   n: save what happened"
-_MAP_HINT = "map: h j k l + - 0 f t   Tab: commands"
+_HINTS = ("Space: emergency stop", "?: help", "q: quit", "g X Y", "m NAME", "n: save what happened")
+_MAP_HINTS = ("map: h j k l + - 0 f t", "Tab: commands")
 
 
 class KeyOwner(Protocol):
@@ -40,7 +40,7 @@ class CommandLine(Input):
     """Takes every key of the program, in order. Up and down move through earlier lines."""
 
     def __init__(self, owner: KeyOwner, *, id: str | None = None) -> None:
-        super().__init__(id=id, compact=True, select_on_focus=False, placeholder=_HINT)
+        super().__init__(id=id, compact=True, select_on_focus=False)
         self._owner = owner
         self._history: list[str] = []
         self._at = 0
@@ -80,7 +80,20 @@ class CommandLine(Input):
     def set_map_mode(self, on: bool) -> None:
         """Let letters be the map's keys, or begin commands."""
         self._map_mode = on
-        self.placeholder = _MAP_HINT if on else _HINT
+        self._show_hints()
+
+    def on_resize(self) -> None:
+        """Show the hints that have room."""
+        self._show_hints()
+
+    def _show_hints(self) -> None:
+        shown = ""
+        for each in _MAP_HINTS if self._map_mode else _HINTS:
+            longer = f"{shown}   {each}" if shown else each
+            if len(longer) >= self.size.width:  # the cursor needs a column
+                break
+            shown = longer
+        self.placeholder = shown
 
     def _edit(self, key: str) -> bool:
         if key in ("enter", "ctrl+j"):  # what was typed before the screen opened ends with the other one

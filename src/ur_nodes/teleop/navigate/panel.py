@@ -23,6 +23,8 @@ _SCROLL_KEYS = frozenset({"up", "down", "pageup", "pagedown", "home", "end"})
 class Panel(VerticalScroll, can_focus=False):
     """A box of text over the map. A click closes it, and so does every key except those that scroll a long text.
 
+    A letter or digit that closes it also begins a command.
+
     It is no screen of its own: all keys go to the command line, which asks `take_key` first.
     """
 
@@ -61,7 +63,7 @@ class Panel(VerticalScroll, can_focus=False):
         self.display = False
 
     def take_key(self, key: str) -> bool:
-        """Scroll or close; return whether the key was for the panel."""
+        """Scroll or close; return whether the key was for the panel alone."""
         if not self.is_open:
             return False
         if key in _SCROLL_KEYS and self.max_scroll_y > 0:
@@ -73,9 +75,9 @@ class Panel(VerticalScroll, can_focus=False):
                 "home": self.scroll_home,
                 "end": self.scroll_end,
             }[key](animate=False)
-        else:
-            self.close()
-        return True
+            return True
+        self.close()
+        return len(key) > 1
 
     def on_click(self) -> None:
         """Close the panel."""

@@ -53,6 +53,8 @@ def run_screen(
         sys.stderr.write("  help: the robot stops and holds a goal when nothing arrives from this computer for 2.5 s\n")
     if app.problem is not None:
         raise app.problem
+    if saving and not ended.is_set():
+        sys.stdout.write(f"{saving.save_last(ended)}\n")
     return app.return_code or 0
 
 

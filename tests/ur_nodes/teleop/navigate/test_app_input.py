@@ -98,7 +98,7 @@ async def test_keys_act_in_the_order_in_which_they_are_typed(screen: AppScreen, 
     await screen.pilot.pause()
     assert list(store.places()) == ["home"]
     assert not screen.panel.is_open
-    assert screen.app.query_one(CommandLine).value == "g"
+    assert screen.app.query_one(CommandLine).value == "xg"
 
 
 @pytest.mark.parametrize("size", [(100, 36), SMALL], ids=str)
@@ -169,3 +169,16 @@ async def test_coordinates_are_never_a_negative_zero(screen: AppScreen, navigato
     await screen.pilot.hover(MapView, offset=(int(column), int(row / 2)))
     await screen.refresh()
     assert "-0.0 " not in str(screen.app.query_one("#head", Static).render())
+
+
+@pytest.mark.parametrize(
+    ("columns", "shown"),
+    [
+        (40, "Space: emergency stop   ?: help"),
+        (46, "Space: emergency stop   ?: help   q: quit"),
+        (120, "Space: emergency stop   ?: help   q: quit   g X Y   m NAME   n: save what happened"),
+    ],
+)
+async def test_hint_line_has_whole_hints_only(navigator: Any, store: WaypointStore, columns: int, shown: str) -> None:
+    async with open_app(navigator, store, (columns, 30)) as screen:
+        assert screen.app.query_one(CommandLine).placeholder == shown
