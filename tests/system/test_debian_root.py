@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from ur.system.debian_root import DebianRoot, data_folder, describe_system, find_root, install_command
+from ur.system.ros import Ros
 
 
 @pytest.fixture
@@ -44,3 +45,5 @@ def test_packages_are_installed_by_apt_outside_and_by_ur_inside(mark: str, tmp_p
 def test_description_names_the_release_and_the_folder() -> None:
     assert describe_system(None) == "ROS: the packages of this computer"
     assert "Debian 13.1 in /data" in describe_system(DebianRoot("/data", "13.1"))
+    wheels = Ros(2, "kilted", "/state/.ros2", "/state/.ros2/bin/python")
+    assert describe_system(None, wheels) == "ROS: ROS 2 Kilted, as wheels in /state/.ros2"

@@ -65,7 +65,7 @@ def _start_arguments(given: Mapping[str, str], declared: Sequence[str]) -> list[
 def check_worlds(plan: Plan) -> None:
     """Read the worlds and maps of the launch library's nodes on this computer.
 
-    Raises UserError if one does not exist or is invalid, a new map has no valid name, or the robot would start in a wall.
+    Raises UserError if one does not exist or is invalid, a new map has a bad name, or the robot would start in a wall.
     """
     parameters = {each.name: each.value for each in plan.params}
     by_fiducials = any(node.package == PACKAGE.name and node.type == "fiducial_slam" for node in plan.nodes)

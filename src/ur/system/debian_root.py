@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ur.source.user_folders import user_folder
+from ur.system.ros import Ros
 
 MARK = "/etc/ubiquity_debian"  # exists in the root only
 _VERSION = "/etc/debian_version"
@@ -47,8 +48,10 @@ def install_command(packages: str | Sequence[str], *, mark: str = MARK) -> str:
     return f"ur debian install {names}" if inside else f"sudo apt-get install {names}"
 
 
-def describe_system(root: DebianRoot | None) -> str:
-    """Return one line that names the system whose ROS is used."""
+def describe_system(root: DebianRoot | None, ros: Ros | None = None) -> str:
+    """Return one line that names the ROS of simulated robots; `ros` is None if it is not installed."""
+    if ros is not None and ros.version != 1:
+        return f"ROS: {ros}"
     if root is None:
         return "ROS: the packages of this computer"
     return f"ROS: Debian {root.version} in {root.folder}, since this computer's release has no ROS 1"

@@ -15,7 +15,7 @@ from ur.cli.computer.doctor_report import DoctorReport, print_alone, print_json,
 from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, print_json_of_each, run_for_each
 from ur.devices.device import Expected
 from ur.recordings.black_boxes import notify_black_boxes
-from ur.request.environment import PACKAGE, current_selection
+from ur.request.environment import PACKAGE, choose_ros, current_selection
 from ur.request.remote.connection import robot_address
 from ur.request.remote.master_nodes import list_nodes
 from ur.robot.base import load_base
@@ -127,7 +127,7 @@ def _examine_alone(local: LocalShell, *, fix: bool, as_json: bool) -> int:
         known = {finding.rule for finding in report.findings}
         report.for_robot = [finding for finding in diagnose_alone(side) if finding.rule not in known]
     if not as_json:
-        print_alone(side, describe_system(find_root(os.environ)))
+        print_alone(side, describe_system(find_root(os.environ), choose_ros(current_selection(os.environ), os.environ)))
         print_report(report, fixable="" if fix else "ur doctor --fix")
 
     def apply(commands: Sequence[tuple[str, FixCommand]]) -> list[Finding]:

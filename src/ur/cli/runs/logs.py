@@ -23,7 +23,7 @@ from ur.run.output.log_follower import LogFollower
 from ur.run.record.ended import EndedRun, find_ended
 from ur.run.record.entry import RunEntry
 from ur.run.record.registry import find_run
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import UserError, error, error_about
 from ur.source.printable import printable
 
 POLL_PERIOD = 0.1  # s
@@ -46,10 +46,12 @@ def command(node: str | None, run: str | None, follow: bool, lines: int | None, 
         return show_ended(ended, node, lines, only_path=only_path)
     entry = choose_run(run)
     with connect(entry) as client:
-        if node is None:
-            path = f"{entry.log_folder}/{entry.run}.log"
-        else:
-            logs = {event.name: event.log for event in _read_state(client)}
+        path = f"{entry.log_folder}/{entry.run}.log"
+        logs = {event.name: event.log for event in _read_state(client)} if node or not Path(path).exists() else {}
+        if node is None and logs:
+            message = f"{entry.run} writes to its terminal, expected a node: one of {', '.join(logs)}"
+            raise UserError(error(message, rule="no-log", help=f"ur logs {next(iter(logs))}"))
+        if node is not None:
             node = find_node_name(node, list(logs))
             path = logs[node]
         if only_path:

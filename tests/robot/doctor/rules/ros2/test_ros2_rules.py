@@ -14,6 +14,7 @@ from tests.robot.doctor.rules.ros2.cases import (
     LOOSE,
     ROS2_PAIR,
     RUNNING,
+    SCAN,
     THERE,
     TOOLS,
     TWIST,
@@ -54,6 +55,9 @@ def test_at_least_twenty_kinds_of_faults_are_seeded() -> None:
         replace(ROS2_PAIR, local=replace(HERE, ros2=Ros2())),  # a laptop without any ROS
         replace(ROS2_PAIR, selected=False, local=replace(HERE, ros2=replace(TOOLS, called={}, shell={}))),
         remote(graph=None),  # nothing runs yet
+        topics(
+            SeenTopic("/scan", (), (End("/web_vm_20812", SCAN), End("/rviz2", SCAN)))
+        ),  # likewise, and it is watched
         local({"ROS_STATIC_PEERS": "bob.local"}, receives=False),
         both({"ROS_DISCOVERY_SERVER": "127.0.0.1:11811"}, (11811,), mine={"ROS_DISCOVERY_SERVER": "bob.local:11811"}),
         scans(LOOSE, LOOSE),

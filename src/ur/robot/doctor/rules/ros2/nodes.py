@@ -15,8 +15,8 @@ OLD_SECONDS = 0.5  # as for clocks: tf refuses older data
 SHOWN = 3
 SCAN = "sensor_msgs/msg/LaserScan"
 _STATES = {"unconfigured": "configure", "inactive": "activate"}
-# Tools, which do not need simulated time.
-_TOOLS = ("rviz", "rqt", "foxglove_bridge", "rosbridge_websocket", "ur_")
+# Tools, which do not need simulated time, and wait for data of nodes that need not run.
+_TOOLS = ("rviz", "rqt", "foxglove_bridge", "rosbridge_websocket", "ur_", "web_")
 
 
 def check_graph(where: Where, side: Side) -> Iterator[Finding]:
@@ -96,10 +96,11 @@ def check_data(where: Where, side: Side) -> Iterator[Finding]:
     for topic in graph.topics:
         kinds = {end.kind for end in (*topic.publishers, *topic.subscribers)}
         scan = graph.scans.get(topic.name)
-        if SCAN in kinds and topic.subscribers and not topic.publishers:
+        waiting = [end.node for end in topic.subscribers if not _is_tool(end.node)]
+        if SCAN in kinds and waiting and not topic.publishers:
             yield Finding(
                 "ros2-no-scan",
-                f"{side.name}: {topic.subscribers[0].node} waits for scans on {topic.name}, and no node publishes them",
+                f"{side.name}: {waiting[0]} waits for scans on {topic.name}, and no node publishes them",
                 "start the lidar's driver; one that publishes another name or namespace is remapped: "
                 f"--ros-args -r scan:={topic.name}",
             )
