@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 from pathlib import Path
@@ -17,7 +18,7 @@ from ur.run.master.parameters import start_commands
 from ur.run.middleware.choice import find_middleware
 from ur.run.middleware.facts import read_facts
 from ur.run.middleware.protocol import NoGraph
-from ur.run.middleware.ros2 import DomainMiddleware, find_ros2
+from ur.run.middleware.ros2 import DomainMiddleware, clear_shared_memory, find_ros2
 from ur.run.options import RunOptions
 from ur.run.output.console import Console
 from ur.run.supervisor.events import Exited, ParametersSet, SetupFailed, Unregistered
@@ -101,3 +102,22 @@ def test_domain_without_runs_has_no_robot(monkeypatch: pytest.MonkeyPatch, tmp_p
     assert read_robot_facts("ros2://localhost/7") is None
     plan = Plan((), (), (), (), (), ())
     assert rename_taken(plan, "", lambda _kind, _text: None) is plan
+
+
+def test_shared_memory_of_killed_nodes_is_removed_and_that_of_others_stays(tmp_path: Path) -> None:
+    killed = ["fastdds_00000000000000aa", "fastdds_00000000000000aa_el", "fastdds_port7411", "fastdds_port7411_sl"]
+    kept = [
+        "fastdds_00000000000000bb",
+        "fastdds_00000000000000bb_el",
+        "fastdds_port7413_el",
+        "fastdds_mine",
+        "other_el",
+    ]
+    for name in [*killed, "sem.fastdds_port7411_mutex", *kept]:
+        (tmp_path / name).touch()
+        os.utime(tmp_path / name, (0, 0))
+    os.utime(tmp_path / "fastdds_port7413_el")  # a process that has not locked it yet
+    with (tmp_path / "fastdds_00000000000000bb_el").open() as used:
+        fcntl.flock(used, fcntl.LOCK_EX)
+        clear_shared_memory(tmp_path)
+    assert sorted(each.name for each in tmp_path.iterdir()) == sorted(kept)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import threading
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,6 +24,8 @@ from ur.run.record.registry import list_runs
 from ur.run.supervisor.events import Event, Exited, ParametersSet, SetupFailed, Unregistered
 from ur.source.diagnostic import UserError, error
 from ur.system.ros import find_facts, graph_address
+
+_SETTLED = 5.0  # s: a new process has its lock by then
 
 Domain = TypeVar("Domain", bound="DomainMiddleware")
 
@@ -108,12 +112,36 @@ def find_domain(kind: type[Domain], environment: Mapping[str, str], options: Run
     if options.port is not None:
         message = f"--port {options.port} chooses the port of a master, which ROS 2 does not have"
         raise UserError(error(message, rule="bad-options", help="ROS_DOMAIN_ID chooses the domain"))
+    clear_shared_memory()
     address = graph_address(environment)
     facts = find_facts(environment, address.rpartition("/")[2])
     own = not list_others(environment)
     if own:
         clear_facts(facts)
     return kind(address, own, "" if own else str(read_facts(facts).get("run_id", "")), facts, environment)
+
+
+def clear_shared_memory(folder: Path = Path("/dev/shm")) -> None:  # noqa: S108 - where Fast DDS has it
+    """Remove the files of Fast DDS that killed processes of this user have left.
+
+    As in `fastdds shm clean`: their owner holds a lock on the file that ends in `_el` or `_sl`.
+    """
+    for lock in (*folder.glob("fastdds_*_el"), *folder.glob("fastdds_*_sl")):
+        try:
+            descriptor = os.open(lock, os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC)
+        except OSError:
+            continue  # it has ended, or belongs to another user
+        try:
+            facts = os.fstat(descriptor)
+            if facts.st_uid == os.getuid() and time.time() - facts.st_mtime > _SETTLED:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                used = lock.name[:-3]
+                for name in (used, f"sem.{used}_mutex", lock.name):
+                    (folder / name).unlink(missing_ok=True)
+        except OSError:  # it is in use
+            pass
+        finally:
+            os.close(descriptor)
 
 
 def list_others(environment: Mapping[str, str], own: int | None = None) -> list[RunEntry]:
