@@ -10,7 +10,7 @@ from pathlib import Path
 from ur.robot.selection import Selection, load_selection, parse_selection, selection_path
 from ur.source.diagnostic import UserError
 from ur.source.project import launch_library, project_folder, state_folder
-from ur.source.user_folders import user_folder
+from ur.source.user_folders import list_workspaces, user_folder
 from ur.system.debian_root import DebianRoot, find_root
 from ur.system.ros import NONE, Ros, choose_domain, facts_file, find_ros
 
@@ -49,11 +49,13 @@ def environment_changes(
         "PATH": _in_front(str(package / "bin"), _in_front(root.programs, path) if root else path),
         MARK: str(selection),
     }
+    if workspaces := list_workspaces(environment):
+        wanted["CMAKE_PREFIX_PATH"] = os.pathsep.join(workspaces)
     ros = choose_ros(selection, environment)
     if ros is not None and ros.version != 1:
         return wanted | (_ros2(ros, environment, str(package)) if ros.version else _without_ros(environment, wanted))
     if environment.get("ROS_VERSION") in ("0", "2") and _marked(environment) is not None:
-        wanted |= hide_ros2(environment)
+        wanted |= hide_ros2({**environment, **wanted})
     before = _network(_marked(environment), host)
     for name, value in _network(selection, host).items():
         present = environment.get(name)

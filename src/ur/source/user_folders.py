@@ -6,6 +6,9 @@ import os
 from collections.abc import Mapping
 from typing import Literal
 
+MARKER = ".catkin"
+"""The file that makes a folder a workspace, whose packages extend others of the same names."""
+
 _DEFAULTS = {
     "XDG_STATE_HOME": ".local/state",
     "XDG_CONFIG_HOME": ".config",
@@ -40,3 +43,28 @@ def runtime_folder(environment: Mapping[str, str], logins: str = "/run/user") ->
         return folder
     folder = f"{logins}/{os.getuid()}"
     return folder if os.path.isdir(folder) else user_folder("XDG_STATE_HOME", environment)  # noqa: PTH112 - see above
+
+
+def list_workspaces(environment: Mapping[str, str]) -> list[str]:
+    """Return the folders of CMAKE_PREFIX_PATH, then the existing workspaces that `ur new base` has made."""
+    folders = [folder for folder in environment.get("CMAKE_PREFIX_PATH", "").split(os.pathsep) if folder]
+    try:
+        with open(_remembered(environment), encoding="utf-8") as file:  # noqa: PTH123 - this runs at each Tab
+            made = file.read().splitlines()
+    except (OSError, ValueError):
+        return folders
+    there = [each for each in made if os.path.exists(f"{each}/{MARKER}")]  # noqa: PTH110 - likewise
+    return list(dict.fromkeys([*folders, *there]))
+
+
+def remember_workspace(folder: str, environment: Mapping[str, str]) -> None:
+    """Remember a workspace for this user. Raises OSError."""
+    if folder not in list_workspaces({**environment, "CMAKE_PREFIX_PATH": ""}):
+        path = _remembered(environment)
+        os.makedirs(os.path.dirname(path), exist_ok=True)  # noqa: PTH103, PTH120 - see above
+        with open(path, "a", encoding="utf-8") as file:  # noqa: PTH123 - see above
+            file.write(f"{folder}\n")
+
+
+def _remembered(environment: Mapping[str, str]) -> str:
+    return f"{user_folder('XDG_CONFIG_HOME', environment)}/ubiquity_launches/workspaces"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import re
 from pathlib import Path
 
@@ -303,8 +304,9 @@ def test_base_in_a_workspace_of_its_own_is_found_by_its_name(
     (tmp_path / "meshes.urdf").write_text(MESHES, encoding="utf-8")
     words = ["--from", str(tmp_path / "meshes.urdf"), "--workspace", str(tmp_path / "own")]
     assert main(["new", "base", "meshes", *words]) == 0
-    assert f"export CMAKE_PREFIX_PATH={tmp_path / 'own'}:" in capsys.readouterr().err
-    folder = find_base_package(LIBRARY, "meshes", {"CMAKE_PREFIX_PATH": str(tmp_path / "own")})
+    assert "ur use sim:meshes" in capsys.readouterr().err
+    folder = find_base_package(LIBRARY, "meshes", os.environ)
+    assert folder == tmp_path / "own/share/ubiquity_launches"
     base = load_base(folder, "meshes")
     names = {path.relative_to(LIBRARY).parts[0] for path in LIBRARY.glob("n_*/params/stage.yaml")}
     assert {path.relative_to(folder).parts[0] for path in folder.glob("n_*/params/meshes.yaml")} == names

@@ -2,16 +2,16 @@
 
 A workspace of CMAKE_PREFIX_PATH (a folder with a file `.catkin`) adds the files in its `share/PACKAGE` to a package:
 roslaunch itself searches there first for `$(find PACKAGE)/FILE`. So a base outside the launch package is a folder with
-a file `.catkin` and, below `share/ubiquity_launches`, the files that are named after the base.
+a file `.catkin` and, below `share/ubiquity_launches`, the files that are named after the base. Those that `ur new base`
+has made are remembered for the user, after those of the environment.
 """
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 
-MARKER = ".catkin"
+from ur.source.user_folders import MARKER, list_workspaces
 
 
 def is_base_name(name: str) -> bool:
@@ -21,7 +21,7 @@ def is_base_name(name: str) -> bool:
 
 def list_base_packages(package: Path, environment: Mapping[str, str]) -> tuple[Path, ...]:
     """Return the folders whose `bases/` belong to a launch package: its own, then those of workspaces, in order."""
-    prefixes = [Path(prefix) for prefix in environment.get("CMAKE_PREFIX_PATH", "").split(os.pathsep) if prefix]
+    prefixes = map(Path, list_workspaces(environment))
     added = [prefix / "share" / package.name for prefix in prefixes if (prefix / MARKER).is_file()]
     return (package, *(folder for folder in added if (folder / "bases").is_dir()))
 

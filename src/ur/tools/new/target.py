@@ -69,7 +69,7 @@ class BaseDestination:
 def target_of(package: str | None, workspace: str | None) -> BaseDestination:
     """Return the requested destination; by default the package around the current folder. Raises UserError."""
     from ur.request.environment import PACKAGE
-    from ur.robot.base.search import MARKER
+    from ur.source.user_folders import MARKER
 
     if workspace is None:
         help_ = "add --workspace ~/FOLDER, or change to the folder of a package, or name one with --package"
@@ -85,7 +85,12 @@ def target_of(package: str | None, workspace: str | None) -> BaseDestination:
 
 
 def next_step(place: BaseDestination, name: str) -> str:
-    """Return the commands that use the new base."""
-    if not place.prefix:
-        return f"ur use sim:{name}"
-    return f"export CMAKE_PREFIX_PATH={place.target.folder}:$CMAKE_PREFIX_PATH, then ur use sim:{name}"
+    """Return the command that uses the new base, whose workspace is remembered."""
+    from ur.source.user_folders import remember_workspace
+
+    if place.prefix:
+        try:
+            remember_workspace(str(place.target.folder), os.environ)
+        except OSError:
+            return f"export CMAKE_PREFIX_PATH={place.target.folder}:$CMAKE_PREFIX_PATH, then ur use sim:{name}"
+    return f"ur use sim:{name}"
