@@ -68,7 +68,7 @@ class TopicDoc:
 
     kind: str  # publishes, subscribes, offers service, ..., or uses
     name: str
-    source: Literal["ready", "table", "base", "remap"]
+    source: Literal["ready", "comment", "table", "base", "remap"]
     detail: str = ""
 
 

@@ -39,3 +39,12 @@ def test_ready_comment_comes_first_and_says_the_rate() -> None:
 def test_remap_of_an_unknown_node_tells_that_it_uses_the_name() -> None:
     found = uses_of('<node name="n" pkg="p" type="t"><remap from="in" to="out"/><remap from="~a" to="b"/></node>')
     assert found == [(None, "/out", "remap"), (None, "/b", "remap")]
+
+
+def test_comments_tell_the_topics_of_an_unknown_node_and_remaps_apply() -> None:
+    node = '<node name="n" pkg="p" type="t"><!--publishes: cmd_vel--><!--subscribes: scan ~in b-d--><remap {}/></node>'
+    assert uses_of(node.format('from="cmd_vel" to="nav_vel"')) == [
+        ("publishes", "/nav_vel", "comment"),
+        ("subscribes", "/scan", "comment"),
+        ("subscribes", "/n/in", "comment"),
+    ]

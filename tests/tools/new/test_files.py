@@ -31,6 +31,8 @@ def test_topics_become_arguments_and_remaps() -> None:
     assert "<!--scan: The topic that it subscribes as `scan` (`sensor_msgs/LaserScan`).-->" in text
     assert '<remap from="~cost" to="$(arg cost)"/>' in text
     assert '<remap from="machine" to="$(arg machine_topic)"/>' in text
+    assert "<!--publishes: ~cost-->" in text
+    assert "<!--subscribes: scan machine-->" in text
     assert "It offers `clear`." in text
 
 

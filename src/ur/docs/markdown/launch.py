@@ -162,7 +162,13 @@ def _rows_of(
 
 
 def _topic_rows(doc: LaunchDoc) -> Iterable[tuple[str, ...]]:
-    sources = {"ready": "`ready:`", "table": "the program's documentation", "base": "the base", "remap": "a remap"}
+    sources = {
+        "ready": "`ready:`",
+        "comment": "a comment",
+        "table": "the program's documentation",
+        "base": "the base",
+        "remap": "a remap",
+    }
     for node in doc.nodes:
         groups: dict[tuple[str, str], list[str]] = {}
         for topic in node.topics:

@@ -94,6 +94,7 @@ class NodeSpec:
     origin: Origin
     terminal: bool = False  # a documentation comment `<!--terminal: ...-->` inside gives it the keyboard and screen
     ready: tuple[ReadyCondition, ...] = ()  # likewise `<!--ready: ...-->`: beyond being registered
+    topics: tuple[tuple[str, str], ...] = ()  # likewise `<!--publishes: NAME ...-->`, `<!--subscribes: NAME ...-->`
 
     @property
     def full_name(self) -> str:

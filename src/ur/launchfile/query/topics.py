@@ -13,7 +13,7 @@ from ur.launchfile.query.known_nodes import find_interface
 Use = Literal[
     "publishes", "subscribes", "offers-service", "calls-service", "offers-action", "uses-action", "sends-frame"
 ]
-Evidence = Literal["ready", "table", "base", "remap"]
+Evidence = Literal["ready", "comment", "table", "base", "remap"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,9 +41,9 @@ _READY: dict[str, Use] = {
 
 
 def find_name_uses(node: NodeSpec) -> tuple[NameUse, ...]:
-    """List the names that a node uses: its `ready:` comment, then the table of well-known nodes, then its remaps."""
+    """List the names that a node uses: its comments, then the table of well-known nodes, then its remaps."""
     found: dict[tuple[str, Use | None], NameUse] = {}
-    for each in (*_from_ready(node), *_from_table(node)):
+    for each in (*_from_ready(node), *_from_comments(node), *_from_table(node)):
         found.setdefault((each.name, each.use), each)
     named = {name for name, _ in found}
     for source, target in node.remaps:
@@ -77,6 +77,11 @@ def _from_ready(node: NodeSpec) -> Iterator[NameUse]:
     for condition in node.ready:
         if condition.kind != "process":
             yield NameUse(condition.name, _READY[condition.kind], "ready", condition.rate)
+
+
+def _from_comments(node: NodeSpec) -> Iterator[NameUse]:
+    for use, topic in node.topics:
+        yield NameUse(remap_name(topic, node), "publishes" if use == "publishes" else "subscribes", "comment")
 
 
 def _from_table(node: NodeSpec) -> Iterator[NameUse]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 
+from ur.launchfile.plan.names import is_legal_name
 from ur.tools.new.launch_text import LOCALHOST, MACHINE, attribute, write_launch
 from ur.tools.new.parts import NewArgument, NewFile, NodeRequest, NodeTopic
 
@@ -63,6 +64,13 @@ def _inside(request: NodeRequest, package: str) -> Iterator[str]:
     name = "$(arg robot_base)" if request.per_base else request.name
     if request.per_base or request.observed.parameters:
         yield f'<rosparam command="load" file="$(find {package})/n_{request.name}/params/{name}.yaml"/>'
+    for use, published in (("publishes", True), ("subscribes", False)):
+        if names := [
+            topic.name
+            for topic in request.observed.topics
+            if topic.published is published and is_legal_name(topic.name)
+        ]:
+            yield f"<!--{use}: {' '.join(names)}-->"
 
 
 def _arguments_of(topics: tuple[NodeTopic, ...]) -> Iterator[tuple[NodeTopic, NewArgument]]:

@@ -78,6 +78,7 @@ NODE_ATTRIBUTES = (
 TEST_ATTRIBUTES = (*NODE_ATTRIBUTES, "test-name", "time-limit", "retry")
 _CHILDREN = ("remap", "param", "rosparam", "env")
 _TERMINAL = re.compile(r"\s*terminal\s*:")
+_TOPICS = re.compile(r"\s*(publishes|subscribes)\s*:(.*)", re.DOTALL)
 DEFAULT_TIME_LIMIT = 60.0
 
 
@@ -177,6 +178,13 @@ def _resolve(
         origin=draft.origin(element.span, scope),
         terminal=any(_TERMINAL.match(comment.text) for comment in element.comments),
         ready=_read_ready(element, name, re.sub("//+", "/", namespace), draft, scope),
+        topics=tuple(
+            (found[1], topic)
+            for comment in element.comments
+            if (found := _TOPICS.match(comment.text))
+            for topic in found[2].split()
+            if is_legal_name(topic)
+        ),
     )
 
 
