@@ -94,6 +94,12 @@ def _describe(problem: click.UsageError, argv: Sequence[str]) -> tuple[str, str]
         names = [name for param in context.command.params for name in param.opts] if context else []
         near = _suggest_argument(problem.option_name, argv) or did_you_mean(problem.option_name, names)
         help_line = f"did you mean {near!r}?" if near else help_line
+        plain = problem.option_name.lstrip("-").replace("-", "_")
+        if context and any(
+            param.name == plain and isinstance(param, click.Argument) for param in context.command.params
+        ):
+            usage = " ".join(context.command.collect_usage_pieces(context))
+            help_line = f"give it without {problem.option_name}: {where} {usage}"
         if instead := _REMOVED.get(f"{where} {problem.option_name}"):
             message, help_line = f"{where}: option '{problem.option_name}' was removed", instead
     elif isinstance(problem, click.BadOptionUsage):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import lru_cache
 
-CUTOFF = 0.6  # likeness from which a name is worth saying: difflib's ratio, 0 to 1
+CUTOFF = 0.65  # likeness from which a name is worth saying: difflib's ratio, 0 to 1
 _MAX_LISTS = 32
 _MAX_ANSWERS = 10_000
 
@@ -13,10 +13,10 @@ _MAX_ANSWERS = 10_000
 def did_you_mean(word: str, candidates: Iterable[str]) -> str | None:
     """Return the candidate nearest to a misspelt name, or None if none is similar enough.
 
-    Of names that differ in case only, the last is used. Repeated calls with the same list, preferably one frozenset,
-    are cheap.
+    Options and other names are no candidates for each other. Dashes and the ending of launch files do not count. Of
+    names that differ in case only, the last is used. Repeated calls with the same list, best one frozenset, are cheap.
     """
-    return _index_of(frozenset(candidates)).nearest(word)
+    return _index_of(frozenset(candidates), word.startswith("-")).nearest(word)
 
 
 def get_command(package: str) -> str:
@@ -25,26 +25,31 @@ def get_command(package: str) -> str:
     return f"ur get {package if plain else 'PACKAGE'}"
 
 
+def _strip(name: str) -> str:
+    """Return what distinguishes a name from others of its kind."""
+    return name.lower().lstrip("-").removesuffix(".xml").removesuffix(".launch")
+
+
 @lru_cache(maxsize=_MAX_LISTS)
-def _index_of(candidates: frozenset[str]) -> _Index:
-    return _Index(candidates)
+def _index_of(candidates: frozenset[str], options: bool) -> _Index:
+    return _Index(name for name in candidates if name.startswith("-") == options)
 
 
 class _Index:
     """Names with the set of letters of each as bits, by which dissimilar names are skipped without a comparison.
 
-    The results are those of difflib.get_close_matches(word, names, n=1), whose bounds cost more than its comparisons.
+    The results are those of difflib.get_close_matches, whose bounds cost more than its comparisons.
     """
 
     def __init__(self, names: Iterable[str]) -> None:
         self._bits: dict[tuple[str, int], int] = {}  # the n-th occurrence of a letter
-        self._by_lower = {name.lower(): name for name in sorted(names)}
+        self._by_lower = {_strip(name): name for name in sorted(names)}
         self._letters = [(lower, len(lower), self._letters_of(lower)) for lower in self._by_lower]
         self._answers: dict[str, str | None] = {}
 
     def nearest(self, word: str) -> str | None:
         """See did_you_mean."""
-        word = word.lower()
+        word = _strip(word)
         if word not in self._answers:
             if len(self._answers) >= _MAX_ANSWERS:
                 self._answers.clear()

@@ -15,7 +15,7 @@ from ur.request.environment import PACKAGE, add_own_package, apply_selection, cu
 from ur.request.options import LaunchOptions, check_options
 from ur.request.program_arguments import check_arguments
 from ur.request.programs import find_launch_file, find_program, read_launch_argv
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import UserError, error, error_about
 
 
 @click.command("run", context_settings={"ignore_unknown_options": True, "help_option_names": []})
@@ -50,6 +50,9 @@ def command(
 
         sys.stdout.write(describe_program(found, os.environ))
         return 0
+    if any(text.partition("=")[0] == "--ros" for text in arguments):
+        message = "ur run: unknown option '--ros', expected a program for the selected ROS"
+        raise UserError(error(message, rule="bad-options", help="select ROS 2 before: ur use sim --ros 2"))
     selection = current_selection(os.environ)
     if not selection.simulated:
         from ur.cli.robots.over_ssh import is_over_ssh, run_there

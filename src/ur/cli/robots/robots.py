@@ -15,7 +15,7 @@ import click
 from ur.cli.output import plain_text
 from ur.cli.robots.fleet import read_names
 from ur.request.remote.robot_poller import STARTING_PERIOD, RobotPoller
-from ur.request.requirements.python_packages import need
+from ur.request.requirements.python_packages import need_all
 from ur.robot.discovery.announcements import Announcement, Browser
 from ur.robot.discovery.listing import RobotAnswer, RobotRow, choose_rows, list_robots
 from ur.robot.discovery.record import load_records, records_folder
@@ -48,7 +48,7 @@ def command(names: tuple[str, ...], watch: bool, seconds: float, as_json: bool) 
     problem with its name.
     """
     wanted = read_names(names)
-    need("zeroconf", "robot.lock")
+    need_all(["zeroconf"], "robot.lock", "what finding robots needs (2 MB to download)")
     changed = threading.Event()
     names_here = [record.name for record in load_records(records_folder(os.environ))]
     memory = load_seen(seen_path(os.environ))

@@ -28,11 +28,6 @@ class DiskFullError(UserError):
     """An installation that failed because the disk is full, so that another attempt would fail as well."""
 
 
-def need(module: str, lock: str) -> None:
-    """Ensure that a module is installed: install the lock file that contains it. Raises UserError if that fails."""
-    need_all([module], lock, f"what {lock} holds")
-
-
 def need_all(
     modules: Sequence[str], lock: str, title: str, *, folder: Path | None = None, pip: Sequence[str] = ()
 ) -> None:
