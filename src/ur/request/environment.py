@@ -105,8 +105,11 @@ def _without_ros(environment: Mapping[str, str], wanted: Mapping[str, str]) -> d
 
 
 def add_own_package(environment: Mapping[str, str], *, package: Path = PACKAGE) -> dict[str, str]:
-    """Return a copy of `environment` with this project's launch package on ROS_PACKAGE_PATH."""
-    return {**environment, "ROS_PACKAGE_PATH": _package_path(environment, package)}
+    """Return a copy of `environment` with this project's launch package on its path, and the workspaces of bases."""
+    added = {"ROS_PACKAGE_PATH": _package_path(environment, package)}
+    if workspaces := list_workspaces(environment):
+        added["CMAKE_PREFIX_PATH"] = os.pathsep.join(workspaces)
+    return {**environment, **added}
 
 
 def own_packages(environment: Mapping[str, str]) -> str:

@@ -17,7 +17,7 @@ from ur.launchfile.plan.specs import Plan
 from ur.request.launch_request import LaunchRequest, make_request
 from ur.request.options import LaunchOptions, StartReporter
 from ur.robot.selection import Selection
-from ur.source.diagnostic import Diagnostic, Severity
+from ur.source.diagnostic import Diagnostic, Severity, UserError
 
 if TYPE_CHECKING:
     from ur.launchfile.world.protocol import World
@@ -97,7 +97,13 @@ def load(launch: Launch) -> Staged:
     if options.core:
         refuse_second_master()
     paths = loaded.request.files.paths
-    world = prepare_world(paths, loaded.plan, loaded.world, launch.reporter.report, complete=options.part is None)
+    from ur.request.arguments import values_of
+    from ur.request.bases.localisation import explain_no_map
+
+    try:
+        world = prepare_world(paths, loaded.plan, loaded.world, launch.reporter.report, complete=options.part is None)
+    except UserError as problem:
+        raise explain_no_map(problem, values_of(loaded.arguments)) from None
     return Staged(loaded, loaded.plan, world, release)
 
 

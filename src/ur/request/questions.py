@@ -22,6 +22,7 @@ from ur.request.plan_files import complete_arguments, localisation_argument, sho
 from ur.robot.selection import Selection
 from ur.source.diagnostic import Severity, UserError, error
 from ur.source.suggest import did_you_mean
+from ur.source.user_folders import list_workspaces
 
 _ANONYMOUS = re.compile(r"\$\(anon ([^)]{0,500})\)")
 _MASTER = "http://localhost:11311/"  # rosgraph's default
@@ -73,6 +74,8 @@ def make_world(shell: Mapping[str, str], *, anonymous: bool) -> SystemWorld:
     made = own_packages(shell)
     if os.path.isdir(made) and made not in path.split(os.pathsep):  # noqa: PTH112 - as in ur.request.environment
         environment["ROS_PACKAGE_PATH"] += f"{os.pathsep}{made}"
+    if workspaces := list_workspaces(shell):
+        environment["CMAKE_PREFIX_PATH"] = os.pathsep.join(workspaces)
     kind = SystemWorld if anonymous else _AsWritten
     return kind(environment, standard_input=lambda: sys.stdin.buffer.read())
 

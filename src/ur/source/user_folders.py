@@ -46,14 +46,14 @@ def runtime_folder(environment: Mapping[str, str], logins: str = "/run/user") ->
 
 
 def list_workspaces(environment: Mapping[str, str]) -> list[str]:
-    """Return the folders of CMAKE_PREFIX_PATH, then the existing workspaces that `ur new base` has made."""
+    """Return the folders of CMAKE_PREFIX_PATH, then the workspaces that `ur new base` has made, the newest first."""
     folders = [folder for folder in environment.get("CMAKE_PREFIX_PATH", "").split(os.pathsep) if folder]
     try:
         with open(_remembered(environment), encoding="utf-8") as file:  # noqa: PTH123 - this runs at each Tab
             made = file.read().splitlines()
     except (OSError, ValueError):
         return folders
-    there = [each for each in made if os.path.exists(f"{each}/{MARKER}")]  # noqa: PTH110 - likewise
+    there = [each for each in reversed(made) if os.path.exists(f"{each}/{MARKER}")]  # noqa: PTH110 - likewise
     return list(dict.fromkeys([*folders, *there]))
 
 

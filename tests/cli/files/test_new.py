@@ -299,8 +299,9 @@ def test_argument_that_no_xacro_file_takes_is_refused(
 
 
 def test_base_in_a_workspace_of_its_own_is_found_by_its_name(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
     (tmp_path / "meshes.urdf").write_text(MESHES, encoding="utf-8")
     words = ["--from", str(tmp_path / "meshes.urdf"), "--workspace", str(tmp_path / "own")]
     assert main(["new", "base", "meshes", *words]) == 0

@@ -7,10 +7,10 @@ import pytest
 from ur.launchfile.world.system import SystemWorld
 from ur.request.arguments import Argument, split_argv
 from ur.request.bases.base_argument import find_bases
-from ur.request.bases.localisation import choose_localisation
+from ur.request.bases.localisation import choose_localisation, explain_no_map
 from ur.request.launch_request import LaunchFiles, make_request
 from ur.request.plan_files import localisation_argument
-from ur.source.diagnostic import UserError
+from ur.source.diagnostic import UserError, error
 
 LIBRARY = Path(__file__).parents[3] / "ubiquity_launches"
 FILE = str(LIBRARY / "m_keyboard_navigate" / "launch" / "m_keyboard_navigate.launch.xml")
@@ -53,3 +53,12 @@ def test_unknown_method_is_refused() -> None:
     with pytest.raises(UserError, match="localisation:=fiducial, expected one of amcl, fiducials") as caught:
         choose({"robot_base": "magni", "localisation": "fiducial"})
     assert caught.value.diagnostics[0].help == "did you mean 'fiducials'?"
+
+
+def test_robot_without_lidar_and_map_of_fiducials_is_told_how_to_drive() -> None:
+    problem = UserError(error("map.txt is not there", rule="no-file"))
+    values = {"robot_base": "mule", "localisation": "fiducials"}
+    [found] = explain_no_map(problem, values).diagnostics
+    assert found.message == "base 'mule' has no lidar, and there is no map of fiducials for its camera"
+    assert "ur run keyboard_drive robot_base:=mule; or" in (found.help or "")
+    assert explain_no_map(problem, {**values, "localisation": "amcl"}) is problem

@@ -12,6 +12,7 @@ from ur.robot.description.base_text import write_base_file
 from ur.robot.description.parse import parse_urdf
 from ur.robot.description.reading import BRAKING, DescriptionReading, read_base_figures
 from ur.source.diagnostic import UserError
+from ur.tools.new.description import describe_reading
 
 SPEEDS = {"velocity": 0.5, "angular_velocity": 1.2}
 
@@ -195,3 +196,10 @@ def test_lidar_that_the_file_lacks_is_put_on_top_and_one_that_it_has_is_left_out
 
 def test_blank_and_byte_order_mark_before_the_declaration_are_no_fault() -> None:
     assert parse_urdf("\ufeff \n" + SMALL, "robot.urdf").name == "small"
+
+
+def test_depth_that_is_not_simulated_and_casters_that_are_used_are_told() -> None:
+    camera = '<gazebo reference="base_link"><sensor type="depth" name="eye"/></gazebo></robot>'
+    found = read(MESHES.replace("</robot>", camera))
+    assert "camera base_link_frame is a depth camera: its picture is simulated, its depth is not" in found.notes
+    assert "read: caster at x -0.27, y 0 (link " in describe_reading(read(MESHES))

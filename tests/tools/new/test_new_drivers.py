@@ -20,6 +20,11 @@ FIGURES = [
 WORDS = ["--summary", "It drives.", *FIGURES, "--velocity", "0.3", "--angular-velocity", "1"]
 
 
+@pytest.fixture(autouse=True)
+def _own_settings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+
+
 def test_new_base_starts_its_drivers_and_their_stand_ins(tmp_path: Path) -> None:
     drivers = ["--lidar", "--driver", "arduino", "--lidar-driver", "rplidar"]
     assert main(["new", "base", "robby", "--workspace", str(tmp_path / "own"), *WORDS, *drivers]) == 0

@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from ur.launchfile.world.packages import find_packages, package_paths, read_package_name, walk_links
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.source.foreign.files import MAX_MANIFEST, read_file, read_text
+from ur.source.user_folders import MARKER, list_workspaces
 
-MARKER = ".catkin"
 _IGNORE = frozenset({"AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"})
 
 MAX_READ = 256 * 1024 * 1024
@@ -149,9 +149,10 @@ class Workspaces:
         ros2 = environment.get("ROS_VERSION") in ("0", "2")  # or none
         variable = "AMENT_PREFIX_PATH" if ros2 else "CMAKE_PREFIX_PATH"
         prefixes = [path for path in environment.get(variable, "").split(os.pathsep) if path]
-        self.folders = prefixes if ros2 else [path for path in prefixes if os.path.isfile(os.path.join(path, MARKER))]
-        if not ros2:
-            self.folders.append("/usr")
+        if ros2:  # the user's bases do not depend on ROS
+            self.folders = [*prefixes, *list_workspaces({**environment, "CMAKE_PREFIX_PATH": ""})]
+        else:
+            self.folders = [*(path for path in prefixes if os.path.isfile(os.path.join(path, MARKER))), "/usr"]
         self._sources: dict[str, list[str]] = {}
         self._packages: dict[str, dict[str, str]] = {}
 

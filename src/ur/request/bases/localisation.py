@@ -32,6 +32,22 @@ def choose_localisation(values: Mapping[str, str], find_bases: Callable[[], Sequ
     return [Argument(ARGUMENT, "fiducials")] if base is not None and base.raspicam and not base.lidar else []
 
 
+def explain_no_map(problem: UserError, values: Mapping[str, str]) -> UserError:
+    """Explain that a robot without a lidar has no map of fiducials either; other problems are returned unchanged."""
+    base = values.get("robot_base", "")
+    if problem.diagnostics[0].rule != "no-file" or not base or values.get(ARGUMENT) != "fiducials":
+        return problem
+    chosen = " ".join(f"{name}:={values[name]}" for name in ("robot_base", "robot_variant") if values.get(name))
+    return UserError(
+        error(
+            f"base {base!r} has no lidar, and there is no map of fiducials for its camera",
+            rule="no-file",
+            help=f"drive it by hand: ur run keyboard_drive {chosen}; or build such a map where fiducials are: "
+            f"ur run fiducial_slam {chosen} (simulated: with world:=office)",
+        )
+    )
+
+
 def _check(method: str) -> None:
     if method not in METHODS:
         near = did_you_mean(method, METHODS)

@@ -134,6 +134,11 @@ def read_base_figures(
     placed = tuple(replace(each, pose=_moved(each.pose, origin)) for each in sensors)
     if lidar and not any(each.kind == "lidar" for each in sensors):
         placed = (_add_lidar(description, figures, outline), *placed)
+    notes += [
+        f"camera {each.frame} is a depth camera: its picture is simulated, its depth is not"
+        for each in sensors
+        if each.kind == "camera" and each.gazebo and re.search("depth|rgbd", each.gazebo.kind, re.IGNORECASE)
+    ]
     if extra:
         notes.append(f"left out, since a base has no such sensor, or another one of its kind: {', '.join(extra)}")
     return DescriptionReading(

@@ -104,9 +104,8 @@ def find_terminals(nodes: Sequence[NodeSpec], *, detached: bool) -> list[Diagnos
         return [
             error(
                 f"{node.full_name} needs the terminal, which a detached run does not have",
-                node.origin.span,
                 rule="detached-terminal",
-                help="leave --detach out, or these nodes: --no-terminal",
+                help="--no-terminal leaves it out; or start it without --detach",
             )
             for node in wanting
         ]

@@ -174,6 +174,11 @@ def describe_reading(reading: DescriptionReading) -> str:
         for key, figure in reading.figures.items()
         if key not in reading.open and figure.source not in ("given", "usual")
     ]
+    rows += [
+        f"read: caster at x {each.x:.4g}, y {each.y:.4g} ({each.source})"
+        for each in reading.supports
+        if each.source.startswith("link ")
+    ]
     rows += [f"read: {sensor.kind} {sensor.frame} ({sensor.source})" for sensor in reading.sensors]
     rows += [f"note: {note}" for note in reading.notes]
     return "".join(f"{row}\n" for row in rows)
