@@ -33,7 +33,7 @@ def test_path_is_taken_as_it_is() -> None:
         (["my_pkg", "aa.launch"], "no file '", "a.launch"),
         (["my_pkg", "m_driv.launch.xml"], "no file '", "m_drive.launch.xml"),
         (["my_pgk", "a.launch"], "no package or file named", "my_pkg"),
-        (["/d.launch"], "no file '/d.launch'", "/c.launch"),
+        (["/cc.launch"], "no file '/cc.launch'", "/c.launch"),
         (
             ["my_pkg"],
             "no launch file given for package 'my_pkg', expected one of a.launch, b.launch",

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from ur.maps.edit import Origin, apply_edits, move_graph, move_point, move_record, propose_turn, turn_values
+from ur.maps.names import PLACE_NAME, PLACE_RULE
 from ur.maps.picture_file import write_picture
 from ur.maps.record import LARGEST, MOST_EDITS, MOST_POINTS, EditKind, MapEdit, MapRecord, render_record
 from ur.maps.scan_file import encode_graph, read_graph
@@ -22,7 +23,6 @@ from ur.worlds.map_file import MapImage, read_map
 Point = tuple[float, float]
 
 _FARTHEST = 10_000.0  # m
-PLACE = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 """Names of places."""
 
 
@@ -107,8 +107,8 @@ def move_map(store: MapStore, name: str, motion: Origin, waypoints: Path) -> Non
 
 def name_place(store: MapStore, name: str, waypoints: Path, place: str, pose: Origin) -> None:
     """Name a place of a map: x, y in m, and degrees. Raises UserError, or OSError."""
-    if not PLACE.fullmatch(place):
-        raise _bad(f"{place!r} is not a name of a place, expected a letter, then letters, digits, '-' and '_'")
+    if not PLACE_NAME.fullmatch(place):
+        raise _bad(f"{place[:60]!r} is not a name of a place, expected {PLACE_RULE}")
     if not all(math.isfinite(value) and abs(value) <= _FARTHEST for value in pose):
         raise _bad(f"the place is farther away than {_FARTHEST:g} m, expected metres in the frame of the map")
     with store.claim(store.resolve(name)):
@@ -138,7 +138,11 @@ def read_places(path: Path) -> dict[str, Origin]:
 def write_places(path: Path, map_name: str, places: dict[str, Origin]) -> None:
     """Replace the waypoints of a map. Raises OSError."""
     head = f"# Waypoints of the map {map_name}: name: [x, y, angle], in m, m and degrees, in the map frame.\n"
-    rows = (f"{name}: [{x:.3f}, {y:.3f}, {degrees:.1f}]\n" for name, (x, y, degrees) in sorted(places.items()))
+    # In quotation marks: 007 and yes are names, not values.
+    rows = (
+        f"{json.dumps(name, ensure_ascii=False)}: [{x:.3f}, {y:.3f}, {degrees:.1f}]\n"
+        for name, (x, y, degrees) in sorted(places.items())
+    )
     replace_file(path, head + "".join(rows), parents=True)
 
 

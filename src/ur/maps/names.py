@@ -1,4 +1,4 @@
-"""Names of stored maps, which are safe in a shell, a launch file and a file system."""
+"""Names of stored maps, which are safe in a shell, a launch file and a file system, and of what is on them."""
 
 from __future__ import annotations
 
@@ -12,6 +12,10 @@ LATEST = "latest"
 """Stands for the last map that was made with the robot of this computer."""
 
 LONGEST = 64
+PLACE_NAME = re.compile(r"\w(?:[\w .-]{0,38}[\w.-])?")
+"""Names of places and zones."""
+
+PLACE_RULE = "at most 40 letters, digits, blanks, '_', '-' and '.'"
 _NAME = re.compile(rf"[A-Za-z][A-Za-z0-9_.-]{{0,{LONGEST - 1}}}")
 # roslaunch reads these as a number or a truth value, wherever a text may be one.
 _RESERVED = frozenset({LATEST, "true", "false", "inf", "infinity", "nan", "none"})

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import re
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Literal
 
 from msgspec import Meta
 
+from ur.maps.names import PLACE_NAME, PLACE_RULE
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.files import read_file
 from ur.source.foreign.json_values import convert_json, read_json
@@ -29,9 +29,6 @@ MOST_STROKES = 100
 """Edits of a change from a page."""
 
 ZoneKind = Literal["keep-out", "speed"]
-ZONE_NAME = re.compile(r"\w(?:[\w .-]{0,38}[\w.-])?")
-"""Names of zones."""
-
 EditKind = Literal["erase", "wall", "keep-out"]
 _Metres = Annotated[float, Meta(ge=-1e6, le=1e6)]
 _Point = tuple[_Metres, _Metres]
@@ -41,8 +38,8 @@ _File = Annotated[str, Meta(pattern=rf"^{_NPZ}\Z")]
 _ZoneName = Annotated[
     str,
     Meta(
-        pattern=rf"^(?:{ZONE_NAME.pattern})\Z",
-        description="the name of a zone, at most 40 letters, digits, blanks, '_', '-' and '.'",
+        pattern=rf"^(?:{PLACE_NAME.pattern})\Z",
+        description=f"the name of a zone, {PLACE_RULE}",
     ),
 ]
 

@@ -9,8 +9,8 @@ from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 
-from ur.maps.names import is_map_name
-from ur.maps.record import LEAST_PERCENT, MOST_CORNERS, MOST_ZONES, ZONE_NAME, Zone, ZoneKind, read_record
+from ur.maps.names import PLACE_NAME, PLACE_RULE, is_map_name
+from ur.maps.record import LEAST_PERCENT, MOST_CORNERS, MOST_ZONES, Zone, ZoneKind, read_record
 from ur.maps.store import PICTURE, MapStore, own_store
 from ur.maps.zone_mask import area_of, write_masks
 from ur.source.diagnostic import UserError, error
@@ -43,10 +43,8 @@ def find_home(map_file: Path, environment: Mapping[str, str]) -> tuple[MapStore,
 def make_zone(name: str, kind: ZoneKind, points: Iterable[Point], percent: int = 0) -> Zone:
     """Return a zone with corners (m); two opposite corners stand for a rectangle. Raises UserError."""
     corners = list(points)
-    if not ZONE_NAME.fullmatch(name):
-        raise _bad(
-            f"{name[:60]!r} is not a name of a zone, expected at most 40 letters, digits, blanks, '_', '-' and '.'"
-        )
+    if not PLACE_NAME.fullmatch(name):
+        raise _bad(f"{name[:60]!r} is not a name of a zone, expected {PLACE_RULE}")
     if not all(math.isfinite(value) and abs(value) <= _FARTHEST for point in corners for value in point):
         raise _bad(f"a corner of zone {name!r} is farther away than {_FARTHEST:g} m, expected metres in the map frame")
     if kind == "speed" and not LEAST_PERCENT <= percent < 100:

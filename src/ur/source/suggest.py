@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import lru_cache
 
-CUTOFF = 0.65  # likeness from which a name is worth saying: difflib's ratio, 0 to 1
+CUTOFF = 0.6  # likeness from which a name is worth saying: difflib's ratio, 0 to 1
 _MAX_LISTS = 32
 _MAX_ANSWERS = 10_000
 

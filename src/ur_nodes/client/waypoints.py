@@ -21,9 +21,6 @@ from ur_nodes.client.snapshot import format_number
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 
-WAYPOINT_NAME = re.compile(r"\w(?:[\w .-]{0,38}[\w.-])?\Z")
-"""Names that a program gives: those of people who edit the file may be any text."""
-
 _HEAD = "# Waypoints of the map {name}: name: [x, y, angle], in m, m and degrees, in the map frame.\n"
 
 

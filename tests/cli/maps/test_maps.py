@@ -86,9 +86,11 @@ def test_map_is_edited_by_commands(plan: Path, tmp_path: Path, capsys: pytest.Ca
         "flat: zone hall: at most 40 % of the highest speed, 0.5 square metres",
         "flat: zone hall is deleted",
     ]
-    assert "door: [2.053, 0.887, 86.8]" in (tmp_path / "data/ubiquity_launches/waypoints/flat.yaml").read_text(
-        encoding="utf-8"
-    )
+    written = (tmp_path / "data/ubiquity_launches/waypoints/flat.yaml").read_text(encoding="utf-8")
+    assert '"door": [2.053, 0.887, 86.8]' in written
+    assert main(["maps", "edit", "flat", "place", "living room", "1", "1"]) == 0
+    assert main(["maps", "edit", "flat", "place", "a/b", "1", "1"]) == 2
+    assert "'a/b' is not a name of a place, expected at most 40 letters, digits, blanks" in capsys.readouterr().err
     for words in (
         ["explode"],
         ["rotate", "much"],

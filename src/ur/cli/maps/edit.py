@@ -108,10 +108,10 @@ def _zone(store: MapStore, name: str, values: Sequence[str]) -> str:
 
 
 def _place(store: MapStore, name: str, values: Sequence[str]) -> str:
-    from ur.maps.change import PLACE, name_place
+    from ur.maps.change import name_place
 
-    if not values or not PLACE.fullmatch(values[0]):
-        raise _bad(f"{values[0] if values else 'no name'!r}, expected place PLACE X Y [ANGLE]")
+    if not values:
+        raise _bad("no name, expected place PLACE X Y [ANGLE]")
     numbers = _numbers(values[1:], "place PLACE X Y [ANGLE]", (2, 3))
     x, y, degrees = (*numbers, 0.0)[:3]
     name_place(store, name, waypoint_path(name, os.environ), values[0], (x, y, degrees))

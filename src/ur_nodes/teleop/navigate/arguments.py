@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import shlex
 
+from ur.maps.names import PLACE_NAME, PLACE_RULE
 from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable
-from ur_nodes.client.waypoints import WAYPOINT_NAME
 
 
 def split_line(line: str) -> list[str]:
@@ -43,10 +43,8 @@ def read_number(text: str, usage: str) -> float:
 
 def check_name(name: str) -> str:
     """Check the name of a waypoint, and return it. Raises UserError."""
-    if not WAYPOINT_NAME.match(name):
-        raise bad_command_error(
-            f"{printable(name)!r} is not a valid name, expected at most 40 letters, digits, blanks, '_', '-' and '.'"
-        )
+    if not PLACE_NAME.fullmatch(name):
+        raise bad_command_error(f"{printable(name)!r} is not a valid name, expected {PLACE_RULE}")
     return name
 
 

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ur.maps.names import PLACE_NAME
 from ur.source.diagnostic import UserError
 from ur.source.printable import printable
 from ur.web.wire.map_requests import ForgetPlace, NamePlace
-from ur_nodes.client.waypoints import WAYPOINT_NAME, WaypointStore
+from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 
 MOST_PLACES = 200
@@ -72,7 +73,7 @@ def change_places(path: Path | None, request: NamePlace | ForgetPlace) -> Mappin
 
 def _remember(store: WaypointStore, request: NamePlace) -> None:
     """Name a place, or move the one that has the name. Raises UserError, or ValueError: no such name is allowed."""
-    if not WAYPOINT_NAME.match(request.place):
+    if not PLACE_NAME.fullmatch(request.place):
         raise ValueError("name")
     places = store.places()
     if request.place not in places and len(places) >= MOST_PLACES:
