@@ -76,7 +76,7 @@ def _take_assistant(browser: Chromium, files: GrantFiles) -> None:
     """Take the page while an assistant asks to drive on a desk, and on a phone while it may."""
     panel = "document.getElementById('assistants-panel')"
     asks = Request(30.0, 0.2, "to look at the door")
-    files.note_server(ASSISTANT, ServerRecord(os.getpid(), "Claude", asks))
+    files.note_server(ASSISTANT, ServerRecord(os.getpid(), "Helper", asks))
     browser.resize(*DESK)
     _wait(lambda: "asks to drive" in browser.run("document.querySelector('#banners').innerText"), "no assistant asks")
     browser.run("page.panels.toggle('assistants'); 0")

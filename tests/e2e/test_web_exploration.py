@@ -61,7 +61,7 @@ def send(page: BrowserPage, place: str) -> None:
 
 def test_page_shows_an_exploration_as_the_terminal_does(page: BrowserPage) -> None:
     page.wait(f"{HEAD} === 'exploring drives'")
-    page.wait("/^\\d+ m2 known, .* left, about/.test(document.getElementById('banners').innerText)")
+    page.wait("/^\\d+ m² known, .* left, about/.test(document.getElementById('banners').innerText)")
     page.wait("page.overlays.found.get(12)?.frontiers.length > 0")
 
 

@@ -2,7 +2,18 @@ from __future__ import annotations
 
 import pytest
 
-from ur.source.ansi import BOLD, RED, RESET, allows_colour, cut_styled, is_plain, paint, strip_colours, strip_styles
+from ur.source.ansi import (
+    BOLD,
+    RED,
+    RESET,
+    allows_colour,
+    cut_styled,
+    is_plain,
+    paint,
+    speaks_unicode,
+    strip_colours,
+    strip_styles,
+)
 
 
 def test_painted_text_is_as_before_without_its_styles() -> None:
@@ -34,3 +45,9 @@ def test_line_is_cut_by_what_shows(columns: int, shown: str) -> None:
 )
 def test_environment_decides_about_colours(environment: dict[str, str], plain: bool, colour: bool) -> None:
     assert (is_plain(environment), allows_colour(environment)) == (plain, colour)
+
+
+def test_signs_beyond_ascii_are_for_locales_that_have_them() -> None:
+    assert speaks_unicode("utf-8", {"LANG": "C"})
+    assert not speaks_unicode("utf-8", {"LC_ALL": "C"})
+    assert not speaks_unicode("iso-8859-1", {})

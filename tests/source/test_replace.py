@@ -132,3 +132,9 @@ def test_unfinished_files_of_killed_processes_are_removed_and_those_of_others_st
         *(".link.01234567.ur-new", ".pipe.01234567.ur-new", ".young.01234567.ur-new"),
         *("other", "precious", "writing"),
     ]
+
+
+def test_file_that_cannot_be_written_is_named_as_the_user_names_it() -> None:
+    with pytest.raises(OSError, match=r"/proc/flat\.yaml") as caught:
+        replace_file("/proc/flat.yaml", "")
+    assert caught.value.filename == "/proc/flat.yaml"

@@ -57,7 +57,7 @@ def check_map(folder: Path, place: str) -> None:
     """Read every file of a map. Raises UserError."""
     file = folder / PICTURE
     if not file.is_file():
-        raise _not_a_map(place, f"{PICTURE} is missing")
+        raise _not_a_map(place, f"the folder holds no {PICTURE}", "give the file NAME.yaml of a map")
     section = read_section(file, "a map file", piped=False)
     image = parse_map_file(section, folder).image
     if image.parent != folder or not _FILE.fullmatch(image.name):
@@ -121,7 +121,6 @@ def _read_part(path: Path, folder: Path) -> bytes:
         raise refuse_file(path, problem, "a file of a map") from None
 
 
-def _not_a_map(place: str, what: str) -> UserError:
-    return UserError(
-        error(f"{place} is not a map that can be used: {what}", rule="bad-map", help="copy it again", subject=place)
-    )
+def _not_a_map(place: str, what: str, help_: str = "copy it again") -> UserError:
+    message = f"{place} is not a map that can be used: {what}"
+    return UserError(error(message, rule="bad-map", help=help_, subject=place))

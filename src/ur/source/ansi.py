@@ -52,6 +52,11 @@ def allows_colour(environment: Mapping[str, str]) -> bool:
     return not environment.get("NO_COLOR") and not is_plain(environment)
 
 
+def speaks_unicode(encoding: str | None, environment: Mapping[str, str]) -> bool:
+    """Return whether a stream of this encoding is read by a user whose locale has more than ASCII."""
+    return "utf" in (encoding or "").lower() and environment.get("LC_ALL") not in ("C", "POSIX")
+
+
 def has_true_colour(environment: Mapping[str, str]) -> bool:
     """Return True for a terminal that declares 24-bit colours."""
     return environment.get("COLORTERM", "") in ("truecolor", "24bit")

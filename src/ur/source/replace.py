@@ -75,7 +75,11 @@ def replacing(
         _sweep(folder)
     beside = os.path.join(folder, f".{name[:200]}.{os.urandom(4).hex()}{_UNFINISHED}")
     # Exclusive: no existing link or file of this name is written to.
-    descriptor = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, mode)
+    try:
+        descriptor = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, mode)
+    except OSError as problem:
+        problem.filename = path  # the name that the caller knows
+        raise
     try:
         with open(descriptor, "wb") as file:  # noqa: PTH123 - a descriptor
             with suppress(OSError):

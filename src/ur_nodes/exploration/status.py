@@ -83,13 +83,13 @@ def describe_end(status: ExploreStatus) -> str:
 
 def describe_done(status: ExploreStatus) -> str:
     """The clause about the known floor and the way driven."""
-    return f"{status.known:.0f} m2 known, {status.way:.0f} m driven in {_clock(status.seconds)}"
+    return f"{status.known:.0f} m² known, {status.way:.0f} m driven in {_clock(status.seconds)}"
 
 
 def describe_left(status: ExploreStatus) -> str:
     """The clause about the frontiers that are left, and how long they will take where that can be estimated."""
     time = "" if status.left is None else f", about {max(1, round(status.left / 60.0))} min left"
-    return f"{_count(status.reachable, 'frontier')} left, about {status.unknown:.0f} m2 unknown{time}"
+    return f"{_count(status.reachable, 'frontier')} left, about {status.unknown:.0f} m² unknown{time}"
 
 
 def describe_blocked(status: ExploreStatus) -> str:

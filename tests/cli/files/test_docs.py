@@ -48,7 +48,9 @@ def test_check_fails_with_the_difference(folder: Path, capsys: pytest.CaptureFix
     assert main(["docs", "--check"]) == 1
     assert not (folder / "launches.md").exists()
     main(["docs"])
+    capsys.readouterr()
     assert main(["docs", "--check"]) == 0
+    assert capsys.readouterr().err == "launches.md: up to date\n"
     launch = folder / "launch" / "talk.launch"
     launch.write_text(LAUNCH.replace("Talk.", "Shout."))
     capsys.readouterr()

@@ -61,3 +61,11 @@ def test_another_host_key_is_renewed_by_hand_and_a_namesake_pointed_out() -> Non
     assert line.startswith("ssh-keygen -R bob.local")
     assert f"echo 'bob.local,bob {KEY.key}' >>~/.ssh/known_hosts" in line
     assert "ssh-keyscan" not in line
+
+
+def test_ping_that_is_not_installed_is_told_and_blamed_for_nothing() -> None:
+    steps = list_steps(ADDRESS, RouteState(("10.0.0.2",), ping=None, port="silent", rule="no-answer"))
+    assert [(step.good, step.seen) for step in steps[1:3]] == [
+        (True, "not tried: ping is not installed"),
+        (False, "no answer"),
+    ]

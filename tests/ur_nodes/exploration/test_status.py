@@ -39,20 +39,20 @@ def test_what_is_no_status_is_none(text: str) -> None:
 
 def test_line_says_how_much_is_left() -> None:
     line = describe_status(ExploreStatus("exploring", 1, 12.4, 40.2, 17.3, 65.0))
-    assert line == "40 m2 known, 17 m driven in 1:05 min; 1 frontier left, about 12 m2 unknown"
+    assert line == "40 m² known, 17 m driven in 1:05 min; 1 frontier left, about 12 m² unknown"
 
 
 @pytest.mark.parametrize(("seconds", "words"), [(10.0, "about 1 min left"), (230.0, "about 4 min left")])
 def test_line_says_how_long_it_will_take(seconds: float, words: str) -> None:
     line = describe_status(ExploreStatus("exploring", 1, 12.4, 40.2, 17.3, 65.0, left=seconds))
-    assert line.endswith(f"1 frontier left, about 12 m2 unknown, {words}")
+    assert line.endswith(f"1 frontier left, about 12 m² unknown, {words}")
 
 
 def test_end_is_explained_with_what_cannot_be_reached() -> None:
     line = describe_status(ExploreStatus("complete", known=40.0, way=17.0, seconds=65.0, unreachable=BLOCKED))
     assert line == (
         "the map is complete: 0 frontiers reachable; 2 unreachable: behind the glass or through a gap at (1.00, 2.00), "
-        "too narrow at (3.00, 4.00): 0.31 m < 0.46 m; 40 m2 known, 17 m driven in 1:05 min"
+        "too narrow at (3.00, 4.00): 0.31 m < 0.46 m; 40 m² known, 17 m driven in 1:05 min"
     )
 
 
@@ -65,7 +65,7 @@ def test_end_names_the_corners_that_are_left_out() -> None:
 
 def test_end_before_the_map_is_complete_says_why_and_what_is_left() -> None:
     line = describe_status(ExploreStatus("incomplete", 2, 8.0, reason="the robot does not move"))
-    assert line.startswith("the map is not complete: the robot does not move; 2 frontiers left, about 8 m2 unknown")
+    assert line.startswith("the map is not complete: the robot does not move; 2 frontiers left, about 8 m² unknown")
 
 
 def test_long_lists_are_cut() -> None:

@@ -89,7 +89,7 @@ def test_patrol_is_asked_of_the_robot_and_shown_as_the_robot_says(robot: PlayedR
 def test_exploration_is_shown_until_its_end_and_after_it(robot: PlayedRobot, browser: Chromium) -> None:
     lease = {"client": "", "name": "", "program": "", "since": 0.0, "until": None, "asking": [], "state": "free"}
     for state, line, driver in (
-        ("exploring", "72 m2 known, 85 m driven; 22 frontiers left", "exploring drives"),
+        ("exploring", "72 m² known, 85 m driven; 22 frontiers left", "exploring drives"),
         ("complete", "the map is complete: 0 frontiers reachable; 5 corners left out", "No client drives"),
     ):
         robot.show(Kind.STATE, STATE | {"lease": lease, "exploring": {"state": state, "line": line}})

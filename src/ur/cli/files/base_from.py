@@ -88,6 +88,6 @@ def _prompt(key: str) -> float:
         question = f"{files.FIGURES[key][0]} ({least:g} to {most:g})"
         answer = click.prompt(question, default=f"{files.usual_figure(key):g}", type=str)
         try:
-            return files.check_measured(key, files.read_number(key, answer))
+            return files.check_measured(key, files.read_number(key, answer), asked=True)
         except UserError as problem:
             click.echo(f"error: {problem.diagnostics[0].message}", err=True)

@@ -135,6 +135,10 @@ def _settle(files: Mapping[Path, str], check: bool, *, follow: bool = True) -> i
     if differences:
         click.echo(f"{len(differences)} file{'s are' if len(differences) > 1 else ' is'} out of date", err=True)
         click.echo("  help: the same command without --check brings them up to date", err=True)
+    elif files:
+        click.echo(f"{', '.join(map(_short, sorted(files)[:3]))}: up to date", err=True)
+    else:
+        click.echo("nothing to change", err=True)
     return 1 if differences else 0
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ur.source.ansi import speaks_unicode
 from ur.source.printable import printable
 
 if TYPE_CHECKING:
@@ -91,7 +92,7 @@ def _draw_file(argv: Sequence[str], topics: bool, form: str, output: str | None)
 def _draw_trees(trees: Sequence[Branch]) -> str:
     from ur.graph.text import draw_tree
 
-    return "".join(_paint(draw_tree(tree, unicode=_speaks_unicode())) for tree in trees)
+    return "".join(_paint(draw_tree(tree, unicode=speaks_unicode(sys.stdout.encoding, os.environ))) for tree in trees)
 
 
 def _show_live(nodes: Sequence[str], form: str) -> str:
@@ -166,7 +167,7 @@ def _render(graph: DrawnGraph, form: str, title: str) -> str:
         from ur.graph.svg import write_svg
 
         return write_svg(graph, title)
-    return _paint(draw_graph(graph, unicode=_speaks_unicode()))
+    return _paint(draw_graph(graph, unicode=speaks_unicode(sys.stdout.encoding, os.environ)))
 
 
 def _paint(lines: Iterable[Line]) -> str:
@@ -175,10 +176,6 @@ def _paint(lines: Iterable[Line]) -> str:
 
 def _style(text: str, kind: str) -> str:
     return click.style(printable(text), **_COLOURS[kind])  # type: ignore[arg-type]  # the options of style, by name
-
-
-def _speaks_unicode() -> bool:
-    return "utf" in (sys.stdout.encoding or "").lower()
 
 
 def _write(text: str, output: str | None, inputs: Iterable[str] = ()) -> int:

@@ -159,7 +159,7 @@ def base_request(
     for key, (question, ordinary, _) in FIGURES.items():
         given = figures.get(key)
         if given is None and sys.stdin.isatty():
-            given = check_figure(key, click.prompt(question, default=ordinary, type=float))
+            given = check_figure(key, click.prompt(question, default=ordinary, type=float), asked=True)
         answers[key] = ordinary if given is None else given
     return BaseRequest(name, summary, lidar=lidar, raspicam=raspicam, **answers)
 

@@ -16,6 +16,7 @@ from ur.cli.maps.edit import edit
 from ur.cli.maps.map_list import describe_map, draw_lines, list_facts, list_maps
 from ur.maps.store import MapStore, own_store
 from ur.maps.waypoint_path import waypoint_path
+from ur.source.ansi import speaks_unicode
 from ur.source.diagnostic import UserError, error
 from ur.source.render import shows_colour
 
@@ -64,7 +65,8 @@ def show(name: str) -> int:
     name = store.resolve(name)
     size = shutil.get_terminal_size()
     image = read_map(store.picture(name))
-    lines = draw_lines(image.values, size.columns - 1, max(size.lines - 4, 10), colour=shows_colour(sys.stdout))
+    drawn = shows_colour(sys.stdout) and speaks_unicode(sys.stdout.encoding, os.environ)
+    lines = draw_lines(image.values, size.columns - 1, max(size.lines - 4, 10), colour=drawn)
     left, bottom, right, top = image.bounds
     extent = f"x from {left:.1f} to {right:.1f} m, y from {bottom:.1f} to {top:.1f} m"
     click.echo("\n".join([*lines, f"{name}: {describe_map(store, name)}", extent]))

@@ -56,7 +56,11 @@ def command(robot: str | None, watch: bool, seconds: int | None, log: Path | Non
     """
     address = robot_address(robot)
     if shutil.which("ping") is None:
-        raise UserError(error("ping is not installed here", rule="no-ping", help="sudo apt-get install iputils-ping"))
+        try:
+            resolve(address)
+        except OSError:
+            raise _unknown(address) from None
+        raise UserError(error("ping is not installed", rule="no-ping", help="sudo apt-get install iputils-ping"))
     names = socket.gethostname().split(".")[0], address.host.removesuffix(".local")
     samples: list[Sample] = []
     with ExitStack() as stack:

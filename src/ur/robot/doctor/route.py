@@ -20,6 +20,8 @@ from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError
 
 PORT_SECONDS = 3.0
+_NO_COMMAND = 127  # exit code of a shell
+_PINGED = {True: "", False: "none", None: "not tried: ping is not installed"}
 Port = Literal["open", "refused", "silent", ""]
 
 
@@ -27,13 +29,13 @@ Port = Literal["open", "refused", "silent", ""]
 class RouteState:
     """The result of each step on the route to a robot.
 
-    `resolves`: the addresses of the name; `ping`: it answers; `port`: port 22 is open. `rule` and `reason` tell why the
-    login failed; `host_key` is the key that the robot offers now, if relevant; `twin`: addresses of a computer that
-    zeroconf named NAME-2.
+    `resolves`: the addresses of the name; `ping`: it answers (None: ping is not installed); `port`: port 22 is open.
+    `rule` and `reason` tell why the login failed; `host_key` is the key that the robot offers now, if relevant; `twin`:
+    addresses of a computer that zeroconf named NAME-2.
     """
 
     resolves: tuple[str, ...]
-    ping: bool = False
+    ping: bool | None = False
     port: Port = ""
     rule: str = ""
     reason: str = ""
@@ -57,7 +59,8 @@ def inspect_route(local: Shell, address: Address, rule: str, reason: str) -> Rou
     resolves = tuple(dict.fromkeys(line.split()[0] for line in found if line.strip()))
     if not resolves:
         return RouteState((), rule=rule, reason=reason)
-    ping = local.run(f"ping -q -n -c 2 -i 0.2 -W 1 {quote(resolves[0])}").code == 0
+    code = local.run(f"ping -q -n -c 2 -i 0.2 -W 1 {quote(resolves[0])}").code
+    ping = None if code == _NO_COMMAND else code == 0
     port = _probe_port(resolves[0])
     host_key = _fetch(address) if rule in ("changed-host-key", "unknown-host-key") else None
     twin = local.run(f"timeout 2 getent ahostsv4 {quote(_short(address) + '-2.local')}").out.split()[:1]
@@ -87,7 +90,7 @@ def list_steps(address: Address, route: RouteState) -> list[RouteStep]:
     steps = [
         RouteStep(f"name {address.host}", bool(route.resolves), ", ".join(route.resolves) or "not resolved"),
         # Some networks block ping: a computer that answers on its port exists nevertheless.
-        RouteStep("answer to ping", route.ping or open_port, "" if route.ping else "none"),
+        RouteStep("answer to ping", route.ping is not False or open_port, _PINGED[route.ping]),
         RouteStep("port 22", open_port, {"silent": "no answer"}.get(route.port, route.port)),
         RouteStep(
             "host key",

@@ -114,18 +114,20 @@ def usual_figure(key: str) -> float:
     return min(FIGURES[key][1], QUESTIONS[key][1])
 
 
-def check_figure(key: str, given: float | None) -> float | None:
-    """Return a property of a base if it is in the range of base files. Raises UserError."""
+def check_figure(key: str, given: float | None, *, asked: bool = False) -> float | None:
+    """Return a property of a base if it is in the range of base files. Raises UserError, as `check_measured` does."""
     question, _, least = FIGURES[key]
     if given is None or least <= given <= _MOST:  # not so for NaN
         return given
     option = f"--{key.replace('_', '-')}"
-    message = f"invalid {option} '{given:g}', expected a number from {least:g} to {_MOST:.0f}"
-    raise UserError(error(message, rule="bad-value", help=f"give {option}: {question}"))
+    message = f"'{given:g}', expected a number from {least:g} to {_MOST:.0f}"
+    if asked:
+        raise UserError(error(message, rule="bad-value"))
+    raise UserError(error(f"invalid {option} {message}", rule="bad-value", help=f"give {option}: {question}"))
 
 
-def check_measured(key: str, value: float) -> float:
-    """Return a property from a description if it is plausible for a robot. Raises UserError."""
+def check_measured(key: str, value: float, *, asked: bool = False) -> float:
+    """Return a property of a robot if it is plausible. Raises UserError; `asked`: the user answers a question."""
     from ur.robot.description.reading import QUESTIONS
 
     least, most = QUESTIONS[key]
@@ -133,8 +135,10 @@ def check_measured(key: str, value: float) -> float:
         return value
     option = f"--{key.replace('_', '-')}"
     why = ", so that the robot stops within 0.3 s" if key.endswith("velocity") else ""
-    message = f"invalid {option} '{value:g}', expected a number from {least:g} to {most:g}{why}"
-    raise UserError(error(message, rule="bad-value", help=f"give {option}: {FIGURES[key][0]}"))
+    message = f"'{value:g}', expected a number from {least:g} to {most:g}{why}"
+    if asked:
+        raise UserError(error(message, rule="bad-value"))
+    raise UserError(error(f"invalid {option} {message}", rule="bad-value", help=f"give {option}: {FIGURES[key][0]}"))
 
 
 def check_arguments(source: Path, arguments: Sequence[str]) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import shutil
 import signal
 import sys
+import textwrap
 import threading
 import time
 from collections.abc import Sequence
@@ -110,5 +112,7 @@ def exit_code(status: ExploreStatus) -> int:
 
 
 def _print(line: str) -> None:
+    if sys.stdout.isatty() and len(line) > (columns := shutil.get_terminal_size().columns):
+        line = textwrap.fill(line, columns, break_long_words=False, break_on_hyphens=False)
     sys.stdout.write(line + "\n")
     sys.stdout.flush()

@@ -21,7 +21,7 @@ def test_progress_unreachable_frontiers_notes_and_keys_are_below_the_map() -> No
     lines = shown(EXPLORING, note="map 'flat' saved")
     assert len(lines) == 30
     assert set(lines[:25]) == {"#" * 100}
-    assert lines[25] == ("▲ exploring  40 m2 known, 17 m driven in 1:05 min; 3 frontiers left, about 12 m2 unknown")
+    assert lines[25] == ("▲ exploring  40 m² known, 17 m driven in 1:05 min; 3 frontiers left, about 12 m² unknown")
     assert lines[26] == f"2 unreachable: {BLOCKED[0]}, {BLOCKED[1]}"
     assert lines[27] == "map 'flat' saved"
     assert lines[28].startswith("space: emergency stop")
@@ -30,8 +30,8 @@ def test_progress_unreachable_frontiers_notes_and_keys_are_below_the_map() -> No
 
 def test_narrow_terminal_keeps_the_frontiers_that_are_left_in_sight() -> None:
     lines = shown(EXPLORING, columns=60)
-    assert lines[25] == "▲ exploring  40 m2 known, 17 m driven in 1:05 min"
-    assert lines[26].startswith("3 frontiers left, about 12 m2 unknown; 2 unreachable: too n")
+    assert lines[25] == "▲ exploring  40 m² known, 17 m driven in 1:05 min"
+    assert lines[26].startswith("3 frontiers left, about 12 m² unknown; 2 unreachable: too n")
     assert lines[27] == "? frontier  x given up"
 
 
@@ -56,4 +56,4 @@ def test_small_terminal_shows_text_without_a_map() -> None:
 
 def test_time_left_stands_beside_what_is_left() -> None:
     lines = shown(replace(EXPLORING, left=250.0), columns=110)
-    assert lines[25].endswith("3 frontiers left, about 12 m2 unknown, about 4 min left")
+    assert lines[25].endswith("3 frontiers left, about 12 m² unknown, about 4 min left")

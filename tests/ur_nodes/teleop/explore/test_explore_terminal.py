@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Iterator
 from functools import partial
@@ -151,3 +152,14 @@ def test_exploration_without_a_map_names_that(capsys: pytest.CaptureFixture[str]
 )
 def test_exit_code_tells_complete_incomplete_and_interrupted_apart(status: ExploreStatus, code: int) -> None:
     assert exit_code(status) == code
+
+
+def test_line_that_is_longer_than_the_terminal_is_broken_between_words(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    finish("explore", ExploreStatus("complete", known=266.0, way=139.0, saved="flat"))
+    out = capsys.readouterr().out
+    assert "266 m² known" in out.replace("\n", " ")
+    assert all(len(line) <= 60 for line in out.splitlines())
