@@ -193,3 +193,14 @@ def test_name_of_a_map_to_be_made_is_checked_before_the_start(capsys: pytest.Cap
     code, _, err = resolve(capsys, "m_make_map.launch.xml", "map:=../x", "use_rviz:=false")
     assert code != 0
     assert err.startswith("error: map name '../x', expected a letter, then letters")
+
+
+def test_dry_run_leaves_out_what_the_start_leaves_out(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    assert main(["launch", "--dry-run", "ubiquity_launches", NAVIGATE]) == 0
+    out = capsys.readouterr().out
+    assert "# no display: /rviz_navigation left out\n" in out
+    assert "# /rviz_navigation" not in out

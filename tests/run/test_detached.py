@@ -67,6 +67,17 @@ def test_detached_run_that_cannot_start_says_why_and_returns_its_exit_code(world
 
 
 @pytest.mark.usefixtures("master")
+def test_logs_of_a_run_that_writes_to_its_terminal_name_its_nodes(world: Any) -> None:
+    run = world.launch(SLEEPER)
+    run.until("[/sleeper] started")
+    said = world.call("logs", code=2)
+    assert "writes to its terminal, expected a node: one of /sleeper" in said
+    assert "ur logs /sleeper" in said
+    run.process.send_signal(signal.SIGINT)
+    assert run.wait() == 0
+
+
+@pytest.mark.usefixtures("master")
 def test_logs_attach_and_restart_reach_a_detached_run(world: Any) -> None:
     name = start(world, SLEEPER + TICKER.format("log"))
     attached = world.ur("attach", name)

@@ -73,19 +73,41 @@ def test_ros2_on_arm64_is_refused_before_the_set_up_begins(tmp_path: Path) -> No
     assert not (tmp_path / "clone/.venv").exists()
 
 
-def test_ctrl_c_in_the_set_up_ends_all_that_it_started_and_frees_the_lock(tmp_path: Path) -> None:
-    clone, ready = tmp_path / "clone", tmp_path / "ready"
+def make_clone(tmp_path: Path, cases: str) -> Path:
+    """A clone that has an environment, whose Python answers pip and compileall by cases of bash."""
+    clone = tmp_path / "clone"
     for name in ("tools", "requirements", "src/ur/system"):
         shutil.copytree(ROOT / name, clone / name)
     (clone / "pyproject.toml").touch()
     (clone / ".venv/bin").mkdir(parents=True)
-    os.mkfifo(ready)
-    python = clone / ".venv/bin/python"  # pip is content at once; compileall has a worker that outlives it
-    python.write_text(
-        f'#!/bin/bash\ncase "$*" in\n*compileall*) (echo $BASHPID >{ready}; exec sleep 600) & wait ;;\n'
-        '-c*) exec /usr/bin/python3 "$@" ;;\nesac\n'
-    )
+    python = clone / ".venv/bin/python"
+    python.write_text(f'#!/bin/bash\ncase "$*" in\n{cases}\n-c*) exec /usr/bin/python3 "$@" ;;\nesac\n')
     python.chmod(0o755)
+    return clone
+
+
+def test_set_up_without_a_network_says_so_in_one_line(tmp_path: Path) -> None:
+    words = (
+        "WARNING: Retrying: <x>: Failed to establish a new connection: [Errno -3] Temporary failure in name resolution"
+    )
+    clone = make_clone(tmp_path, f"*--require-hashes*) for i in 1 2 3; do echo '{words}'; done; exit 1 ;;")
+    environment = {"PATH": os.environ["PATH"], "HOME": str(tmp_path)}
+    command = ["bash", clone / "tools/set_up.bash", "run"]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    log = clone / ".cache/set_up.log"
+    assert done.stderr.splitlines()[-3:] == [
+        f"error: Python packages: no network: Temporary failure in name resolution (details in {log})",
+        "error: the Python packages could not be installed",
+        "  help: check the network and pip's settings (pip config list), then run this again",
+    ]
+
+
+def test_ctrl_c_in_the_set_up_ends_all_that_it_started_and_frees_the_lock(tmp_path: Path) -> None:
+    ready = tmp_path / "ready"
+    os.mkfifo(ready)
+    # pip is content at once; compileall has a worker that outlives it
+    clone = make_clone(tmp_path, f"*compileall*) (echo $BASHPID >{ready}; exec sleep 600) & wait ;;")
     command = ["bash", str(clone / "tools/set_up.bash"), "run"]
     environment = {"PATH": os.environ["PATH"], "HOME": str(tmp_path)}
     first = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, start_new_session=True)

@@ -11,13 +11,14 @@ from ur.launchfile.world.protocol import World
 from ur.request.questions import changed_variables
 from ur.run.paths import ros_home
 from ur.run.process.command import find_program
+from ur.run.startup.node_selection import leave_out_viewers
 from ur.source.diagnostic import Diagnostic, UserError
 
 
 def format_dry_run(
     plan: Plan, world: World, shell: Mapping[str, str], argv: Sequence[str]
 ) -> tuple[list[str], list[Diagnostic]]:
-    """Return for each node a comment with its name and machine, and its command line, ready to paste.
+    """Return for each node that would start a comment with its name and machine, and its command line, ready to paste.
 
     `shell` is the environment of the shell that the lines are for, `world` that of the nodes. The second list has
     errors about missing programs.
@@ -27,7 +28,9 @@ def format_dry_run(
         lines.append(f"# parameters first: ur launch --dump-params {shlex.join(argv)} | rosparam load -")
     machines = {machine.name: machine for machine in plan.machines}
     problems: list[Diagnostic] = []
-    for node in plan.nodes:
+    nodes, notes = leave_out_viewers(plan.nodes, world, world.environment)
+    lines += [f"# {note}" for note in notes]
+    for node in nodes:
         machine = machines.get(node.machine or "")
         try:
             lines += format_node(node, machine, world, shell)
