@@ -65,7 +65,7 @@ def test_ros2_on_arm64_is_refused_before_the_set_up_begins(tmp_path: Path) -> No
     (tmp_path / "bin/uname").write_text("#!/bin/sh\necho aarch64\n")
     (tmp_path / "bin/uname").chmod(0o755)
     environment = {"PATH": f"{tmp_path}/bin:/usr/bin:/bin", "HOME": str(tmp_path)}
-    command = ["bash", tmp_path / "clone/tools/set_up.bash", "ros2"]
+    command = ["bash", str(tmp_path / "clone/tools/set_up.bash"), "ros2"]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert done.stderr.splitlines()[-2] == "error: there is no ROS 2 as Python packages for aarch64"
@@ -92,7 +92,7 @@ def test_set_up_without_a_network_says_so_in_one_line(tmp_path: Path) -> None:
     )
     clone = make_clone(tmp_path, f"*--require-hashes*) for i in 1 2 3; do echo '{words}'; done; exit 1 ;;")
     environment = {"PATH": os.environ["PATH"], "HOME": str(tmp_path)}
-    command = ["bash", clone / "tools/set_up.bash", "run"]
+    command = ["bash", str(clone / "tools/set_up.bash"), "run"]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     log = clone / ".cache/set_up.log"
