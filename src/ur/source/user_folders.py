@@ -48,10 +48,14 @@ def runtime_folder(environment: Mapping[str, str], logins: str = "/run/user") ->
 def list_workspaces(environment: Mapping[str, str]) -> list[str]:
     """Return the folders of CMAKE_PREFIX_PATH, then the workspaces that `ur new base` has made, the newest first."""
     folders = [folder for folder in environment.get("CMAKE_PREFIX_PATH", "").split(os.pathsep) if folder]
+    path = _remembered(environment)
+    if not os.path.exists(path):  # noqa: PTH110 - this runs at each Tab
+        return folders
+    from ur.source.foreign.files import read_text
+
     try:
-        with open(_remembered(environment), encoding="utf-8") as file:  # noqa: PTH123 - this runs at each Tab
-            made = file.read().splitlines()
-    except (OSError, ValueError):
+        made = read_text(path).splitlines()
+    except OSError:
         return folders
     there = [each for each in reversed(made) if os.path.exists(f"{each}/{MARKER}")]  # noqa: PTH110 - likewise
     return list(dict.fromkeys([*folders, *there]))

@@ -134,11 +134,7 @@ def read_base_figures(
     placed = tuple(replace(each, pose=_moved(each.pose, origin)) for each in sensors)
     if lidar and not any(each.kind == "lidar" for each in sensors):
         placed = (_add_lidar(description, figures, outline), *placed)
-    notes += [
-        f"camera {each.frame} is a depth camera: its picture is simulated, its depth is not"
-        for each in sensors
-        if each.kind == "camera" and each.gazebo and re.search("depth|rgbd", each.gazebo.kind, re.IGNORECASE)
-    ]
+    notes += map(_describe_depth, filter(_has_depth, sensors))
     if extra:
         notes.append(f"left out, since a base has no such sensor, or another one of its kind: {', '.join(extra)}")
     return DescriptionReading(
@@ -202,6 +198,15 @@ def _read_outline(
     tyres = [(x + dx, y + dy) for x in axles for y in (side, -side) for dx in (radius, -radius) for dy in (half, -half)]
     outline = draw_outline([*inner, *tyres])
     return outline, inner if outline != inner else ()
+
+
+def _has_depth(sensor: FoundSensor) -> bool:
+    kind = sensor.gazebo.kind if sensor.gazebo and sensor.kind == "camera" else ""
+    return re.search("depth|rgbd", kind, re.IGNORECASE) is not None
+
+
+def _describe_depth(camera: FoundSensor) -> str:
+    return f"camera {camera.frame} is a depth camera: its picture is simulated, its depth is not"
 
 
 def _span(points: Sequence[Point], axis: int) -> float:

@@ -42,7 +42,10 @@ def read_number(text: str, usage: str) -> float:
 
 
 def check_name(name: str) -> str:
-    """Check the name of a waypoint, and return it. Raises UserError."""
+    """Check the name of a waypoint, and return it. Raises UserError.
+
+    People who edit the file may use any text.
+    """
     if not PLACE_NAME.fullmatch(name):
         raise bad_command_error(f"{printable(name)!r} is not a valid name, expected {PLACE_RULE}")
     return name

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import sys
+import os
 import threading
 from collections.abc import Iterator
+from contextlib import redirect_stdout
 from functools import partial
 
 import numpy as np
@@ -155,11 +156,13 @@ def test_exit_code_tells_complete_incomplete_and_interrupted_apart(status: Explo
 
 
 def test_line_that_is_longer_than_the_terminal_is_broken_between_words(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("COLUMNS", "60")
-    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
-    finish("explore", ExploreStatus("complete", known=266.0, way=139.0, saved="flat"))
-    out = capsys.readouterr().out
+    reader, writer = os.openpty()
+    with os.fdopen(reader, "rb") as screen, os.fdopen(writer, "w", encoding="utf-8") as terminal:
+        with redirect_stdout(terminal):
+            finish("explore", ExploreStatus("complete", known=266.0, way=139.0, saved="flat"))
+        out = screen.read1(4096).decode().replace("\r", "")
     assert "266 m² known" in out.replace("\n", " ")
     assert all(len(line) <= 60 for line in out.splitlines())
