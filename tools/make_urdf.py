@@ -13,10 +13,10 @@ from pathlib import Path
 
 from ur.robot.base import list_bases, list_variants, load_base
 from ur.robot.base.body_mesh import make_body, write_stl
-from ur.robot.base.search import MARKER
 from ur.robot.base.urdf import write_urdf
 from ur.source.diagnostic import UserError, error
 from ur.source.render import render_human
+from ur.source.user_folders import MARKER
 
 NODE = "n_robot_state_publisher"
 

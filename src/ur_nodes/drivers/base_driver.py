@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-import os
+from collections.abc import Callable
 
 from ur.robot.base import Base
 from ur_nodes.drivers.base_topics import BaseTopics
@@ -41,10 +41,10 @@ class BaseDriver:
         board: MotorBoard,
         connect: Connect,
         report: Report = lambda _: None,
-        host: int | None = None,
+        orphaned: Callable[[], bool] = lambda: False,
     ) -> None:
-        """`report` gets the health of the board. `host` is the parent process, without which the base does not drive."""
-        self._node, self._board, self._host = node, board, host
+        """`report` gets the health of the board; the base does not drive while `orphaned`: its host was killed."""
+        self._node, self._board, self._orphaned = node, board, orphaned
         self._drive = WheelDrive(base, board.period)
         self._radius = base.wheels.radius
         self._odometer = CounterOdometry(base, board.counts_per_turn)
@@ -87,7 +87,7 @@ class BaseDriver:
 
     def _obstacle(self, now: float) -> str:
         """Return why the base may not drive now; '' where it may."""
-        if self._host is not None and os.getppid() != self._host:  # a signal that says so is slower than a period
+        if self._orphaned():  # SIGTERM says so, too, but may take longer than a period
             return "the process that started this driver was killed"
         if self._bad_counts >= _TOO_BAD:
             return "its wheel counters jump; check the encoders and their cables"

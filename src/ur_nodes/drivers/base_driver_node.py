@@ -21,9 +21,9 @@ def start(node: Node) -> None:
     board = node.parameters.text("board", "") or own
     if board not in BOARDS:
         node.parameters.fail("board", board, f"one of {', '.join(BOARDS)}", BOARDS)
-    host = become_driver()
+    orphaned = become_driver()
     report = report_to_file(node, drives_on=OWN_DRIVERS[board].drives_on)
-    BaseDriver(node, base, make_board(board, base), connect_serial(node, base.driver), report, host)
+    BaseDriver(node, base, make_board(board, base), connect_serial(node, base.driver), report, orphaned)
 
 
 if __name__ == "__main__":

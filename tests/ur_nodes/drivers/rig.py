@@ -5,7 +5,6 @@ The line has the faults of real ones: unplugged, noise, lost halves of frames, a
 
 from __future__ import annotations
 
-import os
 import random
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -129,6 +128,7 @@ class DriverRig(DrivenStage):
         **parameters: Any,
     ) -> None:
         self._report = report
+        self.orphaned = False
         self.cables: dict[str, Cable] = {}
         self._change = change or (lambda base: base)
         self.lines: list[MemoryLine] = []
@@ -163,7 +163,7 @@ class DriverRig(DrivenStage):
         driver = self.base.driver
         board = make_board(driver.protocol, self.base)
         connect = self._connect(node, driver.device)
-        self.driver = BaseDriver(node, self.base, board, connect, self._report, os.getppid())
+        self.driver = BaseDriver(node, self.base, board, connect, self._report, lambda: self.orphaned)
 
     def _start_lidar(self, node: Node) -> None:
         assert self.base.lidar

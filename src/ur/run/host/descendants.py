@@ -6,6 +6,7 @@ import ctypes
 import os
 import select
 import time
+from collections.abc import Callable
 
 from ur.run.host.signals import signal
 
@@ -33,14 +34,15 @@ def name_process(name: bytes) -> None:
     ctypes.CDLL(None).prctl(PR_SET_NAME, name, 0, 0, 0)
 
 
-def become_driver() -> int:
+def become_driver() -> Callable[[], bool]:
     """Let this process stop its motors when the host is killed: it gets SIGTERM then, not SIGKILL. On the main thread.
 
-    The guard of the motors may have been killed with the host. Returns the process id of the host.
+    The guard of the motors may have been killed with the host. Returns a function that tells whether it was.
     """
     name_process(DRIVER)
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM, 0, 0, 0)
-    return os.getppid()
+    host = os.getppid()
+    return lambda: os.getppid() != host
 
 
 def list_descendants(root: int, spared: tuple[bytes, ...] = ()) -> list[int]:
