@@ -30,15 +30,7 @@ def make_run_folder(environment: Mapping[str, str], run_id: str) -> str:
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     except OSError as problem:
-        reason = (problem.strerror or str(problem)).lower()
-        raise UserError(
-            error(
-                f"log folder {folder} cannot be made: {reason}",
-                rule="bad-log-folder",
-                help="ROS_LOG_DIR chooses another place",
-                subject=str(folder),
-            )
-        ) from None
+        raise UserError(_explain_unusable(folder, "ROS_LOG_DIR", problem)) from None
     latest = root / "latest"
     try:
         if latest.is_symlink():
@@ -78,7 +70,7 @@ def _explain_unusable(folder: Path, variable: str, problem: OSError) -> Diagnost
     reason = (problem.strerror or str(problem)).lower()
     return error(
         f"folder {folder} cannot be made or written: {reason}",
-        rule="bad-home",
+        rule="bad-folder",
         help=f"{variable} chooses another place",
         subject=str(folder),
     )
