@@ -177,8 +177,10 @@ class Loop:
         try:
             self._work()
         except BaseException:
-            threading.excepthook(threading.ExceptHookArgs((*sys.exc_info(), threading.current_thread())))
-            self._on_failure()  # after it is known why
+            try:
+                threading.excepthook(threading.ExceptHookArgs((*sys.exc_info(), threading.current_thread())))
+            finally:
+                self._on_failure()  # after it is known why, also where the reason cannot be written
 
     def _work(self) -> None:
         while not self._ended:

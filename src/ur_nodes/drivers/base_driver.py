@@ -80,10 +80,10 @@ class BaseDriver:
         if now - self._commanded > COMMAND_AGE or reason:
             self._drive.halt()
             speeds = (0.0, 0.0)
-        if reason and now - self._commanded <= COMMAND_AGE:
-            self._node.log.warn(f"{self._line.name}: the base does not drive: {reason}", every=REPORT)
         left, right = (speed * self._radius for speed in speeds)
         self._line.write(self._board.drive(left, right), moving=speeds != (0.0, 0.0))
+        if reason and now - self._commanded <= COMMAND_AGE:
+            self._node.log.warn(f"{self._line.name}: the base does not drive: {reason}", every=REPORT)
 
     def _obstacle(self, now: float) -> str:
         """Return why the base may not drive now; '' where it may."""

@@ -47,8 +47,9 @@ def end_on_failure() -> threading.Event:
         text = "".join(traceback.format_exception(failure.exc_type, failure.exc_value, failure.exc_traceback))
         logging.getLogger(_OURS).error("thread %s failed\n%s", name, text)
         problem = f"{failure.exc_type.__name__}: {failure.exc_value}"
-        sys.stderr.write(f"error: {rospy.get_name()}: thread '{name}' failed and ends the node: {problem}\n")
         failed.set()
+        with contextlib.suppress(OSError, ValueError):
+            sys.stderr.write(f"error: {rospy.get_name()}: thread '{name}' failed and ends the node: {problem}\n")
         overdue = threading.Timer(_END_LIMIT, os._exit, (1,))
         overdue.daemon = True
         overdue.start()

@@ -3,8 +3,12 @@
 # It is the parent of the host and a subreaper, prctl(2): whatever the host leaves behind becomes its child.
 # A shell, because it does nothing but wait, and takes a twentieth of the memory of a Python that waits.
 
-list_children() { # those that are not just waiting to be reaped; with $1, without processes whose name begins with it
+# Those that are not just waiting to be reaped, without the subshell that lists them; with $1, without processes whose
+# name begins with it.
+list_children() {
+  read -r self _ </proc/self/stat
   for folder in /proc/[0-9]*; do
+    [ "$folder" != "/proc/$self" ] || continue
     state=
     while read -r key value _; do
       case $key in
@@ -27,7 +31,7 @@ kill_children() {
   while [ $rounds -gt 0 ] && [ $empty -lt 2 ]; do
     empty=$((empty + 1))
     for pid in $(list_children "$1"); do
-      kill -9 "$pid" && empty=0 # fails for the subshell that has listed them: it is gone
+      kill -9 "$pid" && empty=0
     done 2>/dev/null
     rounds=$((rounds - 1))
   done

@@ -1,10 +1,15 @@
-"""Log files that cannot be written, as on a full disk: one line in place of a traceback for each message."""
+"""Logs that cannot be written: files on a full disk, and a terminal or pipe that has ended.
+
+One line in place of a traceback for each message, and no exception in the code that logs: a driver whose supervisor was
+killed still has motors to stop.
+"""
 
 from __future__ import annotations
 
 import logging
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 
 
 def report_log_errors(report: Callable[[str], None] | None = None) -> None:
@@ -17,6 +22,8 @@ def report_log_errors(report: Callable[[str], None] | None = None) -> None:
         if isinstance(handler, logging.FileHandler):
             # On the instance instead of in a subclass, since rospy makes the handlers.
             setattr(handler, "handleError", _report_once(handler.baseFilename, report or _write))  # noqa: B010
+        else:
+            setattr(handler, "emit", _drop_unread(handler.emit))  # noqa: B010
 
 
 def discard_line(_line: str) -> None:
@@ -36,5 +43,14 @@ def _report_once(path: str, report: Callable[[str], None]) -> Callable[[logging.
     return report_error
 
 
+def _drop_unread(emit: Callable[[logging.LogRecord], None]) -> Callable[[logging.LogRecord], None]:
+    def emit_where_read(record: logging.LogRecord) -> None:
+        with suppress(OSError, ValueError):  # rospy's handler of the terminal catches nothing
+            emit(record)
+
+    return emit_where_read
+
+
 def _write(line: str) -> None:
-    sys.stderr.write(line + "\n")
+    with suppress(OSError, ValueError):
+        sys.stderr.write(line + "\n")

@@ -1,11 +1,13 @@
-"""Log files on a disk that is full: /dev/full takes nothing."""
+"""Logs that cannot be written: a disk that is full (/dev/full takes nothing), and a pipe that nobody reads."""
 
 from __future__ import annotations
 
 import logging
+import os
 from collections.abc import Iterator
 
 import pytest
+from rosgraph.roslogging import RosStreamHandler
 
 from ur_nodes.ros1.repairs.log_errors import report_log_errors
 
@@ -30,3 +32,21 @@ def test_full_disk_is_reported_once_and_without_a_traceback(
     (said,) = capsys.readouterr().err.splitlines()
     assert '"/dev/full"' in said
     assert "No space left on device" in said
+
+
+def test_line_for_a_terminal_that_has_ended_is_dropped_and_the_node_goes_on() -> None:
+    theirs, ours = os.pipe()
+    os.close(theirs)  # what `ur` read, when it was killed
+    pipe = os.fdopen(ours, "w", buffering=1)
+    logger = logging.getLogger("rosout")
+    handler = RosStreamHandler(stdout=pipe, stderr=pipe)
+    logger.addHandler(handler)
+    try:
+        with pytest.raises(BrokenPipeError):
+            logger.error("as rospy has it")
+        report_log_errors()
+        logger.error("as the nodes of this project have it")
+    finally:
+        logger.removeHandler(handler)
+        with pytest.raises(BrokenPipeError):
+            pipe.close()
