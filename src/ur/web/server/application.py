@@ -27,7 +27,7 @@ from ur.web.server.robots.robots import OneRobot, Robots
 from ur.web.server.run_pages import RunPages
 from ur.web.server.static_files import StaticFile
 from ur.web.server.viewer_gate import ViewerGate
-from ur.web.server.viewers import Viewers, ViewingPage, limit_buffer
+from ur.web.server.viewers import Viewers, ViewingPage, open_socket, receive
 from ur.web.wire.frames import Kind, Layer, key_of
 from ur.web.wire.reading import BadRequestError
 from ur.web.wire.requests import LONGEST, Stick, read_request
@@ -35,7 +35,6 @@ from ur.web.wire.view_request import LONGEST as LONGEST_VIEW
 from ur.web.wire.view_request import read_view, read_view_message
 
 _LONGEST_BODY = 2048
-_HEARTBEAT = 5.0  # s between pings of a web socket
 _STATUS_EVERY = 0.5  # s
 _CLOSE_LIMIT = 0.5  # s for pages to disconnect
 _CANCEL_AGAIN = 1.0  # s
@@ -217,9 +216,7 @@ class Application:
             shows = read_view(request.query)
         except BadRequestError as problem:
             raise web.HTTPBadRequest(text=f"{problem}\n") from None
-        socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=LONGEST_VIEW)
-        await socket.prepare(request)
-        limit_buffer(request)
+        socket = await open_socket(request, LONGEST_VIEW)
         viewer = self._viewers.add(socket, shows)
         self._look()
         sending = asyncio.create_task(viewer.run())
@@ -234,7 +231,7 @@ class Application:
     async def _change_view(self, viewer: ViewingPage) -> None:
         """Change the displayed layers on request, until the page disconnects, exceeds the rate or sends other data."""
         bucket = make_bucket(_VIEW_RATE, _VIEW_BURST, time.monotonic())
-        async for message in viewer.socket:
+        async for message in receive(viewer.socket):
             bucket, allowed = draw(bucket, time.monotonic())
             try:
                 shows = read_view_message(message.data if allowed else None)
@@ -245,9 +242,7 @@ class Application:
             self._look()
 
     async def _show_camera(self, request: web.Request) -> web.WebSocketResponse:
-        socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=256)
-        await socket.prepare(request)
-        limit_buffer(request)
+        socket = await open_socket(request, 256)
         await self._cameras.serve(socket, self._look, may_choose=request[SESSION][1].role is Role.DRIVE)
         return socket
 
@@ -258,9 +253,7 @@ class Application:
             raise web.HTTPBadRequest(text="tab: expected 8 to 32 letters and digits\n")
         session, grant = request[SESSION]
         client = "web-" + hashlib.sha256(f"{session} {tab}".encode()).hexdigest()[:16]
-        socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=LONGEST)
-        await socket.prepare(request)
-        limit_buffer(request, 2048)
+        socket = await open_socket(request, LONGEST, 2048)
         driver = DrivingPage(client, socket)
         name = await self._drivers.add(driver, grant.name, session)
         driver.answer({"t": "hello", "client": client, "name": name, "role": Role.DRIVE.value})
@@ -275,7 +268,7 @@ class Application:
     async def _receive(self, socket: web.WebSocketResponse, client: str, who: str) -> None:
         """Forward requests until the page disconnects, exceeds the rate, or sends too many malformed ones."""
         bad, bucket, hold = 0, make_bucket(_RATE, _BURST, time.monotonic()), 0
-        async for message in socket:
+        async for message in receive(socket):
             bucket, allowed = draw(bucket, time.monotonic())
             try:
                 request = read_request(message.data if message.type is WSMsgType.TEXT else None)

@@ -10,6 +10,7 @@ from contextlib import suppress
 from aiohttp import WSCloseCode, WSMsgType, web
 
 from ur.web.access.rate import draw, make_bucket
+from ur.web.server.viewers import receive
 from ur.web.wire.layers import is_camera_topic
 
 _IN_FLIGHT = 2  # pictures that a page has not confirmed
@@ -70,7 +71,7 @@ class Cameras:
         sending = asyncio.create_task(page.run())
         try:
             bucket = make_bucket(_RATE, _BURST, time.monotonic())
-            async for message in socket:
+            async for message in receive(socket):
                 bucket, allowed = draw(bucket, time.monotonic())
                 text = message.data if allowed and message.type is WSMsgType.TEXT else ""
                 if text == _SHOWN:

@@ -19,7 +19,7 @@ from ur.web.runs.programs import Programs, ProgramsError
 from ur.web.runs.watcher import RunWatcher
 from ur.web.server.logins.gate import SESSION
 from ur.web.server.map_pages import answer_command
-from ur.web.server.viewers import limit_buffer
+from ur.web.server.viewers import open_socket, receive
 from ur.web.wire.reading import BadRequestError
 from ur.web.wire.run_requests import (
     LONGEST,
@@ -37,7 +37,6 @@ BEAT = 1.0
 OLDEST = 5.0
 """Seconds after which a beat is no proof that a request is fresh."""
 
-_HEARTBEAT = 5.0  # s between pings of a web socket
 _STATE_PERIOD = 0.25  # s: the minimum between two states sent to a page
 _MOST_LINES = 200  # of a log in one message
 _RATE, _BURST = 5.0, 20.0  # requests of one page, a second
@@ -158,9 +157,7 @@ class RunPages:
 
     async def _serve_runs(self, request: web.Request) -> web.WebSocketResponse:
         _, grant = request[SESSION]
-        socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=LONGEST)
-        await socket.prepare(request)
-        limit_buffer(request)
+        socket = await open_socket(request, LONGEST)
         viewer = _Viewer(socket, self._oldest)
         self._viewers.add(viewer)
         self._watcher.hold()
@@ -175,7 +172,7 @@ class RunPages:
 
     async def _receive(self, viewer: _Viewer, role: Role, who: str, name: str) -> None:
         bad, bucket = 0, make_bucket(*self._pace, time.monotonic())
-        async for message in viewer.socket:
+        async for message in receive(viewer.socket):
             bucket, allowed = draw(bucket, time.monotonic())
             try:
                 envelope = read_run_request(message.data if message.type is WSMsgType.TEXT else None)

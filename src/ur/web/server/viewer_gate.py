@@ -195,13 +195,13 @@ class ViewerGate:
         """Process messages until the viewer disconnects, exceeds the rate, or sends too many malformed ones."""
         bad, bucket = 0, make_bucket(_RATE, _BURST, time.monotonic())
         async for message in viewer.socket:
-            if message.type is WSMsgType.PONG:
+            bucket, allowed = draw(bucket, time.monotonic())
+            if message.type is WSMsgType.PONG and allowed:
                 if viewer.take_pong(bytes(message.data)) and publish:
                     self._send({"page": viewer.client, "m": json.dumps({"t": "alive", "n": viewer.proved})})
                 self._release(viewer)
                 continue
-            bucket, allowed = draw(bucket, time.monotonic())
-            if message.type is WSMsgType.PING:
+            if message.type is WSMsgType.PING and allowed:
                 await viewer.socket.pong(message.data)
                 continue
             try:

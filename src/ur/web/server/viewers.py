@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterator, Mapping
+import time
+from collections.abc import AsyncIterator, Iterator, Mapping
 from contextlib import suppress
 
-from aiohttp import web
+from aiohttp import WSCloseCode, WSMessage, WSMsgType, web
 
+from ur.web.access.rate import draw, make_bucket
 from ur.web.wire.frames import Key, Kind, Layer, generation_of, json_frame, key_of
 from ur.web.wire.view_request import ViewRequest
 
 _BUFFER = 1 << 15  # bytes buffered in this process in addition to the kernel's buffer
+_READ = 4096  # bytes read at once, so that a page that sends without a pause has no others wait
+_HEARTBEAT = 5.0  # s between pings of a web socket
+_CONTROL_RATE, _CONTROL_BURST = 2.0, 20.0  # pings and pongs of a page, a second
 
 
 class ViewingPage:
@@ -99,13 +104,39 @@ class Viewers:
         self._viewers.discard(viewer)
 
 
+async def open_socket(request: web.Request, longest: int, buffer: int = _BUFFER) -> web.WebSocketResponse:
+    """Accept the web socket of a page; its messages have at most `longest` bytes, and its send buffer `buffer`."""
+    socket = web.WebSocketResponse(
+        heartbeat=_HEARTBEAT, autoping=False, compress=False, max_msg_size=longest, timeout=1.0
+    )
+    await socket.prepare(request)
+    limit_buffer(request, buffer)
+    return socket
+
+
+async def receive(socket: web.WebSocketResponse) -> AsyncIterator[WSMessage]:
+    """Messages of a page. Pings are answered; more of them, or of pongs, than a browser sends end the connection."""
+    bucket = make_bucket(_CONTROL_RATE, _CONTROL_BURST, time.monotonic())
+    async for message in socket:
+        if message.type not in (WSMsgType.PING, WSMsgType.PONG):
+            yield message
+            continue
+        bucket, allowed = draw(bucket, time.monotonic())
+        if not allowed:
+            await socket.close(code=WSCloseCode.POLICY_VIOLATION)
+            return
+        if message.type is WSMsgType.PING:
+            await socket.pong(message.data)
+
+
 def limit_buffer(request: web.Request, size: int = _BUFFER) -> None:
-    """Limit the send buffer of a slow page: beyond it, only the newest frames are sent."""
+    """Limit the send buffer of a slow page, beyond which only the newest frames are sent, and what is read at once."""
     import socket
 
     transport = request.transport
     if transport is not None:
         transport.set_write_buffer_limits(high=size)
+        transport.max_size = _READ  # type: ignore[attr-defined]  # of asyncio's transports of sockets
         sock = transport.get_extra_info("socket")
         if sock is not None:
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)

@@ -18,7 +18,7 @@ from ur.web.runs.commands import CommandQueue
 from ur.web.server.data.data_end import DataProcess
 from ur.web.server.data.three import ThreeScript
 from ur.web.server.logins.gate import SESSION
-from ur.web.server.viewers import limit_buffer
+from ur.web.server.viewers import open_socket, receive
 from ur.web.wire.data_frames import ALL, DataFrame
 from ur.web.wire.data_requests import CHANGES, LONGEST, Show, find_number, read_data_request
 from ur.web.wire.reading import BadRequestError
@@ -29,7 +29,6 @@ BEAT = 1.0
 OLDEST = 5.0
 """Seconds after which a beat is no proof that a request is fresh."""
 
-_HEARTBEAT = 5.0  # s between pings of a web socket
 _RATE, _BURST = 10.0, 40.0  # requests of one page, a second
 _CHANGE_RATE, _CHANGE_BURST = 5.0, 10.0  # of these, changes
 _MOST_BAD = 20
@@ -136,9 +135,7 @@ class DataPages:
         if len(self._pages) >= _MOST_PAGES:
             raise web.HTTPServiceUnavailable(text=f"{_MOST_PAGES} pages show data, expected no more\n")
         _, grant = request[SESSION]
-        socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=LONGEST)
-        await socket.prepare(request)
-        limit_buffer(request)
+        socket = await open_socket(request, LONGEST)
         page = _Page(next(self._numbers), socket)
         self._pages[page.number] = page
         self._end.open()
@@ -163,7 +160,7 @@ class DataPages:
     async def _receive(self, page: _Page, role: Role, who: str) -> None:
         now = time.monotonic()
         bad, bucket, changes = 0, make_bucket(_RATE, _BURST, now), make_bucket(_CHANGE_RATE, _CHANGE_BURST, now)
-        async for message in page.socket:
+        async for message in receive(page.socket):
             bucket, allowed = draw(bucket, time.monotonic())
             text = message.data if message.type is WSMsgType.TEXT else None
             try:
