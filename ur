@@ -22,6 +22,10 @@ if [[ -d $root/src/ur ]]; then
       echo "  help: run it without sudo, which it asks for where it needs root: $root/ur" >&2
       exit 2
     fi
+    if [[ $* == mcp ]]; then # an assistant's program would not wait
+      printf 'error: what assistants need is not installed; install it first: %q mcp --install\n' "$root/ur" >&2
+      exit 2
+    fi
     bash "$root/tools/set_up.bash" run || exit
   fi
   # Python would answer Ctrl-C with a traceback until our first line runs, which lets a signal that waits take effect.

@@ -29,6 +29,11 @@ def enter_environment(arguments: Sequence[str]) -> int | None:
     if os.path.realpath(sys.prefix) == os.path.realpath(environment) or not _needs_environment(arguments):
         return None
     if not is_current(environment, Path(sys.prefix)):
+        if list(arguments) == ["mcp"]:  # the assistant's program would not wait
+            from ur.mcp import NOT_INSTALLED
+
+            sys.stderr.write(f"error: {NOT_INSTALLED.format('ur')}\n")
+            return 2
         code = subprocess.run(["bash", str(project_folder() / "tools/set_up.bash"), "run", str(state)], check=False)
         if code.returncode:
             return code.returncode if code.returncode > 0 else 128 - code.returncode

@@ -16,19 +16,22 @@ from ur.mcp.action_log import ActionLog
 from ur.mcp.calls import (
     TOOLS,
     AssistantTool,
+    CommandGiven,
     GrantAsked,
-    NamesGiven,
     PlaceGiven,
     ProgramGiven,
     TimeGiven,
     ToolArguments,
     VelocityGiven,
+    hint,
+    read_arguments,
 )
 from ur.mcp.commands import RefusedCommandError, run_command
 from ur.mcp.grants import GrantFiles, GrantRecord, Request, ServerRecord
 from ur.mcp.robot_link import LinkError, RobotLink, Values
-from ur.source.foreign.json_values import BadJsonError, convert_json
+from ur.source.foreign.json_values import BadJsonError
 from ur.source.printable import printable
+from ur.source.suggest import did_you_mean
 
 Alive = Callable[[], Awaitable[None]]
 """Returns when the client of a call has proved that it is there."""
@@ -103,9 +106,10 @@ class Assistant:
     async def _make(self, name: str, arguments: object, alive: Alive) -> tuple[bool, str]:
         tool = TOOLS.get(name)
         if tool is None:
-            return False, f"unknown tool {printable(name)[:40]!r}, expected one of {', '.join(TOOLS)}"
+            near = hint(did_you_mean(name[:40], TOOLS))
+            return False, f"unknown tool {printable(name)[:40]!r}, expected one of {', '.join(TOOLS)}{near}"
         try:
-            request = convert_json({} if arguments is None else arguments, tool.arguments)
+            request = read_arguments(tool, arguments)
         except BadJsonError as problem:
             return False, f"refused: {problem}"
         try:
@@ -115,7 +119,7 @@ class Assistant:
 
     async def _run(self, tool: AssistantTool, request: ToolArguments, alive: Alive) -> tuple[bool, str]:
         if tool.verb:
-            words = request.arguments if isinstance(request, NamesGiven) else ()
+            words = request.words() if isinstance(request, CommandGiven) else ()
             done, text = await run_command(tool.verb, words)
             return done, mark_data(text)
         if isinstance(request, GrantAsked):
@@ -157,8 +161,7 @@ class Assistant:
         elif isinstance(request, TimeGiven):
             message = {"do": "explore", "seconds": request.seconds}
         else:
-            values = {"forward": request.forward, "turn": request.turn, "seconds": request.seconds}
-            message = {"do": "drive", **values}
+            message = {"do": "drive", "forward": request.speed, "turn": request.turn, "seconds": request.seconds}
         over = asyncio.Event()
         beats = asyncio.create_task(self._beat(alive, over))
         try:

@@ -8,11 +8,20 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta, field
 
-from ur.source.foreign.json_values import PrintableValue
+from ur.mcp.terms import Speed
+from ur.source.foreign.json_values import BadJsonError, PrintableValue, convert_json
+from ur.source.printable import printable
+from ur.source.suggest import did_you_mean
 
+_Text = Annotated[str, Meta(max_length=300)]
 _Word = Annotated[str, Meta(max_length=300, pattern="^[^-]")]
-_WORDS = "at most 20 texts, none of which begins with a dash"
-_Words = Annotated[tuple[_Word, ...], Meta(max_length=20, description=_WORDS)]
+_Package = Annotated[_Word, Meta(description="the package of the file; left out where the file is a path")]
+_File = Annotated[_Word, Meta(description="a launch file: its name in the package, or its path")]
+_Name = Annotated[_Word, Meta(description="a name that does not begin with a dash")]
+_PATHS = "packages, files or folders: at most 20, none of which begins with a dash"
+_Paths = Annotated[tuple[_Word, ...], Meta(max_length=20, description=_PATHS)]
+_VALUES = "texts by the names of arguments of the launch file, at most 20"
+_Values = Annotated[dict[_Text, _Text], Meta(max_length=20, description=_VALUES)]
 _Metres = Annotated[float, Meta(ge=-1e5, le=1e5, description="metres in the frame of the map")]
 
 
@@ -24,10 +33,45 @@ class NothingGiven(ToolArguments, frozen=True):
     """Nothing."""
 
 
-class NamesGiven(ToolArguments, frozen=True):
-    """Names of packages, paths of files, or what the tool describes."""
+class CommandGiven(ToolArguments, frozen=True, kw_only=True):
+    """Arguments of a command of `ur`, in the order of its command line."""
 
-    arguments: _Words = ()
+    def words(self) -> list[str]:
+        """The arguments as the command takes them."""
+        words: list[str] = []
+        for value in msgspec.structs.astuple(self):
+            if isinstance(value, dict):
+                value = [f"{name}:={each}" for name, each in value.items()]
+            words += [value] if isinstance(value, str) else value
+        return list(filter(None, words))
+
+
+class PathsGiven(CommandGiven, frozen=True, kw_only=True):
+    """What is checked; `arguments` limits it to these values."""
+
+    paths: _Paths
+    arguments: _Values = field(default_factory=dict)
+
+
+class NameSought(CommandGiven, frozen=True, kw_only=True):
+    """A node, topic, parameter, argument or file; `paths` are searched, this project without any."""
+
+    name: _Name
+    paths: _Paths = ()
+
+
+class FileGiven(CommandGiven, frozen=True, kw_only=True):
+    """A launch file with its arguments."""
+
+    package: _Package = ""
+    file: _File
+    arguments: _Values = field(default_factory=dict)
+
+
+class NameInFileGiven(FileGiven, frozen=True, kw_only=True):
+    """A parameter, argument, remap or node of a launch file."""
+
+    name: _Name
 
 
 class PlaceGiven(ToolArguments, frozen=True):
@@ -40,9 +84,9 @@ class PlaceGiven(ToolArguments, frozen=True):
 
 
 class VelocityGiven(ToolArguments, frozen=True):
-    """A velocity, m/s forward and rad/s to the left, for so many seconds."""
+    """A velocity, m/s (negative: backward) and rad/s to the left, for so many seconds."""
 
-    forward: Annotated[float, Meta(ge=-2.0, le=2.0)]
+    speed: Annotated[float, Meta(ge=-2.0, le=2.0)]
     turn: Annotated[float, Meta(ge=-4.0, le=4.0)] = 0.0
     seconds: Annotated[float, Meta(gt=0.0, le=5.0)] = 1.0
 
@@ -57,7 +101,7 @@ class GrantAsked(ToolArguments, frozen=True):
     """For how long, how fast (m/s), and why."""
 
     minutes: Annotated[float, Meta(gt=0.0, le=1440.0)] = 30.0
-    speed: Annotated[float, Meta(ge=0.01, le=2.0)] = 0.2
+    speed: Speed = 0.2
     reason: Annotated[str, Meta(max_length=200)] = ""
 
 
@@ -65,12 +109,12 @@ class ProgramGiven(ToolArguments, frozen=True):
     """A program of `ur list`, and arguments of its launch file."""
 
     name: Annotated[str, Meta(pattern=r"^[a-z][a-z0-9_]{0,40}$")]
-    arguments: Annotated[dict[str, str], Meta(max_length=20)] = field(default_factory=dict)
+    arguments: _Values = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
 class AssistantTool:
-    """A tool; `verb` is the command of `ur` that it runs, '' for none."""
+    """A tool; `verb` is the command of `ur` that it runs, () for none."""
 
     name: str
     text: str
@@ -78,53 +122,57 @@ class AssistantTool:
     verb: tuple[str, ...] = ()
 
 
+_FILE = {"package": "ubiquity_launches", "file": "m_move_base.launch.xml"}
+EXAMPLES: dict[str, dict[str, object]] = {
+    "check": {"paths": ["ubiquity_launches"], "arguments": {"robot_base": "magni"}},
+    "explain": {**_FILE, "name": "robot_base"},
+    "find": {"name": "robot_base", "paths": ["ubiquity_launches"]},
+    "graph": {**_FILE},
+}
+"""The arguments of a call, by the names of tools."""
+
 TOOLS = {
     each.name: each
     for each in (
-        AssistantTool(
-            "look", "Look at the robot: pose, what is near, battery, goal, who drives, the grant.", NothingGiven
-        ),
+        AssistantTool("look", "Look at the robot: pose, what is near, battery, goal, driver, grant.", NothingGiven),
         AssistantTool("list", "List the programs that can run on the robot.", NothingGiven, ("list",)),
-        AssistantTool(
-            "check", "Check launch files, YAML files and packages; nothing in them runs.", NamesGiven, ("check",)
-        ),
-        AssistantTool(
-            "explain", "Explain where a name in a launch file got its value: FILE NAME.", NamesGiven, ("explain",)
-        ),
-        AssistantTool(
-            "find", "Find where a name in launch files is defined and used: NAME, then folders.", NamesGiven, ("find",)
-        ),
-        AssistantTool(
-            "graph", "Describe what a launch file includes and starts: PACKAGE FILE.", NamesGiven, ("graph",)
-        ),
+        AssistantTool("check", "Check launch files, YAML files and packages; nothing is run.", PathsGiven, ("check",)),
+        AssistantTool("explain", "Explain where a name in a launch file got its value.", NameInFileGiven, ("explain",)),
+        AssistantTool("find", "Find where a name in launch files is defined and used.", NameSought, ("find",)),
+        AssistantTool("graph", "Describe what a launch file includes and starts.", FileGiven, ("graph",)),
         AssistantTool("doctor", "Find what is wrong between this computer and the robot.", NothingGiven, ("doctor",)),
-        AssistantTool(
-            "ask_to_drive",
-            "Ask the person for a grant to drive; it is given on the robot's page or in a terminal.",
-            GrantAsked,
-        ),
-        AssistantTool(
-            "go_to",
-            "Drive to a place of the map, around obstacles, and wait until it is there.",
-            PlaceGiven,
-        ),
+        AssistantTool("ask_to_drive", "Ask your user for a grant; it is given on a page or in a terminal.", GrantAsked),
+        AssistantTool("go_to", "Drive to a place of the map, around obstacles, and wait for the end.", PlaceGiven),
         AssistantTool("drive", "Drive at a velocity for at most 5 s, then stop.", VelocityGiven),
-        AssistantTool(
-            "explore", "Drive to places from which the map grows, and wait; call again until it is complete.", TimeGiven
-        ),
+        AssistantTool("explore", "Drive to where the map grows, and wait; call again until it is complete.", TimeGiven),
         AssistantTool("stop", "Stop what this assistant drives.", NothingGiven),
-        AssistantTool(
-            "start_program", "Start a program on the robot; the grant has to include programs.", ProgramGiven
-        ),
-        AssistantTool(
-            "end_program", "End a program that was started; the grant has to include programs.", ProgramGiven
-        ),
+        AssistantTool("start_program", "Start a program, if the grant includes programs.", ProgramGiven),
+        AssistantTool("end_program", "End a program that was started, if the grant includes programs.", ProgramGiven),
     )
 }
 
 
 def schema_of(tool: AssistantTool) -> dict[str, object]:
-    """The JSON schema of a tool's arguments."""
+    """The JSON schema of a tool's arguments, with its example."""
     (found,), components = msgspec.json.schema_components([tool.arguments])
     name = found["$ref"].rpartition("/")[2]
-    return {**components[name], "additionalProperties": False, "type": "object"}
+    examples = {"examples": [EXAMPLES[tool.name]]} if tool.name in EXAMPLES else {}
+    return {**components[name], **examples, "additionalProperties": False, "type": "object"}
+
+
+def read_arguments(tool: AssistantTool, given: object) -> ToolArguments:
+    """Convert the arguments of a call. Raises BadJsonError, which names the argument that was meant."""
+    fields = msgspec.structs.fields(tool.arguments)
+    names = [each.name for each in fields]
+    values: dict[str, object] = given if isinstance(given, dict) else {}
+    for wrong in sorted(values.keys() - names):
+        missing = [each.name for each in fields if each.required and each.name not in values]
+        near = did_you_mean(wrong[:40], names) or (missing[0] if len(missing) == 1 else None)
+        expected = f"expected one of {', '.join(names)}" if names else "expected none"
+        raise BadJsonError(f"unknown argument {printable(wrong)[:40]!r} of {tool.name!r}, {expected}{hint(near)}")
+    return convert_json({} if given is None else given, tool.arguments)
+
+
+def hint(near: str | None) -> str:
+    """Return the question for the name that was meant, if any is near."""
+    return f"; did you mean {near!r}?" if near else ""

@@ -9,9 +9,11 @@ from pathlib import Path
 import mcp_types as types
 
 from ur.mcp.assistant import Assistant, mark_data
+from ur.mcp.calls import hint
 from ur.mcp.commands import run_command
 from ur.source.printable import printable
 from ur.source.project import project_folder
+from ur.source.suggest import did_you_mean
 
 _MOST_LINES = 200
 _PAGES = "docs://docs/"
@@ -51,7 +53,8 @@ async def read_resource(assistant: Assistant, uri: str) -> Contents:
         return types.TextResourceContents(uri=uri, mime_type=_TEXT, text=mark_data(lines))
     if uri not in RESOURCES:
         expected = ", ".join((*RESOURCES, *TEMPLATES))
-        raise ValueError(f"unknown resource {printable(uri)[:80]!r}, expected a page of the list, or one of {expected}")
+        unknown, near = repr(printable(uri)[:80]), hint(did_you_mean(uri[:80], (*RESOURCES, *list_pages())))
+        raise ValueError(f"unknown resource {unknown}, expected a page of the list, or one of {expected}{near}")
     values = await assistant.look(picture=uri.startswith("robot://map"))
     if not uri.startswith("robot://map"):
         value = json.dumps(values.get(uri.removeprefix("robot://")))

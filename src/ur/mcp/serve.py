@@ -121,9 +121,18 @@ async def serve_stdio() -> int:
                     await serve_loop(server, reader, writer, lifespan_state=state)
             else:
                 await server.run(reader, writer, server.create_initialization_options())
+    except Exception as problem:
+        if not _is_lost(problem):
+            raise
     finally:
         watching.cancel()
         assistant.end()
         with contextlib.suppress(LinkError, OSError):
             await link.close()
     return 0
+
+
+def _is_lost(problem: BaseException) -> bool:
+    """Return whether all exceptions of a group are that the client has closed its end of the pipe."""
+    parts = getattr(problem, "exceptions", ())
+    return all(map(_is_lost, parts)) if parts else isinstance(problem, BrokenPipeError)

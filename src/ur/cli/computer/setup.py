@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import getpass
 import sys
+from importlib.util import find_spec
 
 import click
 
 from ur.cli.changing import ChangeReporter, show_changes
 from ur.complete.shells import SCRIPTS
+from ur.mcp import PACKAGES
+from ur.request.requirements.python_packages import need_all
 from ur.robot.setup.change import Change
 from ur.robot.setup.engine import apply_change, apply_states, gather, gather_facts, plan_changes, plan_undo
 from ur.robot.setup.facts import ComputerFacts
@@ -40,13 +43,17 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
         items = want(gather(shell, base))
         facts = gather_facts(shell, items, user, base, root=False)
     changes = plan_undo(items, facts) if undo else plan_changes(items, facts)
-    if not changes:
+    assistants = not undo and not all(map(find_spec, PACKAGES[0]))
+    if not changes and not assistants:
         click.echo("nothing to take back" if undo else "nothing to do: this computer is set up")
         return 0
     show_changes(changes)
+    if assistants:
+        click.echo(f"Python packages: {PACKAGES[2]}")
     if dry_run:
         return 0
-    if not yes and sys.stdin.isatty() and not click.confirm(f"{len(changes)} changes: make them?", default=True):
+    question = f"{len(changes) + assistants} changes: make them?"
+    if not yes and sys.stdin.isatty() and not click.confirm(question, default=True):
         click.echo("nothing was changed")
         return 1
     if undo:
@@ -61,5 +68,6 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
             reporter(f"  {change.title} ...")
 
         apply_states(shell, want, user, base, root=False, report=report, progress=reporter.show_progress)
+        need_all(*PACKAGES)
         reporter("this computer is set up; open a new terminal to use it")
     return 0

@@ -2,44 +2,54 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import re
+import shlex
 import sys
 import time
-from typing import TYPE_CHECKING
+from getpass import getuser
+from importlib.util import find_spec
 
 import click
 
+from ur.mcp import NOT_INSTALLED, PACKAGES
+from ur.mcp.action_log import ActionLog
+from ur.mcp.grants import GrantFiles, grant_files, make_grant
+from ur.mcp.terms import Area, make_area
+from ur.request.environment import apply_selection, current_selection
+from ur.request.requirements.python_packages import need_all
 from ur.source.diagnostic import UserError, error
-
-if TYPE_CHECKING:
-    from ur.mcp.grants import GrantFiles
-    from ur.mcp.terms import Area
+from ur.source.project import is_installed, project_folder
 
 _AREA = re.compile(r"(?:([\w -]{1,40})=)?(-?[\d.]+),(-?[\d.]+),(-?[\d.]+),(-?[\d.]+)")
 
 
 @click.group("mcp", invoke_without_command=True)
+@click.option("--install", is_flag=True, help="Install what assistants need, and serve none.")
 @click.pass_context
-def command(context: click.Context) -> int:
+def command(context: click.Context, install: bool) -> int:
     """Let an assistant look at the robot, and drive it.
 
     It serves the Model Context Protocol over standard input and output; the assistant's program starts it. Reading
     needs no grant. To drive, the assistant needs one: 'ur mcp grant' gives it in a terminal, or the page of 'ur web',
     for a time, an area and a speed. An assistant on another computer starts it over ssh.
+
+    It starts at once or not at all: what it needs is installed beforehand, by --install or 'ur setup'.
     """
     if context.invoked_subcommand is not None:
+        return 0
+    if install:
+        need_all(*PACKAGES)
+        click.echo("what assistants need is installed")
         return 0
     if sys.stdin.isatty():
         message = "standard input is a terminal, expected an assistant's program that starts this command"
         raise UserError(error(message, rule="not-here", help="docs/how-to/assistant.md names its settings"))
-    from ur.request.environment import apply_selection, current_selection
-    from ur.request.requirements.python_packages import need_all
-
-    need_all(["mcp"], "mcp.lock", "what assistants need (20 MB to download)")
+    if not all(map(find_spec, PACKAGES[0])):
+        ur = "ur" if is_installed() else shlex.quote(str(project_folder() / "ur"))
+        raise UserError(error(NOT_INSTALLED.format(ur), rule="no-package"))
     apply_selection(current_selection(os.environ))
-    import asyncio
-
     from ur.mcp.serve import serve_stdio
 
     return asyncio.run(serve_stdio())
@@ -66,8 +76,6 @@ def grant(
     if not sys.stdin.isatty():
         message = "standard input is no terminal, expected a person who gives the grant"
         raise UserError(error(message, rule="not-here", help="type 'ur mcp grant' in a terminal"))
-    from ur.mcp.grants import grant_files, make_grant
-
     files = grant_files()
     id = _choose(files, to)
     server = files.list_servers()[id]
@@ -95,8 +103,6 @@ def grant(
 @click.option("--of", metavar="ID", help="Of this server only; 'ur mcp list' names them.")
 def end(of: str | None) -> int:
     """Revoke the grants of all assistants at once."""
-    from ur.mcp.grants import grant_files
-
     files = grant_files()
     servers = files.list_servers()
     ended = [id for id in ([_choose(files, of)] if of is not None else servers) if files.take_back(id)]
@@ -111,8 +117,6 @@ def end(of: str | None) -> int:
 @click.option("--granted", is_flag=True, help="Only those that may drive now.")
 def list_servers(granted: bool) -> int:
     """List the assistants that are served, and their grants."""
-    from ur.mcp.grants import grant_files
-
     files = grant_files()
     for id, server in files.list_servers().items():
         found = files.find(id)
@@ -129,8 +133,6 @@ def list_servers(granted: bool) -> int:
 @click.option("--follow", is_flag=True, help="Print further entries as they arrive, until Ctrl-C.")
 def log(follow: bool) -> int:
     """Print the requests of assistants, and their results."""
-    from ur.mcp.grants import grant_files
-
     path = grant_files().log
     if not path.exists():
         click.echo("no assistant has asked for anything", err=True)
@@ -146,10 +148,6 @@ def log(follow: bool) -> int:
 
 def _note(files: GrantFiles, client: str, what: str) -> None:
     """Keep who has changed a grant."""
-    from getpass import getuser
-
-    from ur.mcp.action_log import ActionLog
-
     ActionLog(files.log).add(client, "grant", {}, f"{what}, by {getuser()}")
 
 
@@ -166,8 +164,6 @@ def _choose(files: GrantFiles, to: str | None) -> str:
 
 
 def _read_area(text: str) -> Area:
-    from ur.mcp.terms import make_area
-
     found = _AREA.fullmatch(text)
     sides = found.groups()[1:] if found is not None else ()
     try:

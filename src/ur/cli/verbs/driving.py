@@ -69,12 +69,13 @@ DRIVING = (
         "Let an assistant look at the robot, and drive it.",
         _SECTION,
         examples=(
+            ("ur mcp --install", "Install what assistants need, before one starts it."),
             ("ur mcp log", "Print the requests of assistants."),
             ("ur mcp grant --minutes 30 --speed 0.2", "Let it drive for half an hour."),
         ),
         trust=Trust(
             "requests of the assistant that started it; topics; files that `check`, `find` and `explain` read",
-            starts="the robot's end of it, a node; commands of `ur`; pip, to install the SDK when it is used first",
+            starts="the robot's end of it, a node; commands of `ur`; pip, to install the SDK with `--install`",
             sends="ROS: within a grant, velocities and goals; to the assistant, what the robot publishes",
             writes="a log of actions, and grants, in `~/.local/state`",
         ),
