@@ -13,6 +13,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from ur.mcp import NOT_INSTALLED
 from ur.source.project import DISTRIBUTION, package_folder, project_folder, state_folder
 
 READY = "ready-run"
@@ -30,8 +31,6 @@ def enter_environment(arguments: Sequence[str]) -> int | None:
         return None
     if not is_current(environment, Path(sys.prefix)):
         if list(arguments) == ["mcp"]:  # the assistant's program would not wait
-            from ur.mcp import NOT_INSTALLED
-
             sys.stderr.write(f"error: {NOT_INSTALLED.format('ur')}\n")
             return 2
         code = subprocess.run(["bash", str(project_folder() / "tools/set_up.bash"), "run", str(state)], check=False)

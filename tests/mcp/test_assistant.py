@@ -44,7 +44,7 @@ async def test_tools_and_resources_are_listed_with_their_limits(robot: AssistedR
     async with robot.connect() as client:
         tools = (await client.list_tools()).tools
         assert {each.name for each in tools} == set(TOOLS)
-        speed = next(each for each in tools if each.name == "drive").input_schema["properties"]["forward"]
+        speed = next(each for each in tools if each.name == "drive").input_schema["properties"]["speed"]
         assert (speed["minimum"], speed["maximum"]) == (-2.0, 2.0)
         uris = {str(each.uri) for each in (await client.list_resources()).resources}
         assert {"robot://pose", "robot://map", "docs://docs/how-to/drive-safely"} <= uris
@@ -67,7 +67,7 @@ async def test_looking_needs_no_grant_and_is_marked_as_data(robot: AssistedRobot
 
 async def test_driving_without_a_grant_is_refused(robot: AssistedRobot) -> None:
     async with robot.connect() as client:
-        for name, arguments in (("drive", {"forward": 0.2}), ("go_to", {"x": 0.5, "y": 0.0})):
+        for name, arguments in (("drive", {"speed": 0.2}), ("go_to", {"x": 0.5, "y": 0.0})):
             result = await client.call_tool(name, arguments)
             assert result.is_error
             assert "no grant is in force" in text_of(result)
@@ -101,7 +101,7 @@ async def test_robot_stays_in_the_area_of_the_grant(robot: AssistedRobot) -> Non
     robot.grant(within=(Area(-0.5, -0.5, 0.4, 0.5),), avoid=(Area(2.0, -1.0, 4.0, 1.0, "kitchen"),))
     async with robot.connect() as client:
         assert "outside of the area" in text_of(await client.call_tool("go_to", {"x": 1.0, "y": 0.0}))
-        result = await client.call_tool("drive", {"forward": 0.2, "seconds": 5.0})
+        result = await client.call_tool("drive", {"speed": 0.2, "seconds": 5.0})
         assert "border of the area" in text_of(result)
     for _ in range(40):
         robot.step()
@@ -109,7 +109,7 @@ async def test_robot_stays_in_the_area_of_the_grant(robot: AssistedRobot) -> Non
     assert robot.samples[-1][1] < 0.01
 
 
-@pytest.mark.parametrize("call", [("drive", {"forward": 0.2, "seconds": 5.0}), ("go_to", {"x": 0.9, "y": 0.0})])
+@pytest.mark.parametrize("call", [("drive", {"speed": 0.2, "seconds": 5.0}), ("go_to", {"x": 0.9, "y": 0.0})])
 async def test_robot_is_at_rest_soon_after_the_assistant_falls_silent(
     robot: AssistedRobot, call: tuple[str, dict[str, float]]
 ) -> None:
@@ -148,7 +148,7 @@ async def test_no_sign_of_life_follows_the_end_of_a_grant(robot: AssistedRobot) 
     async with robot.connect() as client:
         for each in range(4):
             robot.grant(speed=0.3)
-            task = asyncio.create_task(client.call_tool("drive", {"forward": 0.1, "turn": 0.3, "seconds": 5.0}))
+            task = asyncio.create_task(client.call_tool("drive", {"speed": 0.1, "turn": 0.3, "seconds": 5.0}))
             began = await wait_for_motion(robot)
             while robot.now < began + 0.01 * each:
                 await asyncio.sleep(0)
@@ -162,12 +162,12 @@ async def test_person_who_takes_over_ends_the_grant(robot: AssistedRobot) -> Non
     robot.grant(speed=0.3)
     person = LeaseClient(robot.stage.bus.node("desk"), "cmd_vel_mux", identity=Identity("desk", "desk", "keyboard"))
     async with robot.connect() as client:
-        task = asyncio.create_task(client.call_tool("drive", {"forward": 0.1, "turn": 0.3, "seconds": 5.0}))
+        task = asyncio.create_task(client.call_tool("drive", {"speed": 0.1, "turn": 0.3, "seconds": 5.0}))
         await wait_for_motion(robot)
         person.take()
         assert "desk (keyboard) has taken over" in text_of(await task)
         assert robot.files.find(robot.assistant.id) is None
-        assert "no grant is in force" in text_of(await client.call_tool("drive", {"forward": 0.1}))
+        assert "no grant is in force" in text_of(await client.call_tool("drive", {"speed": 0.1}))
 
 
 @given(st.floats(-0.6, 0.6), st.floats(-0.6, 0.6), st.floats(0.0, 6.3))
@@ -192,12 +192,12 @@ async def test_emergency_stop_ends_the_grant(robot: AssistedRobot) -> None:
 
 
 HOSTILE: tuple[tuple[str, dict[str, object], str], ...] = (
-    ("drive", {"forward": 1e9}, "forward"),
-    ("drive", {"forward": "fast"}, "forward"),
-    ("drive", {"forward": 0.1, "seconds": 600.0}, "seconds"),
+    ("drive", {"speed": 1e9}, "speed"),
+    ("drive", {"speed": "fast"}, "speed"),
+    ("drive", {"speed": 0.1, "seconds": 600.0}, "seconds"),
     ("go_to", {"x": 0.1}, "y"),
     ("go_to", {"x": 0.1, "y": 0.1, "force": True}, "force"),
-    ("check", {"arguments": ["--fix", "."]}, "begins with a dash"),
+    ("check", {"paths": ["--fix", "."]}, "begins with a dash"),
     ("start_program", {"name": "../evil"}, "name"),
     ("start_program", {"name": "explore"}, "includes no programs"),
     ("erase", {}, "unknown tool"),
@@ -217,9 +217,9 @@ async def test_hostile_arguments_are_refused_in_a_line(robot: AssistedRobot) -> 
 async def test_second_call_does_not_drive_while_another_does(robot: AssistedRobot) -> None:
     robot.grant()
     async with robot.connect() as client:
-        first = asyncio.create_task(client.call_tool("drive", {"forward": 0.1, "seconds": 2.0}))
+        first = asyncio.create_task(client.call_tool("drive", {"speed": 0.1, "seconds": 2.0}))
         await wait_for_motion(robot)
-        assert "another call drives" in text_of(await client.call_tool("drive", {"forward": 0.2}))
+        assert "another call drives" in text_of(await client.call_tool("drive", {"speed": 0.2}))
         assert "driven" in text_of(await first)
 
 
@@ -245,17 +245,17 @@ async def test_client_of_an_older_version_of_the_protocol_answers_pings(robot: A
     robot.grant()
     async with robot.connect_as("legacy") as client:
         assert isinstance(client, Client)
-        assert "driven" in text_of(await client.call_tool("drive", {"forward": 0.1, "seconds": 0.5}))
+        assert "driven" in text_of(await client.call_tool("drive", {"speed": 0.1, "seconds": 0.5}))
         assert robot.assistant.client != "an assistant"
 
 
 async def test_client_behind_ssh_drives_with_signs_of_life_only(robot: AssistedRobot) -> None:
     robot.grant()
     async with robot.connect_as("legacy", remote=True) as client:
-        assert "driven" in text_of(await client.call_tool("drive", {"forward": 0.1, "seconds": 0.5}))
+        assert "driven" in text_of(await client.call_tool("drive", {"speed": 0.1, "seconds": 0.5}))
     at = robot.now
     async with robot.connect_as("2026-07-28", remote=True) as client:
-        assert "silent" in text_of(await client.call_tool("drive", {"forward": 0.1, "seconds": 0.5}))
+        assert "silent" in text_of(await client.call_tool("drive", {"speed": 0.1, "seconds": 0.5}))
     assert max(speed for when, speed, *_ in robot.samples if when > at + 0.3) < 0.01
 
 

@@ -1,5 +1,4 @@
 """`ur mcp`: the selected robot, and the tools of `ur`, for an assistant that speaks the Model Context Protocol."""
 
 PACKAGES = ["mcp", "mcp_types"], "mcp.lock", "what assistants need (20 MB to download)"
-"""For `need_all`, before an assistant waits."""
 NOT_INSTALLED = "what assistants need is not installed; install it first: {} mcp --install"

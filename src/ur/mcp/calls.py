@@ -15,9 +15,8 @@ from ur.source.suggest import did_you_mean
 
 _Text = Annotated[str, Meta(max_length=300)]
 _Word = Annotated[str, Meta(max_length=300, pattern="^[^-]")]
-_Package = Annotated[_Word, Meta(description="the package of the file; left out where the file is a path")]
-_File = Annotated[_Word, Meta(description="a launch file: its name in the package, or its path")]
-_Name = Annotated[_Word, Meta(description="a name that does not begin with a dash")]
+_NAME = "a name without a dash at its beginning, at most 300 characters"
+_Name = Annotated[str, Meta(max_length=300, pattern="^[^-]", description=_NAME)]
 _PATHS = "packages, files or folders: at most 20, none of which begins with a dash"
 _Paths = Annotated[tuple[_Word, ...], Meta(max_length=20, description=_PATHS)]
 _VALUES = "texts by the names of arguments of the launch file, at most 20"
@@ -61,10 +60,10 @@ class NameSought(CommandGiven, frozen=True, kw_only=True):
 
 
 class FileGiven(CommandGiven, frozen=True, kw_only=True):
-    """A launch file with its arguments."""
+    """A launch file of a package, or one below a workspace by its path, and its arguments."""
 
-    package: _Package = ""
-    file: _File
+    package: _Name = ""
+    file: _Name
     arguments: _Values = field(default_factory=dict)
 
 
@@ -122,12 +121,11 @@ class AssistantTool:
     verb: tuple[str, ...] = ()
 
 
-_FILE = {"package": "ubiquity_launches", "file": "m_move_base.launch.xml"}
 EXAMPLES: dict[str, dict[str, object]] = {
     "check": {"paths": ["ubiquity_launches"], "arguments": {"robot_base": "magni"}},
-    "explain": {**_FILE, "name": "robot_base"},
+    "explain": {"package": "ubiquity_launches", "file": "m_move_base.launch.xml", "name": "robot_base"},
     "find": {"name": "robot_base", "paths": ["ubiquity_launches"]},
-    "graph": {**_FILE},
+    "graph": {"package": "ubiquity_launches", "file": "n_motor_node.launch.xml"},
 }
 """The arguments of a call, by the names of tools."""
 
@@ -168,8 +166,8 @@ def read_arguments(tool: AssistantTool, given: object) -> ToolArguments:
     for wrong in sorted(values.keys() - names):
         missing = [each.name for each in fields if each.required and each.name not in values]
         near = did_you_mean(wrong[:40], names) or (missing[0] if len(missing) == 1 else None)
-        expected = f"expected one of {', '.join(names)}" if names else "expected none"
-        raise BadJsonError(f"unknown argument {printable(wrong)[:40]!r} of {tool.name!r}, {expected}{hint(near)}")
+        unknown, expected = repr(printable(wrong)[:40]), ", ".join(names) or "none"
+        raise BadJsonError(f"unknown argument {unknown} of {tool.name!r}, expected {expected}{hint(near)}")
     return convert_json({} if given is None else given, tool.arguments)
 
 

@@ -13,6 +13,7 @@ from mcp.server.context import ServerRequestContext
 from mcp.server.lowlevel import Server
 from mcp.server.runner import serve_loop
 from mcp.server.stdio import stdio_server
+from mcp.shared.exceptions import MCPError
 from mcp.shared.message import ServerMessageMetadata
 
 from ur.mcp.assistant import Assistant
@@ -67,7 +68,10 @@ def make_server(assistant: Assistant, *, remote: bool = False) -> Server[object]
         return types.ListResourceTemplatesResult(resource_templates=found)
 
     async def read(_: CallContext, params: types.ReadResourceRequestParams) -> types.ReadResourceResult:
-        return types.ReadResourceResult(contents=[await read_resource(assistant, str(params.uri))])
+        try:
+            return types.ReadResourceResult(contents=[await read_resource(assistant, str(params.uri))])
+        except (ValueError, LinkError) as problem:
+            raise MCPError(types.INVALID_PARAMS, str(problem)) from None
 
     return Server(
         "ubiquity_launches",

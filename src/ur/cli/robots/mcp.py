@@ -48,7 +48,7 @@ def command(context: click.Context, install: bool) -> int:
         raise UserError(error(message, rule="not-here", help="docs/how-to/assistant.md names its settings"))
     if not all(map(find_spec, PACKAGES[0])):
         ur = "ur" if is_installed() else shlex.quote(str(project_folder() / "ur"))
-        raise UserError(error(NOT_INSTALLED.format(ur), rule="no-package"))
+        raise click.ClickException(NOT_INSTALLED.format(ur))
     apply_selection(current_selection(os.environ))
     from ur.mcp.serve import serve_stdio
 
