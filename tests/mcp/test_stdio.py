@@ -7,6 +7,8 @@ import os
 import resource
 import shutil
 import subprocess
+import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,7 @@ import pytest
 
 pytest.importorskip("mcp")
 
+import click
 from mcp.client import Client
 from mcp.client.stdio import StdioServerParameters, stdio_client
 from mcp.shared.exceptions import MCPError
@@ -21,12 +24,10 @@ from tests.mcp.robot import text_of
 from tests.npm_packages import installed
 from tests.ros_session import ROOT
 
-import ur.cli.computer.setup
-import ur.cli.robots.mcp
-import ur.installed
 from ur.cli.main import main
 from ur.mcp.calls import EXAMPLES, TOOLS
 
+Run = Callable[..., "subprocess.CompletedProcess[str]"]
 _LIMIT = 2.0  # s
 INSPECTOR = "@modelcontextprotocol/inspector@0.15.0"
 
@@ -72,32 +73,41 @@ async def test_computer_that_was_never_set_up_names_the_command_that_installs(
     assert subprocess.run(["bash", "-c", command], env=env, check=False).returncode == 3, "it sets this computer up"
 
 
-def test_missing_python_packages_are_named_with_the_command_and_not_installed(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(ur.cli.robots.mcp, "PACKAGES", (["no_such_module"], "no_such.lock", "nothing"))
-    assert main(["mcp"]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.endswith("/ur mcp --install")
+@pytest.fixture
+def run_without(env: dict[str, str], tmp_path: Path) -> Run:
+    """Run code in the system's Python with all packages of this environment but the SDK."""
+    folder = tmp_path / "packages"
+    folder.mkdir()
+    for each in Path(click.__file__).parents[1].iterdir():
+        if not each.name.startswith("mcp"):
+            (folder / each.name).symlink_to(each)
+    env["PYTHONPATH"] = f"{ROOT / 'src'}:{folder}"
+    python = os.path.realpath(sys.executable)
+
+    def run(*words: str) -> subprocess.CompletedProcess[str]:
+        command = [python, *words]
+        return subprocess.run(command, env=env, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+
+    return run
 
 
-def test_wheel_whose_environment_is_not_made_names_the_command(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    monkeypatch.setattr(ur.installed, "state_folder", lambda: tmp_path)
-    assert ur.installed.enter_environment(["mcp"]) == 2
-    assert capsys.readouterr().err == (
-        "error: what assistants need is not installed; install it first: ur mcp --install\n"
-    )
+def test_missing_python_packages_are_named_with_the_command_and_not_installed(run_without: Run) -> None:
+    done = run_without("-m", "ur", "mcp")
+    command = f"{ROOT / 'ur'} mcp --install"
+    assert done.stderr == f"error: what assistants need is not installed; install it first: {command}\n"
+    assert done.returncode == 2
 
 
-def test_setup_of_a_computer_includes_what_assistants_need(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    monkeypatch.setenv("HOME", str(tmp_path))
-    monkeypatch.setattr(ur.cli.computer.setup, "PACKAGES", (["no_such_module"], "no_such.lock", "what assistants need"))
-    assert main(["setup", "--only-mine", "--dry-run"]) == 0
-    assert "Python packages: what assistants need" in capsys.readouterr().out
+def test_wheel_whose_environment_is_not_made_names_the_command(run_without: Run) -> None:
+    done = run_without("-c", "import ur.installed, sys; sys.exit(ur.installed.enter_environment(['mcp']))")
+    assert done.stderr == "error: what assistants need is not installed; install it first: ur mcp --install\n"
+    assert done.returncode == 2
+
+
+def test_setup_of_a_computer_includes_what_assistants_need(run_without: Run) -> None:
+    done = run_without("-m", "ur", "setup", "--only-mine", "--dry-run")
+    assert "Python packages: what assistants need" in done.stdout
+    assert done.returncode == 0
 
 
 def test_installation_that_is_there_already_is_reported(capsys: pytest.CaptureFixture[str]) -> None:

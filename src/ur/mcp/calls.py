@@ -46,7 +46,7 @@ class CommandGiven(ToolArguments, frozen=True, kw_only=True):
 
 
 class PathsGiven(CommandGiven, frozen=True, kw_only=True):
-    """What is checked; `arguments` limits it to these values."""
+    """Packages and files to check, with these values only where there are `arguments`."""
 
     paths: _Paths
     arguments: _Values = field(default_factory=dict)
