@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 from tests.hosts.bench import REPOSITORY, UR, Bench, Machine, boot, wait_until
@@ -313,3 +315,34 @@ def test_debugger_of_a_node_on_the_robot_has_a_window_on_the_laptop(pair: Bench)
             robot.wait_for("pgrep -u ros -f 'pudb .*talk.py'", deadline=60)
         # The window is closed with `ur x`, and the node ends with it.
         robot.wait_for("! pgrep -u ros -f talk.py", deadline=60)
+
+
+def test_assistant_on_the_laptop_is_served_by_the_robot_over_ssh(pair: Bench) -> None:
+    line = "exec ssh -o BatchMode=yes ros@bob.local ubiquity_launches/ur mcp"
+    pipe = subprocess.PIPE
+    with subprocess.Popen(
+        pair["laptop"].command_line(line, user="pat"), stdin=pipe, stdout=pipe, text=True
+    ) as assistant:
+        assert assistant.stdin is not None
+        assert assistant.stdout is not None
+
+        def ask(method: str, **params: object) -> dict[str, Any]:
+            message = {"jsonrpc": "2.0", "id": 1, "method": method, "params": params}
+            print(json.dumps(message), file=assistant.stdin, flush=True)
+            found: dict[str, Any] = json.loads(assistant.stdout.readline())
+            return found
+
+        try:
+            refused = ask("server/discover", _meta={"io.modelcontextprotocol/protocolVersion": "2026-07-28"})
+            assert "error" in refused, "a version without signs of life"
+            client = {"name": "Ada's helper", "version": "1"}
+            ask("initialize", protocolVersion="2025-06-18", capabilities={}, clientInfo=client)
+            print('{"jsonrpc": "2.0", "method": "notifications/initialized"}', file=assistant.stdin, flush=True)
+            assert "go_to" in {each["name"] for each in ask("tools/list")["result"]["tools"]}
+            assert (
+                "grant" in ask("tools/call", name="drive", arguments={"forward": 0.1})["result"]["content"][0]["text"]
+            )
+            assert "Ada's helper" in pair["robot"].run("ubiquity_launches/ur mcp list", user="ros").check().out
+        finally:
+            assistant.stdin.close()
+            assistant.wait(60)
