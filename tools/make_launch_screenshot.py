@@ -27,7 +27,7 @@ from ur.run.clients.protocol import (
     find_severity,
 )
 from ur.run.clients.run_state import NodeRow
-from ur.run.debugger.attach import DebugMethods
+from ur.run.debugger.attach import DebuggerCommand
 from ur.tui.app import WatchApp
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -89,7 +89,7 @@ class StillServices:
         """Nothing."""
         return ""
 
-    def debug(self, _row: NodeRow, _run: RunStarted) -> DebugMethods | str:
+    def debug(self, _row: NodeRow, _run: RunStarted) -> DebuggerCommand | str:
         """Nothing."""
         return ""
 

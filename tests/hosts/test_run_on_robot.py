@@ -323,13 +323,14 @@ def test_assistant_on_the_laptop_is_served_by_the_robot_over_ssh(pair: Bench) ->
     with subprocess.Popen(
         pair["laptop"].command_line(line, user="pat"), stdin=pipe, stdout=pipe, text=True
     ) as assistant:
+        answers = assistant.stdout
         assert assistant.stdin is not None
-        assert assistant.stdout is not None
+        assert answers is not None
 
         def ask(method: str, **params: object) -> dict[str, Any]:
             message = {"jsonrpc": "2.0", "id": 1, "method": method, "params": params}
             print(json.dumps(message), file=assistant.stdin, flush=True)
-            found: dict[str, Any] = json.loads(assistant.stdout.readline())
+            found: dict[str, Any] = json.loads(answers.readline())
             return found
 
         try:

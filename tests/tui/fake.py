@@ -28,7 +28,7 @@ from ur.run.clients.protocol import (
     parse_command,
 )
 from ur.run.clients.run_state import NodeRow
-from ur.run.debugger.attach import DebugMethod, DebugMethods
+from ur.run.debugger.attach import DebuggerCommand
 from ur.tui.app import WatchApp
 
 NOON = 1_700_049_600.0
@@ -69,7 +69,7 @@ class FakeRun:
         self.control.close()
 
 
-GDB = DebugMethods((DebugMethod("g", "gdb", ("gdb", "-p", "12"), here=True),))
+GDB = DebuggerCommand(("gdb", "-p", "12"), here=True)
 
 
 @dataclass
@@ -77,7 +77,7 @@ class FakeServices:
     """Remembers what it was asked to run."""
 
     pager: list[str] | None = field(default_factory=lambda: ["less"])
-    debugger: DebugMethods | str = GDB
+    debugger: DebuggerCommand | str = GDB
     problem: str = ""
     here: list[list[str]] = field(default_factory=list)
     beside: list[list[str]] = field(default_factory=list)
@@ -100,7 +100,7 @@ class FakeServices:
         self.beside.append(list(words))
         return self.problem
 
-    def debug(self, row: NodeRow, run: RunStarted) -> DebugMethods | str:
+    def debug(self, row: NodeRow, run: RunStarted) -> DebuggerCommand | str:
         assert row.name
         assert run.pid
         return self.debugger

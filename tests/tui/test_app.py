@@ -4,7 +4,7 @@ import pytest
 from tests.tui.fake import FakeServices, example, read_screen, until, watching
 
 from ur.run.clients.protocol import RunCommand, StopRun
-from ur.run.debugger.attach import DebugMethod, DebugMethods
+from ur.run.debugger.attach import DebuggerCommand
 from ur.run.supervisor.events import KillNode, RestartNode, StartNode, StopNode
 from ur.tui.dialogs import Question
 
@@ -87,7 +87,7 @@ async def test_key_steers_the_chosen_node(key: str, command: RunCommand) -> None
 
 
 async def test_debug_opens_a_window_where_there_is_one() -> None:
-    services = FakeServices(debugger=DebugMethods((DebugMethod("g", "gdb", ("xterm", "-e", "gdb"), here=False),)))
+    services = FakeServices(debugger=DebuggerCommand(("xterm", "-e", "gdb"), here=False))
     async with watching(services=services) as (_, pilot, _run):
         await pilot.press("d")
         assert services.beside == [["xterm", "-e", "gdb"]]
@@ -99,31 +99,6 @@ async def test_debug_says_why_it_cannot() -> None:
         assert read_screen(app)[-1].strip() == "gdb is not installed"
         await pilot.press("down")
         assert "help" in read_screen(app)[-1]
-
-
-AGAIN = DebugMethod("p", "start it again in pudb", (), here=False, prefix=("xterm", "-e", "python3", "-m", "pudb"))
-
-
-async def test_debug_that_needs_a_restart_asks_first() -> None:
-    services = FakeServices(debugger=DebugMethods((AGAIN,), "what it knows now is lost"))
-    async with watching(services=services) as (app, pilot, run):
-        await pilot.press("d")
-        assert isinstance(app.screen, Question)
-        assert "what it knows now is lost" in "\n".join(read_screen(app))
-        await pilot.press("escape")
-        assert run.asked() == []
-        await pilot.press("d", "p")
-        await until(pilot, lambda: run.asked() == [RestartNode("/map_server", AGAIN.prefix)])
-        assert (services.here, services.beside) == ([], [])
-
-
-async def test_debug_of_a_crash_offers_the_core_file_too() -> None:
-    core = DebugMethod("c", "look at its core file", ("xterm", "-e", "gdb"), here=False)
-    services = FakeServices(debugger=DebugMethods((core, AGAIN)))
-    async with watching(services=services) as (_, pilot, run):
-        await pilot.press("d", "c")
-        await until(pilot, lambda: services.beside == [list(core.command)])
-        assert run.asked() == []
 
 
 async def test_debugger_that_cannot_be_started_is_explained() -> None:

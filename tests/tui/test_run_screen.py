@@ -5,27 +5,18 @@ import time
 from pathlib import Path
 
 import pytest
-from tests.tui.fake import RUN, FakeServices, line, log_of, read_screen, until, watching
+from tests.tui.fake import RUN, line, log_of, read_screen, until, watching
 
 from ur.run.clients.protocol import Notice, RunEnded, RunEvent, RunStopping
-from ur.run.debugger.attach import DebugMethod, DebugMethods
 from ur.tui.journal import MOST_ENTRIES
 
 SNAPSHOTS = Path(__file__).parent / "snapshots"
 SIZES = [(120, 40), (80, 24), (60, 15), (40, 10)]
-DEBUG = DebugMethods(
-    (
-        DebugMethod("c", "look at its core file: where it crashed", ("gdb",), here=True),
-        DebugMethod("g", "start it again in gdb", ("gdb",), here=True, prefix=("gdb",)),
-    ),
-    "no core file: their size is limited to 0 here; 'ulimit -c unlimited' before ur launch changes that",
-)
 SCREENS = {
     "run": [],
     "help": ["question_mark"],
     "quit": ["q"],
     "kill": ["k"],
-    "debug": ["down", "down", "d"],
     "find": ["slash", *"laser"],
     "filtered": ["down", "n", "v", "m"],
 }
@@ -36,7 +27,7 @@ SCREENS = {
 async def test_screen_looks_as_agreed(screen: str, size: tuple[int, int], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TZ", "UTC")
     time.tzset()
-    async with watching(size=size, services=FakeServices(debugger=DEBUG)) as (app, pilot, _):
+    async with watching(size=size) as (app, pilot, _):
         await until(pilot, lambda: "install it" in "\n".join(read_screen(app)))
         await pilot.press(*SCREENS[screen])
         await pilot.pause()

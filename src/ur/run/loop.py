@@ -38,7 +38,6 @@ from ur.run.supervisor.events import (
     Event,
     Exited,
     NothingLeft,
-    RestartNode,
     Started,
     StartFailed,
     StopRequested,
@@ -175,8 +174,6 @@ class _Loop:
             self._handle_host_event(self._host.receive())
         elif self._monitor.serves(descriptor):
             for event in self._monitor.attend(descriptor, time.monotonic()):
-                if isinstance(event, RestartNode):
-                    self._starts.prefixes[event.name] = event.prefix
                 self._handle_event(event)
             self._progress.follow(self._state)
         else:

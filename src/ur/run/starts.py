@@ -40,16 +40,13 @@ class Starts:
         self._outputs = outputs
         self._foreground = foreground
         self._prepared: list[_Start] = []
-        self.prefixes: dict[str, tuple[str, ...]] = {}  # by name, for the next start only
         allow_open_files(100 + FILES_KEPT * len(run.programs) + FILES_SENT * MOST_STARTS)
 
     def prepare(self, program: UnitProgram) -> None:
         """Open the files of a process, and send the burst if it is complete."""
         unit = program.unit
         self._outputs.open(program)
-        prefix = self.prefixes.pop(unit.name, ())
-        command = program.with_prefix(prefix) if prefix else program.argv
-        argv = [*command, *([f"__log:={self._run.folder}/{program.log_name}.log"] if program.names_log else [])]
+        argv = [*program.argv, *([f"__log:={self._run.folder}/{program.log_name}.log"] if program.names_log else [])]
         if unit.terminal:
             self._prepared.append(_Start(program, argv, (0, 1, 2), [], self._foreground.lend()))
         else:

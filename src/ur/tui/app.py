@@ -9,7 +9,6 @@ from textual.binding import BindingType
 
 from ur.run.clients.protocol import RunCommand, StopRun
 from ur.run.clients.run_state import NodeRow
-from ur.run.debugger.attach import DebugMethod
 from ur.run.supervisor.events import CTRL_C, KillNode, RestartNode, StartNode, StopNode
 from ur.tui.dialogs import DialogAnswer, Question
 from ur.tui.keys import make_bindings
@@ -49,31 +48,15 @@ class WatchApp(LogActions):
         self.push_screen(Question(f"Kill {row.name}?", choices, self.palette), answer)
 
     def action_debug(self) -> None:
-        """Debug a node, after confirmation if that requires a restart."""
+        """Debug a node: gdb on a program that runs, or on the core file of its crash."""
         row = self._steerable()
         if row is None:
             return
         found = self.services.debug(row, self.state.run)
         if isinstance(found, str):
             self.show_notice(found)
-            return
-        if len(found.methods) == 1 and not found.methods[0].prefix:
-            self._start_debugger(row.name, found.methods[0])
-            return
-        methods = {method.key: method for method in found.methods}
-
-        def answer(key: str | None) -> None:
-            if key in methods:
-                self.call_after_refresh(self._start_debugger, row.name, methods[key])
-
-        choices = tuple(DialogAnswer(method.key, method.text) for method in found.methods)
-        self.push_screen(Question(f"Debug {row.name}?", choices, self.palette, note=found.note), answer)
-
-    def _start_debugger(self, name: str, method: DebugMethod) -> None:
-        if method.prefix:
-            self._send(RestartNode(name, method.prefix), f"restart {name} in a debugger")
-            return
-        self.report(self.services.run_here(method.command) if method.here else self.services.run_beside(method.command))
+        else:
+            self.report(self.services.run_here(found.argv) if found.here else self.services.run_beside(found.argv))
 
     def action_stop_all(self) -> None:
         """End the run after confirmation."""

@@ -28,13 +28,9 @@ class DialogAnswer:
 class Question(ModalScreen[str]):
     """A question; returns the key of a choice, '' for none. Choices can also be clicked."""
 
-    def __init__(
-        self, title: str, choices: tuple[DialogAnswer, ...], palette: ScreenPalette, *, note: str = ""
-    ) -> None:
-        """Create the question. `note` is information for the user's decision."""
+    def __init__(self, title: str, choices: tuple[DialogAnswer, ...], palette: ScreenPalette) -> None:
         super().__init__(classes="dialog")
         self.title_text = printable(title)
-        self._note = printable(note)
         self._choices = (*choices, DialogAnswer("escape", "cancel"))
         self._palette = palette
         self._answered = False
@@ -43,8 +39,6 @@ class Question(ModalScreen[str]):
         """Arrange the question above its answers."""
         with Vertical():
             yield Static(Text(self.title_text, style="bold"))
-            if self._note:
-                yield Static(Text(self._note, style=self._palette.yellow))
             yield Static(" ")
             for choice in self._choices:
                 yield _Answer(choice, self._palette)

@@ -13,7 +13,7 @@ from contextlib import AbstractContextManager
 
 from ur.run.clients.protocol import RunStarted
 from ur.run.clients.run_state import NodeRow
-from ur.run.debugger.attach import DebugMethods, list_debug_methods
+from ur.run.debugger.attach import DebuggerCommand, choose_debugger
 from ur.run.debugger.environment import find_debug_tools, read_node_facts
 
 
@@ -70,8 +70,8 @@ class SystemServices:
             return f"{words[0]}: {(problem.strerror or str(problem)).lower()}"
         return ""
 
-    def debug(self, row: NodeRow, run: RunStarted) -> DebugMethods | str:
-        """Return the debuggers for a node, or the reason why there is none."""
+    def debug(self, row: NodeRow, run: RunStarted) -> DebuggerCommand | str:
+        """Return the debugger for a node, or the reason why there is none."""
         changed = row.changed
         try:
             facts = read_node_facts(row.name, changed.program, changed.folder, changed.pid, run.pid)
@@ -79,4 +79,4 @@ class SystemServices:
             return f"{row.name} runs as another user, and cannot be debugged"
         python = facts.target.interpreter if facts.target.kind == "python" else ""
         tools = find_debug_tools(self._environment, terminal=os.isatty(0), python=python)
-        return list_debug_methods(facts, tools)
+        return choose_debugger(facts, tools)

@@ -43,7 +43,6 @@ COMMANDS: list[RunCommand] = [
     StartNode("/a"),
     StopNode("/a"),
     RestartNode("/a"),
-    RestartNode("/a", ("gdb", "--args")),
     KillNode("/a"),
     StopRun(),
 ]

@@ -17,7 +17,7 @@ from ur.source.diagnostic import UserError
 
 ALL = frozenset({"gdb", "pudb", "debugpy", "xterm"})
 HERE = DebugTools(terminal=True, installed=ALL)
-DISPLAY = replace(HERE, display=":7")
+DISPLAY = replace(HERE, display=True)
 NOTHING = replace(HERE, terminal=False)
 PYTHON = DebugTarget("/a", "python", "/usr/bin/python3")
 BINARY = DebugTarget("/a", "binary")

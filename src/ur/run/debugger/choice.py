@@ -21,12 +21,11 @@ _TRACE = ("-q", "-batch", "-ex", "run", "-ex", "thread apply all backtrace", "--
 class DebugTools:
     """Debugging tools and terminals on this computer. `installed` are names of PACKAGES.
 
-    `display` is that of windows, "" for none. `may_attach`: the user may trace other processes than its children (or
-    is root).
+    `display`: windows open here. `may_attach`: the user may trace other processes than its children (or is root).
     """
 
     terminal: bool = False
-    display: str = ""
+    display: bool = False
     installed: frozenset[str] = frozenset()
     may_attach: bool = True
 

@@ -31,7 +31,7 @@ def find_debug_tools(environment: Mapping[str, str], *, terminal: bool, python: 
     tools |= _find_modules(python or sys.executable, ("pudb", "debugpy"))
     return DebugTools(
         terminal=terminal,
-        display=environment.get("DISPLAY", ""),
+        display=bool(environment.get("DISPLAY")),
         installed=frozenset(tools),
         may_attach=os.geteuid() == 0 or _read(_PTRACE_SCOPE).strip() in ("", "0"),
     )

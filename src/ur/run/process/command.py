@@ -42,11 +42,6 @@ class UnitProgram:
     executable: str = ""
     names_log: bool = True
 
-    def with_prefix(self, prefix: Sequence[str]) -> tuple[str, ...]:
-        """Return the command with a prefix in front of the executable."""
-        start = self.argv.index(self.executable) if self.executable else 0
-        return (*prefix, *self.argv[start:])
-
 
 def find_programs(nodes: Sequence[NodeSpec], world: World) -> tuple[tuple[UnitProgram, ...], tuple[Diagnostic, ...]]:
     """Return the program of each node, and an error for each that does not exist. Nothing is started.

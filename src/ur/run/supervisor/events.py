@@ -102,10 +102,9 @@ class StopNode:
 
 @dataclass(frozen=True, slots=True)
 class RestartNode:
-    """Stop a node and start it again; once with `prefix` in front of its program, in place of its own prefix."""
+    """Stop a node and start it again."""
 
     name: str
-    prefix: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
