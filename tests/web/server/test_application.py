@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator
-from contextlib import AsyncExitStack
+from contextlib import AsyncExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -206,6 +206,23 @@ async def test_page_that_changes_too_often_is_closed(server: ApplicationServer) 
         while (await socket.receive(timeout=30)).type is aiohttp.WSMsgType.BINARY:
             pass
         assert socket.close_code == aiohttp.WSCloseCode.POLICY_VIOLATION
+
+
+@pytest.mark.parametrize("path", ["/ws/view", "/ws/camera", "/ws/data", RUNS, DRIVE])
+@pytest.mark.parametrize("kind", ["ping", "pong"])
+async def test_page_that_sends_more_pings_than_a_browser_is_closed(
+    server: ApplicationServer, path: str, kind: str
+) -> None:
+    await server.log_in(Role.DRIVE)
+    socket = await server.client.ws_connect(server.url + path, headers=server.origin, autoping=False, heartbeat=None)
+    async with socket:
+        with suppress(ConnectionError):
+            for _ in range(100):
+                await getattr(socket, kind)(b"x")
+        async with asyncio.timeout(5.0):
+            async for _ in socket:
+                pass
+        assert socket.close_code in (1008, 1006)  # the reason, unless the connection is reset first
 
 
 async def test_camera_has_a_socket_of_its_own_and_waits_for_the_page(server: ApplicationServer) -> None:
