@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 CACHE = Path(__file__).parents[1] / ".cache/npm"
+PAGE = CACHE / "page"  # the tools of the page, which tools/set_up.bash installs from the lock of requirements/npm
 OPTIONS = ("--no-save", "--no-audit", "--no-fund", "--ignore-scripts")
 
 

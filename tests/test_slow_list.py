@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import ast
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -85,3 +88,32 @@ def test_unlisted_test_that_takes_seconds_fails_by_name(tmp_path: Path, capsys: 
     assert "error: tests/test_new.py::test_that_is_slow takes 29.5 s of processor" in capsys.readouterr().out
     times.write_text("0.1\ttests/test_new.py::test_other\n")
     assert main([str(times)]) == 0
+
+
+def test_skipped_test_has_no_time_so_that_the_check_sees_it(tmp_path: Path) -> None:
+    lines = ["import pytest", "def test_runs(): pass", "@pytest.mark.skip", "def test_lacks_a_browser(): pass"]
+    (tmp_path / "test_both.py").write_text("\n".join(lines))
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-p",
+        "tests.times",
+        "--times",
+        str(tmp_path / "times"),
+        "--rootdir",
+    ]
+    done = subprocess.run(
+        [*command, str(tmp_path), "test_both.py"],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        timeout=60,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "1 passed, 1 skipped" in done.stdout
+    assert set(read_rows((tmp_path / "times").read_text())) == {"test_both.py::test_runs"}
+    [path] = re.findall(r"grep -m 1 (\S+)::", (ROOT / ".ci/run").read_text())
+    assert (ROOT / path).exists()

@@ -1,8 +1,8 @@
 """Processor time of each test: pytest --times FILE.
 
-A line a test, `SECONDS<tab>ID`: user and system time of the process and of the processes that it has started, as if the
-test ran alone. What fixtures of a module, a class or the session take is added to each test that uses them; that of a
-package is divided among its tests, which always run together.
+A line a test that was not skipped, `SECONDS<tab>ID`: user and system time of the process and of the processes that it
+has started, as if the test ran alone. What fixtures of a module, a class or the session take is added to each test that
+uses them; that of a package is divided among its tests, which always run together.
 """
 
 from __future__ import annotations
@@ -64,6 +64,7 @@ class _Times:
         """Seconds of shared fixtures in the test that runs."""
         self._end = -1.0
         """Seconds at the end of the test before."""
+        self._skipped = False
 
     @pytest.hookimpl(wrapper=True)
     def pytest_fixture_setup(self, fixturedef: pytest.FixtureDef[Any]) -> Generator[None, object, object]:
@@ -80,14 +81,19 @@ class _Times:
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Generator[None, object, object]:
         before, self._nested = self._end if self._end >= 0.0 else read_processor_time(), 0.0
+        self._skipped = False
         try:
             return (yield)
         finally:
             self._end = read_processor_time()
             own = self._end - before - self._nested
             shared = sum(self._fixtures.get(each, 0.0) / self._count_users(each, item) for each in _fixtures_of(item))
-            with self._path.open("a", encoding="utf-8") as file:
-                file.write(f"{own + shared:.3f}\t{name_of(item.nodeid)}\n")
+            if not self._skipped:
+                with self._path.open("a", encoding="utf-8") as file:
+                    file.write(f"{own + shared:.3f}\t{name_of(item.nodeid)}\n")
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        self._skipped |= report.skipped
 
     def _count_users(self, fixture: pytest.FixtureDef[Any], item: pytest.Item) -> int:
         if fixture.scope != "package":

