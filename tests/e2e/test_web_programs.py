@@ -159,6 +159,7 @@ class ProgramsPage:
 
     def open(self, panel: str) -> None:
         if not self.run(f"page.panels.isOpen('{panel}')"):
+            self.run(f"page.panels.reveal('{panel}'); 0")
             self.click(f"#{panel}")
 
 

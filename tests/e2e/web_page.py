@@ -63,6 +63,8 @@ class BrowserPage:
             self.tap(f"#{name}-panel .close")
         else:
             self.tap("#menu")
+            if not self.run(f"document.getElementById('{name}').checkVisibility()"):
+                self.tap(f"details:has(#{name}) > summary")
             self.tap(f"#{name}")
 
     def press_banner(self, text: str) -> None:

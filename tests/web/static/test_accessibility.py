@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,33 +12,21 @@ from tests.chromium import Chromium
 
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
-from tests.web.static.in_chromium import MARKS
+from tests.web.static.in_chromium import MARKS, PROGRAM
 from tests.web.static.played_robot import PLOT, STATE, PlayedRobot, wait
 
+from ur.web.server.static_files import FOLDER
 from ur.web.wire.frames import Kind
 
 pytestmark = MARKS
-PANELS = [
-    "places",
-    "route",
-    "map_tools",
-    "maps",
-    "zones",
-    "camera",
-    "speed",
-    "layers",
-    "plots",
-    "programs",
-    "runs",
-    "topics",
-    "recordings",
-    "scene",
-    "status",
-    "doctor",
-    "assistants",
-    "devices",
-    "robots",
-]
+GROUPS = {
+    "Drive": ["places", "route", "speed", "assistants", "devices", "robots"],
+    "Map": ["map_tools", "maps", "zones", "layers"],
+    "Sensors": ["camera", "scene", "plots"],
+    "Programs": ["programs", "runs", "recordings"],
+    "Diagnostics": ["status", "doctor", "topics"],
+}
+PANELS = [name for names in GROUPS.values() for name in names]
 CONTROLS = {
     "button", "checkbox", "combobox", "DisclosureTriangle", "img", "image", "link", "listbox", "log", "menuitem",
     "PopUpButton", "radio", "searchbox", "slider", "spinbutton", "switch", "tab", "textbox",
@@ -89,7 +78,7 @@ NODE = {
 RUN = {"run": "m_make_map.12", "title": "make_map", "started": 1.0, "stopping": None, "lost": None, "nodes": [NODE]}
 # What can have the focus now: a text for each, in the order of the document.
 FOCUSABLE = """
-const nameOf = (e) => e.id || `${e.closest("aside")?.id} ${e.localName} ${e.ariaLabel ?? e.textContent}`;
+const nameOf = (e) => e.id || `${e.closest("aside, nav")?.id} ${e.localName} ${e.ariaLabel ?? e.textContent}`;
 const focusable = () => [...document.querySelectorAll("button, input, select, summary, a[href], [tabindex='0']")]
   .filter((e) => e.checkVisibility({ visibilityProperty: true }) && !e.disabled).map(nameOf);
 """
@@ -166,6 +155,12 @@ def list_nameless(browser: Chromium) -> list[str]:
     return found
 
 
+# Controls whose name does not begin with the text that is seen on them, by which voice control looks for them.
+MISNAMED = r"""[...document.querySelectorAll("button, a[href]")].filter((e) => e.checkVisibility() && e.ariaLabel)
+  .filter((e) => /\w/.test(e.innerText) && !e.ariaLabel.toLowerCase().startsWith(e.innerText.trim().toLowerCase()))
+  .map((e) => `${e.innerText}: ${e.ariaLabel}`)"""
+
+
 def press_tab_round(browser: Chromium) -> dict[str, str]:
     """Press Tab from the map, once round the page: what has the focus in turn, and what is wrong with it."""
     browser.run("document.getElementById('map').focus(); 0")
@@ -190,6 +185,7 @@ def test_controls_of_panel_have_names_and_a_visible_focus_in_reach_of_tab(
     browser.ask("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}, still])
     open_panel(browser, name)
     assert list_nameless(browser) == []
+    assert browser.run(MISNAMED) == []
     wanted = browser.run("focusable()")
     found = press_tab_round(browser)
     (tmp_path / f"{name}.png").write_bytes(browser.screenshot())
@@ -199,8 +195,71 @@ def test_controls_of_panel_have_names_and_a_visible_focus_in_reach_of_tab(
     assert browser.run("[page.panels.open, document.activeElement.id]") == ["", name]
 
 
-def test_panels_of_this_test_are_all_panels(browser: Chromium) -> None:
-    assert browser.run("[...page.panels.panels.keys()]") == PANELS
+LISTED = """Object.fromEntries([...document.querySelectorAll("#panels details")].map((group) =>
+  [group.querySelector("summary").textContent, [...group.querySelectorAll("button")].map((each) => each.id)]))"""
+
+
+SETTLED = "globalThis.page?.panels && page.state && page.drive.newest"
+
+
+@pytest.fixture
+def fresh(robot: PlayedRobot, tmp_path: Path) -> Iterator[Chromium]:
+    """A browser that has not seen the page before."""
+    assert PROGRAM is not None
+    with Chromium(PROGRAM, tmp_path) as browser:
+        browser.open(robot.link)
+        wait(lambda: browser.holds(SETTLED))
+        yield browser
+
+
+def reload(browser: Chromium) -> None:
+    browser.run("globalThis.page = null; location.assign('/'); 0")
+    wait(lambda: browser.holds(SETTLED))
+
+
+def test_each_panel_is_in_one_of_five_groups_and_the_last_used_is_first_when_a_group_is_opened(
+    fresh: Chromium,
+) -> None:
+    for width in (1280, 390):
+        fresh.resize(width, 844, phone=width == 390)
+        fresh.run("localStorage.clear(); 0")
+        reload(fresh)
+        assert fresh.run(LISTED) == GROUPS
+        assert sorted(fresh.run("[...page.panels.panels.keys()]")) == sorted(PANELS)
+        fresh.run("page.panels.openMenu(true); 0")
+        for name in ("layers", "zones", "speed"):
+            group = f"document.getElementById('{name}').closest('details')"
+            fresh.run(f"{group}.open || {group}.querySelector('summary').click(); 0")
+            fresh.run(f"document.getElementById('{name}').click(); page.panels.openMenu(true); 0")
+        used = GROUPS | {"Map": ["zones", "layers", "map_tools", "maps"]}
+        used["Drive"] = ["speed", *(each for each in GROUPS["Drive"] if each != "speed")]
+        fresh.run("page.panels.openMenu(false); page.panels.show([]); page.panels.reveal('doctor'); 0")
+        wait(lambda used=used: fresh.run(LISTED) == used)
+        reload(fresh)
+        assert fresh.run(LISTED) == used
+        seen = fresh.run("[...document.querySelectorAll('#panels [open] summary')].map((e) => e.textContent)")
+        assert seen == ["Drive"], "the group that was used last"
+
+
+def test_stop_is_the_first_stop_of_tab_and_the_space_bar_presses_it(fresh: Chromium) -> None:
+    fresh.press("Tab")
+    assert fresh.run("document.activeElement.id") == "stop"
+    [stop] = [
+        node
+        for node in fresh.ask("Accessibility.getFullAXTree")["nodes"]
+        if any(each["name"] == "focused" for each in node.get("properties", ())) and node["role"]["value"] == "button"
+    ]
+    assert stop["name"]["value"] == "STOP"
+    assert {"keyshortcuts": "Space"}.items() <= {e["name"]: e["value"]["value"] for e in stop["properties"]}.items()
+    fresh.run("document.activeElement.blur(); 0")
+    fresh.run("page.drive.send = (message) => (globalThis.sent = message); 0")
+    fresh.ask("Input.dispatchKeyEvent", type="keyDown", key=" ", code="Space")
+    wait(lambda: fresh.run("globalThis.sent") == {"t": "stop"})
+
+
+def test_texts_of_the_page_do_not_speak_of_a_terminal() -> None:
+    texts = [(FOLDER / name).read_text() for name in ("texts.js", "data/texts.js")]
+    assert [line for text in texts for line in text.splitlines() if "terminal" in line] == []
 
 
 def heard(browser: Chromium, urgent: str = "") -> list[str]:

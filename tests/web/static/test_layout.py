@@ -65,6 +65,7 @@ def test_no_control_covers_another_while_lines_are_shown(
 
 
 DESKS = [(1280, 800), (1440, 900), (1024, 640)]
+SHORT = [(640, 360), (844, 390)]  # their menu scrolls
 TALL = [size for size in PHONES if size[0] < size[1]]
 SHOW_WIDE_MAP = """(() => {
       const size = { column: 0, row: 0, width: 400, height: 300 };
@@ -95,12 +96,17 @@ def test_menu_of_a_phone_opens_a_panel_and_leaves_the_stop_in_reach(browser: Chr
     set_size(browser, size)
     assert not browser.run("document.getElementById('panels').checkVisibility()")
     browser.run("document.getElementById('menu').click(); 0")
-    assert browser.run("[document.activeElement.id, document.getElementById('menu').ariaExpanded]") == [
-        "places",
+    assert browser.run("[document.activeElement.textContent, document.getElementById('menu').ariaExpanded]") == [
+        "Drive",
         "true",
     ]
     assert list_covered(browser, "#stop, #menu, #modes button") == []
-    assert browser.run("[...document.querySelectorAll('#panels button')].every((each) => each.innerText.trim())")
+    browser.run("page.panels.reveal('places'); document.querySelector('details:has(#layers) > summary').click(); 0")
+    words = (
+        "[...document.querySelectorAll('#panels summary, #panels [open] button')].map((each) => each.innerText.trim())"
+    )
+    assert len(browser.run(f"{words}.filter(Boolean)")) == 5 + 4
+    assert list_covered(browser, "#panels summary, #layers") == [] or size in SHORT
     browser.run("document.getElementById('layers').click(); 0")
     assert browser.run("[page.panels.shown, document.activeElement.id]") == [["layers"], "layers-panel"]
     assert not browser.run("document.getElementById('panels').checkVisibility()")
@@ -132,10 +138,70 @@ def test_panels_stand_beside_the_map_of_a_desk_and_cover_nothing(
 def test_buttons_of_all_panels_are_in_reach_on_a_tablet(browser: Chromium, size: tuple[int, int]) -> None:
     set_size(browser, size)
     browser.ask("Emulation.setTouchEmulationEnabled", enabled=True)
-    assert browser.run("document.querySelectorAll('#panels button').length") == browser.run("page.panels.panels.size")
-    browser.run("document.getElementById('panels').lastElementChild.scrollIntoView(); 0")
-    assert list_covered(browser, "#panels button:last-child, #stop, #modes button") == []
+    for index in range(browser.run("document.querySelectorAll('#panels details').length")):
+        browser.run(f"document.querySelectorAll('#panels details')[{index}].open = true; 0")
+        browser.run("document.getElementById('panels').lastElementChild.scrollIntoView(); 0")
+        assert list_covered(browser, "#panels details:last-child > summary, #stop, #modes button") == []
+        browser.run("document.querySelector('#panels [open] button:last-child').scrollIntoView(); 0")
+        assert list_covered(browser, "#panels [open] button:last-child, #stop, #modes button") == []
     browser.ask("Emulation.setTouchEmulationEnabled", enabled=False)
+
+
+@pytest.mark.parametrize("size", [(1366, 650), (1280, 800), (1440, 900)])
+def test_list_of_panels_needs_no_scrolling_on_a_desk_and_cuts_no_word(browser: Chromium, size: tuple[int, int]) -> None:
+    set_size(browser, size)
+    for name in ("places", "maps", "camera", "programs", "status"):
+        browser.run(f"page.panels.reveal('{name}'); 0")
+        bar = browser.run("(({ clientHeight, scrollHeight }) => [clientHeight, scrollHeight])(page.panels.bar)")
+        assert bar[0] == bar[1]
+        cut = "[...page.panels.bar.querySelectorAll('span')].filter((e) => e.scrollWidth > e.clientWidth)"
+        assert browser.run(f"{cut}.map((e) => e.textContent)") == []
+
+
+HEIGHTS = """page.panels.shown.map((name) => page.panels.panels.get(name).box)
+  .map((box) => [box.clientHeight, box.scrollHeight])"""
+
+
+@pytest.mark.parametrize("size", [(1366, 650), (1280, 800)])
+def test_panel_that_was_just_opened_gets_the_room_that_it_needs_and_older_ones_shrink_to_their_title(
+    robot: PlayedRobot, browser: Chromium, size: tuple[int, int]
+) -> None:
+    names = {f"place {number}": [number, 0, 0] for number in range(30)}
+    robot.show(Kind.PLACES, {"named": True, "places": names, "problem": ""})
+    set_size(browser, size)
+    browser.run("page.panels.show([]); page.panels.choose('places'); 0")
+    wait(lambda: browser.run("document.querySelectorAll('#places-panel li').length") == 30)
+    title = browser.run("document.querySelector('#places-panel .head').offsetHeight")
+    for name in ("speed", "layers"):
+        browser.run(f"page.panels.choose('{name}'); 0")
+        *older, (height, needed) = browser.run(HEIGHTS)
+        assert height == needed or max(older)[0] <= title + 2, name
+    browser.run("page.panels.show(['layers', 'places']); 0")  # the newest could fill the page
+    (old, _), (new, needed) = browser.run(HEIGHTS)
+    assert title <= old <= title + 2 < 100 < new < needed
+    assert list_covered(browser, ".panel .close, .panel h2") == []
+    browser.run("page.panels.choose('layers'); 0")  # seen no more than its title: it is the newest again
+    assert browser.run("page.panels.shown") == ["places", "layers"]
+    (old, _), (height, needed) = browser.run(HEIGHTS)
+    assert height == needed or old <= title + 2
+    browser.run("document.querySelector('#places-panel h2').click(); 0")
+    assert browser.run("page.panels.shown") == ["layers", "places"]
+    browser.run("page.panels.show([]); 0")
+
+
+@pytest.mark.parametrize("size", [*PHONES, *DESKS, (820, 1180)])
+def test_nothing_covers_the_scale_of_the_map(robot: PlayedRobot, browser: Chromium, size: tuple[int, int]) -> None:
+    robot.show(Kind.STATE, BUSY)
+    set_size(browser, size)
+    browser.run("page.map.fit(); document.getElementById('scale').style.pointerEvents = 'auto'; 0")
+    for mode in ("look", "goal", "drive", "pose"):
+        for name in ("", "places", "layers", "plots", "runs"):
+            browser.run(f"page.setMode('{mode}'); page.panels.show(['{name}']); 0")
+            assert list_covered(browser, "#scale .length") == [], (mode, name)
+        browser.run("page.panels.show([]); page.panels.openMenu(true); 0")
+        assert list_covered(browser, "#scale .length") == [], (mode, "menu")
+        browser.run("page.panels.openMenu(false); 0")
+    browser.run("page.setMode('look'); document.getElementById('scale').style.pointerEvents = ''; 0")
 
 
 def test_open_panels_and_their_width_are_in_the_address(browser: Chromium) -> None:

@@ -64,7 +64,7 @@ def test_place_is_renamed_and_the_old_name_goes_only_when_the_new_one_is_there(
     robot: PlayedRobot, page: Chromium
 ) -> None:
     page.run("page.panels.show(['places']); 0")
-    page.run("document.querySelector('[aria-label=\"Rename or move the place door\"]').click(); 0")
+    page.run("document.querySelector('[aria-label=\"Edit the place door\"]').click(); 0")
     assert page.run("document.activeElement.ariaLabel") == "New name of door"
     for name, line in (("desk", "Not renamed: there is a place desk."), ("<i>", "Not named: ")):
         page.run(f"document.activeElement.value = '{name}'; 0")
@@ -85,7 +85,7 @@ def test_place_is_renamed_and_the_old_name_goes_only_when_the_new_one_is_there(
 
 def test_place_is_moved_to_a_point_of_the_map(robot: PlayedRobot, page: Chromium) -> None:
     page.run("page.panels.show(['places']); 0")
-    page.run("document.querySelector('[aria-label=\"Rename or move the place desk\"]').click(); 0")
+    page.run("document.querySelector('[aria-label=\"Edit the place desk\"]').click(); 0")
     page.run("document.querySelector('#places-panel .edited .row button').click(); 0")
     drag(page, (3.0, 0.5), (4.0, 0.5))
     wait(lambda: robot.find("name_place"))

@@ -15,7 +15,7 @@ export function labelControls(page, robot) {
   element("map").setAttribute("aria-label", TEXTS.map);
   element("stick").setAttribute("aria-label", TEXTS.stick);
   element("stop").textContent = TEXTS.stop;
-  element("stop").setAttribute("aria-label", TEXTS.stopHelp);
+  element("stop").title = TEXTS.stopHelp;
   // At once when touched: a browser makes no click of a finger that stays, or moves.
   element("stop").addEventListener("pointerdown", () => page.stop());
   element("stop").addEventListener("click", (event) => event.detail === 0 && page.stop()); // by key or screen reader

@@ -5,8 +5,7 @@ import { TEXTS } from "./texts.js";
 
 const DESK = "(min-width: 900px) and (min-height: 500px)"; // as in layout.css
 const LEAST = 280; // pixels
-const MAP = [480, 620]; // pixels that the map keeps, on a desk and on one whose bar has words
-const WORDS = 1100; // pixels of such a desk
+const MAP = 620; // pixels that the map keeps
 const STEP = 32; // pixels of a key
 
 export class Dock {
@@ -45,7 +44,7 @@ export class Dock {
 
   /** The most pixels that panels get. */
   get widest() {
-    return Math.max(LEAST, innerWidth - MAP[innerWidth >= WORDS ? 1 : 0]);
+    return Math.max(LEAST, innerWidth - MAP);
   }
 
   /** The number of panels that have room. */

@@ -10,7 +10,7 @@ import { keepLink, listLayers, openLink } from "./link_state.js";
 import { MapScale } from "./map_scale.js";
 import { MapView } from "./map_view.js";
 import { Overlays } from "./overlays.js";
-import { PANELS } from "./panel_list.js";
+import { GROUPS } from "./panel_list.js";
 import { Panels } from "./panels.js";
 import { RUNS } from "./run_socket.js";
 import { Status } from "./status.js";
@@ -84,7 +84,7 @@ export class Page {
     this.walls = null;
     this.status = new Status(this);
     this.runs = RUNS;
-    this.panels = new Panels(element("panels"), PANELS, this);
+    this.panels = new Panels(element("panels"), GROUPS, this);
     this.panels.show(link.panels);
     setInterval(() => keepLink(this), 1000);
     addEventListener("keydown", (event) => this.key(event));

@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * Panels and the buttons that open them: one over the map where the page is small, several beside it elsewhere.
+ * Panels and the buttons that open them, in groups: one over the map where the page is small, several beside it elsewhere.
  *
  * A panel is a module of its own, named in `panel_list.js`: nothing else of the page has to know it.
  */
@@ -16,29 +16,51 @@ import { TEXTS } from "./texts.js";
  * @typedef {{show?: (open: boolean) => void, leave?: () => boolean}} PanelPart
  * @typedef {{name: string, label: string, icon: string, wide?: boolean,
  *   make: (box: HTMLElement, page: import("./main.js").Page) => PanelPart | void}} Panel
- * @typedef {{box: HTMLElement, button: HTMLButtonElement, part: PanelPart}} Made
+ * @typedef {{label: string, icon: string, panels: readonly Panel[]}} Group
+ * @typedef {{box: HTMLElement, button: HTMLButtonElement, group: HTMLDetailsElement, part: PanelPart}} Made
  */
 
 const SVG = "http://www.w3.org/2000/svg";
+const USED = "panels"; // where the browser keeps the names of the panels that were used
 
 export class Panels {
-  /** @param {HTMLElement} bar the buttons' box @param {readonly Panel[]} list @param {import("./main.js").Page} page */
-  constructor(bar, list, page) {
+  /** @param {HTMLElement} bar the buttons' box @param {readonly Group[]} groups @param {import("./main.js").Page} page */
+  constructor(bar, groups, page) {
     this.bar = bar;
     bar.setAttribute("aria-label", TEXTS.panels);
     /** @type {Map<string, Made>} */
     this.panels = new Map();
     /** Names of the open panels, the newest last. @type {string[]} */
     this.shown = [];
+    /** Names of panels that were opened ever, the last one last. */
+    this.used = (localStorage.getItem(USED) ?? "").split(",");
     /** Has the back button of a phone close the newest panel, where the browser can. @type {any} */
     this.back = null;
     this.menu = element("menu");
     this.menu.ariaLabel = TEXTS.panels;
     this.menu.addEventListener("click", () => this.openMenu(this.menu.ariaExpanded !== "true"));
     this.dock = new Dock(element("dock"), page.dockWidth, () => this.trim());
-    for (const panel of list) {
+    for (const group of groups) this.addGroup(group, page);
+    this.arrange();
+    this.reveal(this.used.at(-1) || groups[0].panels[0].name);
+    addEventListener("keydown", (event) => event.key === "Escape" && this.escape(event));
+    addEventListener("pointerdown", ({ target }) => {
+      if (target instanceof Node && !bar.contains(target) && !this.menu.contains(target)) this.openMenu(false);
+    });
+  }
+
+  /** @param {Group} group @param {import("./main.js").Page} page */
+  addGroup({ label, icon, panels }, page) {
+    const group = make("details");
+    group.name = "group"; // the browser keeps one of them open
+    const title = make("summary");
+    title.append(drawIcon(icon), make("span", label));
+    group.append(title);
+    group.addEventListener("toggle", () => this.arrange());
+    this.bar.append(group);
+    for (const panel of panels) {
       const button = makePanelButton(panel, () => this.choose(panel.name));
-      bar.append(button);
+      group.append(button);
       const box = make("aside", "", panel.wide ? "panel wide" : "panel");
       box.id = `${panel.name}-panel`;
       box.setAttribute("aria-label", panel.label);
@@ -47,12 +69,22 @@ export class Panels {
       this.dock.box.append(box);
       box.append(this.makeHead(panel));
       const part = panel.make(box, page) ?? {};
-      this.panels.set(panel.name, { box, button, part });
+      this.panels.set(panel.name, { box, button, group, part });
     }
-    addEventListener("keydown", (event) => event.key === "Escape" && this.escape(event));
-    addEventListener("pointerdown", ({ target }) => {
-      if (target instanceof Node && !bar.contains(target) && !this.menu.contains(target)) this.openMenu(false);
-    });
+  }
+
+  /** In each group that is not seen now, put the buttons of the panels that were used last first. */
+  arrange() {
+    for (const name of this.used) {
+      const { button, group } = this.panels.get(name) ?? {};
+      if (button && !button.checkVisibility()) group?.firstElementChild?.after(button);
+    }
+  }
+
+  /** Open the group of a panel in the list. @param {string} name */
+  reveal(name) {
+    const group = this.panels.get(name)?.group;
+    if (group) group.open = true;
   }
 
   /** The title of a panel, and a button that closes it. @param {Panel} panel */
@@ -60,7 +92,9 @@ export class Panels {
     const head = make("div", "", "row head");
     const close = makeButton("\u00d7", () => this.close(panel.name), TEXTS.closePanel(panel.label));
     close.className = "close";
-    head.append(make("h2", panel.label), close);
+    const title = make("h2", panel.label);
+    title.addEventListener("click", () => this.raise(panel.name));
+    head.append(title, close);
     return head;
   }
 
@@ -79,15 +113,27 @@ export class Panels {
     this.show(this.isOpen(name) ? this.shown.filter((each) => each !== name) : [...this.shown, name]);
   }
 
+  /** Have a panel be the newest. @param {string} name */
+  raise(name) {
+    this.show([...this.shown, name]);
+  }
+
   /** Open panels, the last ones where not all have room, and close the others. @param {string[]} names */
   show(names) {
     const known = names.filter((name, index) => this.panels.has(name) && names.lastIndexOf(name) === index);
     this.shown = known.slice(-this.dock.most);
+    const opened = this.shown.filter((name) => this.panels.get(name)?.box.hidden);
+    if (opened.length) {
+      this.used = [...this.used.filter((name) => !opened.includes(name)), ...opened];
+      localStorage.setItem(USED, this.used.join());
+      this.reveal(this.open);
+    }
     for (const [name, { box, button, part }] of this.panels) {
       const open = this.isOpen(name);
       const changes = box.hidden === open;
       box.hidden = !open;
       box.style.order = String(this.shown.indexOf(name)); // the newest is the lowest
+      box.style.flexShrink = String(1000 ** (this.shown.length - 1 - this.shown.indexOf(name))); // the oldest gives room first
       button.setAttribute("aria-expanded", String(open));
       if (changes) part.show?.(open);
     }
@@ -106,6 +152,7 @@ export class Panels {
     const found = this.panels.get(name);
     if (!found || !this.isOpen(name)) return;
     this.toggle(name);
+    this.reveal(name);
     (found.button.checkVisibility() ? found.button : this.menu).focus();
   }
 
@@ -118,7 +165,9 @@ export class Panels {
   choose(name) {
     const fromMenu = this.menu.ariaExpanded === "true";
     this.openMenu(false);
-    this.toggle(name);
+    const box = this.panels.get(name)?.box;
+    if (box && name !== this.open && box.clientHeight < box.scrollHeight) this.raise(name); // its title is seen, or little more
+    else this.toggle(name);
     if (fromMenu) this.panels.get(this.open)?.box.focus();
   }
 
@@ -127,7 +176,8 @@ export class Panels {
     if ((this.menu.ariaExpanded === "true") === open) return;
     this.menu.ariaExpanded = String(open);
     document.body.toggleAttribute("data-menu", open);
-    if (open) /** @type {HTMLElement | null} */ (this.bar.firstElementChild)?.focus();
+    this.arrange();
+    if (open) this.bar.querySelector("summary")?.focus();
   }
 
   /** @param {KeyboardEvent} event */
@@ -166,12 +216,17 @@ function makePanelButton(panel, act) {
   button.title = panel.label;
   button.setAttribute("aria-expanded", "false");
   button.setAttribute("aria-controls", `${panel.name}-panel`);
+  button.append(drawIcon(panel.icon), make("span", panel.label));
+  return button;
+}
+
+/** @param {string} outline */
+function drawIcon(outline) {
   const svg = document.createElementNS(SVG, "svg");
   svg.setAttribute("viewBox", "0 0 24 24");
-  svg.setAttribute("aria-hidden", "true"); // the button has the name
+  svg.setAttribute("aria-hidden", "true"); // the text beside it has the name
   const path = document.createElementNS(SVG, "path");
-  path.setAttribute("d", panel.icon);
+  path.setAttribute("d", outline);
   svg.append(path);
-  button.append(svg, make("span", panel.label));
-  return button;
+  return svg;
 }

@@ -10,8 +10,8 @@ export const TEXTS = {
     drive: "Hold the stick, or the arrow keys. The robot stops when you let go.",
     pose: "Press where the robot is, drag to where it faces, let go.",
   },
-  stop: "Stop",
-  stopHelp: "Emergency stop",
+  stop: "STOP",
+  stopHelp: "Emergency stop, by the space bar, too",
   release: "Release",
   takeOver: "Take over",
   ask: "Ask",
@@ -25,6 +25,7 @@ export const TEXTS = {
   follow: "Follow the robot",
   fit: "Show the whole map",
   panels: "Panels",
+  groups: { drive: "Drive", map: "Map", sensors: "Sensors", programs: "Programs", diagnostics: "Diagnostics" },
   dockWidth: "Width of the panels",
   /** @param {string} label */
   closePanel: (label) => `Close ${label}`,
@@ -63,12 +64,12 @@ export const TEXTS = {
   placeName: "Name of a place",
   nameHere: "Name here",
   nameOnMap: "On the map",
-  nameOnMapHelp: "Name a place of the map",
+  nameOnMapHelp: "On the map: name a place",
   /** @param {string} name */
   pickPlace: (name) => `Press where ${name} is, drag to where the robot is to face there, let go.`,
   editPlace: "Edit",
   /** @param {string} name */
-  editPlaceOf: (name) => `Rename or move the place ${name}`,
+  editPlaceOf: (name) => `Edit the place ${name}`,
   rename: "Rename",
   /** @param {string} name */
   newName: (name) => `New name of ${name}`,
@@ -88,7 +89,7 @@ export const TEXTS = {
   /** @param {string} name */
   removePlace: (name) => `Delete the place ${name}`,
   /** @param {string} name */
-  driveTo: (name) => `Drive to ${name}`,
+  driveTo: (name) => `${name}: drive there`,
   patrol: {
     start: "Start the patrol",
     end: "End the patrol",
@@ -164,7 +165,7 @@ export const TEXTS = {
     remove: (name) => `Delete the zone ${name}`,
   },
   mapTools: {
-    title: "Map",
+    title: "Map tools",
     help: "Measure a distance, or turn the map by 90 degrees.",
     measure: "Measure",
     tap: "Tap points of the map.",
@@ -340,7 +341,7 @@ export const TEXTS = {
   graphOf: (name) => `What ${name} includes and starts; the list below names the nodes`,
   why: "Why?",
   /** @param {string} name */
-  whyNode: (name) => `Why ${name} is started`,
+  whyNode: (name) => `Why? The start of ${name}`,
   /** @param {number} count */
   moreArguments: (count) => `${count} more arguments`,
   /** @param {string} value */
@@ -446,10 +447,10 @@ export const TEXTS = {
     mayDrive: (name, { text }) => `${name} may drive: ${text.replace(/^assistant, /, "")}.`,
     takeBack: "Take back",
     /** @param {string} name */
-    takeBackOf: (name) => `Take the grant of ${name} back`,
+    takeBackOf: (name) => `Take back the grant of ${name}`,
     letDrive: "Let it drive",
     /** @param {string} name */
-    letDriveOf: (name) => `Let ${name} drive`,
+    letDriveOf: (name) => `Let it drive: ${name}`,
     /** @param {number} left seconds */
     left: (left) => `${left < 120 ? `${Math.round(left)} s` : `${Math.round(left / 60)} min`} left`,
     minutes: "Minutes",

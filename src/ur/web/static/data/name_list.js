@@ -59,7 +59,7 @@ export class NameList {
   /** @param {string} name */
   makeRow(name) {
     const row = make("li");
-    const button = makeButton(name, () => this.open(name), DATA_TEXTS.open(name));
+    const button = makeButton(name, () => this.open(name));
     button.className = "go";
     row.append(button);
     return row;

@@ -36,8 +36,6 @@ export const DATA_TEXTS = {
   topicName: "Name of the topic",
   describe: "Show its fields",
   mayNot: "This link may look: it publishes, calls and sets nothing.",
-  /** @param {string} name */
-  open: (name) => `Open ${name}`,
   whole: "Shown in part: a value as long as this is not set from here.",
   status: "Status",
   levels: /** @type {Record<string, string>} */ ({ ok: "OK", warn: "Warning", error: "Error", stale: "No word" }),

@@ -175,7 +175,7 @@ class TopicList {
     row.dataset.topic = name;
     const head = make("th");
     head.scope = "row";
-    const button = makeButton(name, () => this.openTopic(name), DATA_TEXTS.open(name));
+    const button = makeButton(name, () => this.openTopic(name));
     button.className = "go";
     head.append(button);
     row.append(head, make("td"), make("td", "", "number"), make("td", "", "number"));
