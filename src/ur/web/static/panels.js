@@ -93,7 +93,7 @@ export class Panels {
     const close = makeButton("\u00d7", () => this.close(panel.name), TEXTS.closePanel(panel.label));
     close.className = "close";
     const title = make("h2", panel.label);
-    title.addEventListener("click", () => this.raise(panel.name));
+    title.addEventListener("click", () => this.show([...this.shown, panel.name]));
     head.append(title, close);
     return head;
   }
@@ -111,11 +111,6 @@ export class Panels {
   /** Open a panel, or close it. @param {string} name */
   toggle(name) {
     this.show(this.isOpen(name) ? this.shown.filter((each) => each !== name) : [...this.shown, name]);
-  }
-
-  /** Have a panel be the newest. @param {string} name */
-  raise(name) {
-    this.show([...this.shown, name]);
   }
 
   /** Open panels, the last ones where not all have room, and close the others. @param {string[]} names */
@@ -166,7 +161,7 @@ export class Panels {
     const fromMenu = this.menu.ariaExpanded === "true";
     this.openMenu(false);
     const box = this.panels.get(name)?.box;
-    if (box && name !== this.open && box.clientHeight < box.scrollHeight) this.raise(name); // its title is seen, or little more
+    if (box && name !== this.open && box.clientHeight < box.scrollHeight) this.show([...this.shown, name]); // it is cut: make it the newest
     else this.toggle(name);
     if (fromMenu) this.panels.get(this.open)?.box.focus();
   }

@@ -11,7 +11,7 @@ export const TEXTS = {
     pose: "Press where the robot is, drag to where it faces, let go.",
   },
   stop: "STOP",
-  stopHelp: "Emergency stop, by the space bar, too",
+  stopHelp: "Emergency stop (space bar)",
   release: "Release",
   takeOver: "Take over",
   ask: "Ask",
