@@ -105,6 +105,7 @@ def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False
                 silence_terminal()
             failed = end_on_failure()
             start()
+        signal.signal(signal.SIGINT, _leave)
         rospy.core.register_signals()
     except UserError as problem:
         sys.stderr.write(render_human(problem.diagnostics))
@@ -117,6 +118,15 @@ def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False
         return 0
     rospy.spin()
     return int(failed.is_set())
+
+
+def _leave(_number: int, _frame: FrameType | None) -> None:
+    """End the process after rospy's shutdown, which rospy's handler makes first.
+
+    During a shutdown that another signal has begun, rospy's handler makes none: what stops the motors may still wait.
+    """
+    if rospy.is_shutdown():
+        os._exit(128 + signal.SIGINT)
 
 
 @contextlib.contextmanager

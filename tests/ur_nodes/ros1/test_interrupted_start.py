@@ -1,4 +1,4 @@
-"""A node of ROS 1 that is ended while it speaks to its master for the first time."""
+"""A node of ROS 1 that is ended while it speaks to its master for the first time, or while it ends already."""
 
 from __future__ import annotations
 
@@ -88,3 +88,42 @@ def test_node_ends_that_is_ended_while_it_looks_for_a_master(tmp_path: Path) -> 
         node.kill()
         node.wait()
     assert node.returncode == -signal.SIGALRM
+
+
+ENDING = """
+import os, signal, sys, time
+from ur_nodes.run import run
+
+def start(node):
+    def end():
+        for _ in range(50):  # systemd and Ctrl-C interrupt what ends already
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.01)
+        print("has stopped its motors", flush=True)
+    node.on_end(end)
+    node.after(0.0, lambda: print("runs", flush=True))
+
+sys.exit(run("ending", start))
+"""
+
+
+def test_further_signals_do_not_cut_off_what_a_node_does_at_its_end(master: SlowMaster, tmp_path: Path) -> None:
+    master.released.set()
+    program = tmp_path / "ending_node.py"
+    program.write_text(ENDING)
+    environment = {
+        **os.environ,
+        "ROS_MASTER_URI": master.uri,
+        "ROS_LOG_DIR": str(tmp_path),
+        "ROS_HOSTNAME": "localhost",
+    }
+    command = [sys.executable, "-I", "-u", "-m", "ur_nodes", str(program)]
+    with subprocess.Popen(command, env=environment, text=True, stdout=subprocess.PIPE) as node:
+        try:
+            assert node.stdout is not None
+            assert node.stdout.readline() == "runs\n"
+            node.send_signal(signal.SIGTERM)  # the host was killed
+            rest, _ = node.communicate(timeout=60)
+        finally:
+            node.kill()
+    assert rest == "has stopped its motors\n"

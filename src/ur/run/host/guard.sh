@@ -41,7 +41,10 @@ read -r word # "ended" when the host has ended everything; nothing when it was k
 if [ "$word" != ended ]; then
   kill_children ur-motor- # drivers of motors, and their guards, end by themselves once they have stopped the motors
   tries=500 # a driver whose guard was killed, too, stops its motors within these, however busy the computer is
-  while [ $tries -gt 0 ] && [ -n "$(list_children)" ]; do
+  empty=0
+  while [ $tries -gt 0 ] && [ $empty -lt 2 ]; do
+    empty=$((empty + 1))
+    [ -z "$(list_children)" ] || empty=0
     sleep 0.01
     tries=$((tries - 1))
   done
