@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterator
 
 import pytest
-from rosgraph.roslogging import RosStreamHandler
+from rosgraph import roslogging
 
 from ur_nodes.ros1.repairs.log_errors import report_log_errors
 
@@ -39,7 +39,7 @@ def test_line_for_a_terminal_that_has_ended_is_dropped_and_the_node_goes_on() ->
     os.close(theirs)  # what `ur` read, when it was killed
     pipe = os.fdopen(ours, "w", buffering=1)
     logger = logging.getLogger("rosout")
-    handler = RosStreamHandler(stdout=pipe, stderr=pipe)
+    handler = roslogging.RosStreamHandler(stdout=pipe, stderr=pipe)  # type: ignore[attr-defined]  # no stubs
     logger.addHandler(handler)
     try:
         with pytest.raises(BrokenPipeError):
