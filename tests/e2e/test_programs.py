@@ -151,7 +151,7 @@ def test_keyboard_drive_takes_keys_from_a_pipe(tmp_path: Path) -> None:
     [
         (["robot_base:=magnni"], "did you mean 'magni'?"),
         (["robot_base:=magni", "robot_variant:=lidr"], "did you mean 'lidar'?"),
-        (["robot_base:=magni"], "build it first: 'ur run fiducial_slam'"),
+        (["robot_base:=magni"], "there is no map of fiducials for its camera"),
         (["robot_base:=botvac", "localisation:=fiducal"], "did you mean 'fiducials'?"),
         (["robot_bse:=magni"], "unknown argument 'robot_bse'"),
         (["office"], "expected NAME:=VALUE"),

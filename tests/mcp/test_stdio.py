@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import resource
 import shutil
 import subprocess
 import sys
@@ -28,7 +27,6 @@ from ur.cli.main import main
 from ur.mcp.calls import EXAMPLES, TOOLS
 
 Run = Callable[..., "subprocess.CompletedProcess[str]"]
-_LIMIT = 2.0  # s
 INSPECTOR = "@modelcontextprotocol/inspector@0.15.0"
 
 
@@ -46,15 +44,6 @@ def bare(tmp_path: Path) -> Path:
     (clone / "tools/set_up.bash").write_text("exit 3\n")
     shutil.copy(ROOT / "ur", clone / "ur")
     return clone / "ur"
-
-
-async def test_initialisation_takes_less_than_two_seconds_of_processor_time(env: dict[str, str]) -> None:
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    async with Client(stdio_client(StdioServerParameters(command=str(ROOT / "ur"), args=["mcp"], env=env))) as client:
-        assert client.server_info is not None
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    used = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
-    assert 0.0 < used < _LIMIT
 
 
 async def test_computer_that_was_never_set_up_names_the_command_that_installs(
@@ -135,7 +124,8 @@ def test_end_of_a_client_that_closes_its_pipe_is_silent(env: dict[str, str], tmp
 
 
 async def test_examples_of_tools_are_answered_and_wrong_names_get_the_right_one(env: dict[str, str]) -> None:
-    async with Client(stdio_client(StdioServerParameters(command=str(ROOT / "ur"), args=["mcp"], env=env))) as client:
+    server = StdioServerParameters(command=str(ROOT / "ur"), args=["mcp"], env=env)
+    async with Client(stdio_client(server, errlog=sys.__stderr__ or sys.stderr)) as client:
         for tool in (await client.list_tools()).tools:
             for example in tool.input_schema.get("examples", ()):
                 result = await client.call_tool(tool.name, example)

@@ -26,8 +26,9 @@ def get_command(package: str) -> str:
 
 
 def _strip(name: str) -> str:
-    """Return what distinguishes a name from others of its kind."""
-    return name.lower().lstrip("-").removesuffix(".xml").removesuffix(".launch")
+    """Return what distinguishes a name from others of its kind: neither dashes nor `.launch.xml`, however misspelt."""
+    stem, _, ending = name.lower().lstrip("-").partition(".")
+    return stem if ending[:1] == "l" and set(ending) <= set("launch.xml") else name.lower().lstrip("-")
 
 
 @lru_cache(maxsize=_MAX_LISTS)
