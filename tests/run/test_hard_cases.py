@@ -30,6 +30,27 @@ def test_node_that_refuses_its_input_again_and_again_is_given_up_and_named(world
 
 
 @pytest.mark.usefixtures("master")
+@pytest.mark.parametrize(
+    ("text", "advice"),
+    [
+        ("#!/usr/bin/env python3\r\nprint('x')\r\n", "try: Windows line endings: "),
+        ("#!/usr/bin/python3\r\nprint('x')\r\n", "try: Windows line endings: "),
+        ("#!/usr/bin/env nopython\n", "try: interpreter 'nopython' is not installed: install nopython"),
+        ("print('x')\n", "try: the file does not begin with '#!'"),
+        ("#!/usr/bin/python3\nimport sys\nprint 'x'\n", "is Python 2, which Python 3 does not read: 2to3 -w "),
+    ],
+)
+def test_script_that_does_not_start_is_explained_by_its_text(world: Any, text: str, advice: str) -> None:
+    script = world.folder / "little_nodes/nodes/broken"
+    script.write_text(text)
+    script.chmod(0o755)
+    run = world.launch('<node pkg="little_nodes" type="broken" name="broken"/>')
+    run.wait()
+    assert advice in run.text
+    assert "a command that it calls" not in run.text
+
+
+@pytest.mark.usefixtures("master")
 def test_flood_of_lines_neither_stops_the_run_nor_grows_it(world: Any) -> None:
     run = world.launch(
         '<node pkg="little_nodes" type="flood" name="flood" output="screen"/>'

@@ -8,6 +8,7 @@ from enum import Enum
 from typing import TYPE_CHECKING
 
 from ur.check.survey import LaunchSurvey
+from ur.check.worlds import CachedWorld
 from ur.source.diagnostic import Diagnostic, Note, Severity
 
 if TYPE_CHECKING:
@@ -126,7 +127,7 @@ class ProgramView:
 
     source: SourceFile
     package: Package
-    world: World
+    world: CachedWorld
     launch_files: Mapping[str, LaunchView]  # every launch file of the package by its path
 
 
@@ -148,7 +149,7 @@ class LaunchedNode:
     element: Element
     local: bool
     package: Package | None
-    world: World
+    world: CachedWorld
 
 
 @dataclass(frozen=True, slots=True)

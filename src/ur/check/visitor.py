@@ -18,10 +18,10 @@ from ur.check.rule import (
     YamlView,
 )
 from ur.check.survey import walk_possible
+from ur.check.worlds import CachedWorld
 from ur.launchfile.plan.problems import OBSOLETE
 from ur.launchfile.plan.specs import Origin, Plan
 from ur.launchfile.syntax import Element
-from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, Note
 
 _AS_RESOLVED = frozenset({"bad-name"})  # some names are refused, and some only warned of
@@ -50,7 +50,7 @@ class Visitor:
         yield from _ask(self._launch_file, view.package, view)
 
     def visit_plan(
-        self, plan: Plan, element_at: Callable[[str, int], Element | None], package: Package | None, world: World
+        self, plan: Plan, element_at: Callable[[str, int], Element | None], package: Package | None, world: CachedWorld
     ) -> Iterable[Diagnostic]:
         """Apply the rules to a resolved file. `element_at` returns the tag at a path and offset, or None."""
         machines = {machine.name for machine in plan.machines}

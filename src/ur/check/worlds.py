@@ -164,6 +164,14 @@ class CachedWorld:
         other._notes = self._notes
         return other
 
+    def find_program(self, name: str) -> str:
+        """Return the path of an installed program, by its name or path; `""` if there is none."""
+        self.note("environment", "PATH")
+        if "PATH" not in self.environment:
+            return name  # as in a world of an example
+        places = ("",) if "/" in name else self.environment["PATH"].split(":")
+        return next(filter(self.is_file, (f"{place}/{name}".replace("//", "/") for place in places)), "")
+
     def locate(self, path: str) -> str:
         """Return the absolute path that a path refers to."""
         if not path or path.startswith("/") or not self._folder or self._ask("is_file", path):

@@ -29,6 +29,10 @@ from ur.run.supervisor.state import ExitStatus
     (ExitStatus(signal=signal.SIGABRT), ["terminate called", "what():  std::bad_alloc"], "memory"),
     (ExitStatus(code=1), ["shutdown request: [/a] Reason: new node registered with same name"], "another name"),
     (ExitStatus(code=1), ["could not connect to display"], "DISPLAY"),
+    (ExitStatus(code=1), ['  File "/ws/a b.py", line 3', '    print "x"', "    ^^^^^", "SyntaxError: Missing "
+     "parentheses in call to 'print'. Did you mean print(...)?"], "line 3 of /ws/a b.py is Python 2"),
+    (ExitStatus(code=1), ['  File "/ws/a.py", line 3', "    raise E, 'x'", "           ^",
+     "SyntaxError: invalid syntax"], "2to3 -w /ws/a.py"),
     (ExitStatus(signal=signal.SIGSEGV), ["OSError: [Errno 28] No space left on device"], "df -h"),
 ])  # fmt: skip
 def test_advice_suits_the_cause(status: ExitStatus, lines: list[str], advice: str) -> None:

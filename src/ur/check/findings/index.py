@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass
 
 from ur.check.findings.merge import Hit, merge_hits
-from ur.check.findings.suppress import Suppression, Suppressions
+from ur.check.findings.suppress import Suppression, Suppressions, read_line_suppressions
 from ur.check.rule import Rule
 from ur.check.worlds import Question
 from ur.source.diagnostic import Diagnostic
@@ -69,6 +69,9 @@ class FindingIndex:
         for unit in sorted(self._units.get(path, ())):
             hits.extend(hit for hit in self._found[unit].hits if _path_of(hit) == path)
         comments = self.comments.get(path, ())
+        script = hits[0].found.span.file if hits and hits[0].found.span else None
+        if script is not None and script.text.startswith("#!") and path not in self.comments:
+            comments = read_line_suppressions(script)
         if not hits and not comments:
             return [], 0
         merged = [found for found in merge_hits(hits) if found.rule in self._chosen or found.rule not in self._rules]

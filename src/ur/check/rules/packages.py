@@ -4,10 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ur.check.example_parts import make_launch
 from ur.check.queries.executables import find_program, is_misspelt
-from ur.check.rule import LaunchedNode, Rule, RuleFinding, RuleGroup, launch_example, launch_examples
-from ur.check.worlds import has_marker
+from ur.check.rule import (
+    Example,
+    LaunchedNode,
+    ProgramView,
+    Rule,
+    RuleFinding,
+    RuleGroup,
+    launch_example,
+    launch_examples,
+)
+from ur.check.worlds import CachedWorld, has_marker
+from ur.launchfile.world import World
 from ur.source.diagnostic import Severity
+from ur.source.file import SourceFile, Span
+from ur.source.script import find_script_faults
 from ur.source.suggest import did_you_mean
 
 
@@ -26,6 +39,38 @@ def _find_missing_executable(view: LaunchedNode) -> Iterable[RuleFinding]:
         help_ = f"did you mean {near}?" if near else f"{package} has: {names}"
     message = f"package {package} has no executable '{name}', expected one for node {view.node.full_name}"
     yield RuleFinding(view.element.value_span("type"), message, help_, subject=name)
+
+
+def _find_bad_scripts(view: LaunchedNode) -> Iterable[RuleFinding]:
+    package, name = view.node.package, view.node.type
+    if not view.local or has_marker(package) or has_marker(name):
+        return
+    try:
+        folder = view.world.find_package(package)
+        files = view.world.find_executables(package, name) or view.world.find_files(package, name)
+        for path in files:
+            if path.startswith(f"{folder}/"):  # what is installed is not the author's to change
+                yield from _read_script(path, folder, view.world)
+    except (LookupError, OSError, ValueError):
+        return  # missing-executable speaks of it
+
+
+def _find_bad_program(view: ProgramView) -> Iterable[RuleFinding]:
+    return _read_script(view.source.path, view.package.folder, view.world)
+
+
+def _read_script(path: str, folder: str, world: CachedWorld) -> Iterable[RuleFinding]:
+    data = world.read_bytes(path)
+    source = SourceFile(path, data.decode("utf-8", "replace"))
+    for fault in find_script_faults(path, data, world.find_program):
+        if fault.kind == "interpreter" and _writes_first_lines(folder, world):
+            continue
+        yield RuleFinding(Span(source, fault.start, fault.end), fault.message, fault.help, subject=path)
+
+
+def _writes_first_lines(folder: str, world: World) -> bool:
+    path = f"{folder}/CMakeLists.txt"
+    return world.is_file(path) and b"catkin_install_python" in world.read_bytes(path)
 
 
 _CMAKE = """
@@ -57,6 +102,12 @@ def _find_not_installed(view: LaunchedNode) -> Iterable[RuleFinding]:
         )
 
 
+def _script_example(text: str, *programs: str) -> Example:
+    launch = make_launch('<node name="driver" pkg="my_robot" type="driver.py"/>')
+    files = {"scripts/driver.py": text, "launch/example.launch": launch, **dict.fromkeys(programs, "")}
+    return Example(files, ("scripts/driver.py",), {"PATH": "/usr/bin"} if programs else {})
+
+
 _MANIFEST = """
 <package format="2">
   <name>my_robot</name>
@@ -77,6 +128,27 @@ def _find_unknown_package(view: LaunchedNode) -> Iterable[RuleFinding]:
 
 
 RULES = (
+    Rule(
+        id="bad-script",
+        group=RuleGroup.FILES,
+        severity=Severity.ERROR,
+        summary="The script of a node does not start.",
+        explanation="""
+The first line of a script (`#!`) names its interpreter. The script does not start when that line is missing, ends with
+the carriage return of Windows, or names a program that is not installed, and when the interpreter does not read the
+text: `python` and Python 2 are not part of current systems. Scripts of nodes below their package's folder, and programs
+in its folder `bin`, are read and compiled; none is run.
+""",
+        bad=(
+            _script_example("«#!/usr/bin/env python3»\r\nprint('hello')\r\n"),
+            _script_example("«#!/usr/bin/env python»\nprint('hello')\n", "/usr/bin/python3"),
+            _script_example("«print('hello')»\n"),
+            _script_example("#!/usr/bin/env python3\n«print 'hello'»\n"),
+        ),
+        good=(_script_example("#!/usr/bin/env python3\nprint('hello')\n"),),
+        node=_find_bad_scripts,
+        program=_find_bad_program,
+    ),
     Rule(
         id="missing-executable",
         group=RuleGroup.FILES,

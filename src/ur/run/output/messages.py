@@ -22,8 +22,11 @@ def describe_status(status: ExitStatus) -> str:
     return "not started" if status.code is None else f"exit code {status.code}"
 
 
-def describe_death(death: ReportDeath, lines: Sequence[str] | None, log: str | None) -> list[str]:
-    """Describe the end of a unit: its status, its last lines (None: already on the screen), and its log file."""
+def describe_death(death: ReportDeath, lines: Sequence[str] | None, log: str | None, fault: str = "") -> list[str]:
+    """Describe the end of a unit: its status, its last lines (None: already on the screen), and its log file.
+
+    `fault` is what the unit's file shows of the reason, as in `Crash`.
+    """
     follow = ""
     if death.restart_in is not None:
         follow = f", starts again in {death.restart_in:.3g} s" if death.restart_in > 0 else ", starts again"
@@ -36,14 +39,14 @@ def describe_death(death: ReportDeath, lines: Sequence[str] | None, log: str | N
     if death.status.clean:
         return [f"{death.name} has finished{follow}"]
     if death.reason is not None:
-        advice = advise(Crash(death.name, death.status, (), death.reason))
+        advice = advise(Crash(death.name, death.status, (), death.reason, fault))
         reported = [f"{death.name} could not be started: {death.reason}{follow}"]
         return [*reported, f"  try: {advice}"] if advice else reported
     reported = [f"{death.name} died: {describe_status(death.status)}{follow}"]
     reported += [f"  | {line}" for line in lines or ()]
     if log is not None:
         reported.append(f"  log: {log}" if lines or lines is None else f"  log: {log} (it printed nothing)")
-    advice = _advise(death, lines or ())
+    advice = _advise(death, lines or (), fault)
     return [*reported, f"  try: {advice}"] if advice else reported
 
 
@@ -69,8 +72,8 @@ class LossLines:
         return due
 
 
-def _advise(death: ReportDeath, lines: Sequence[str]) -> str:
+def _advise(death: ReportDeath, lines: Sequence[str], fault: str) -> str:
     again = f"'ur restart {death.name}' starts it once more"
     if death.deaths and death.status.code == 2:
         return f"exit code 2 is about what it was given: correct that, then 'ur restart {death.name}'"
-    return advise(Crash(death.name, death.status, lines)) or (again if death.deaths else "")
+    return advise(Crash(death.name, death.status, lines, fault=fault)) or (again if death.deaths else "")

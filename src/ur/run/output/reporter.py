@@ -119,11 +119,17 @@ class RunReporter:
             self.inform(describe_death(death, (), None)[0])
             return
         program = self._programs[death.name]
+        fault = ""
+        if death.reason or death.status.code in (126, 127):
+            path = dict(program.changes).get("PATH", os.environ.get("PATH"))
+            from ur.source.script import explain_script  # only once a node has died
+
+            fault = explain_script(program.executable, path)
         if program.unit.terminal:  # what it printed was on the screen
-            lines = describe_death(death, None, self._find_own_log(program))
+            lines = describe_death(death, None, self._find_own_log(program), fault)
         else:
             last = self._outputs.find_last_lines(death.name)
-            lines = describe_death(death, last, self._outputs.find_path(program))
+            lines = describe_death(death, last, self._outputs.find_path(program), fault)
         self.fail("\n".join(lines))
         if self._report_event is not None:
             self._report_event(lines[0])

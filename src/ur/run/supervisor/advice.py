@@ -8,23 +8,33 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ur.run.supervisor.state import ExitStatus
+from ur.source.script import convert_help, is_python_two
 
 
 @dataclass(frozen=True, slots=True)
 class Crash:
-    """A node that died: its exit status, its last output, and the reason if it could not be started ('' otherwise)."""
+    """A node that died: its exit status, its last output, and the reason if it could not be started ('' otherwise).
+
+    `fault` is what its file shows, as `ur.source.script.explain_script` returns it.
+    """
 
     name: str
     status: ExitStatus
     lines: Sequence[str] = ()
     reason: str = ""
+    fault: str = ""
 
 
 def advise(crash: Crash) -> str:
     """Return the first thing to try, one line without a full stop; '' if the log is the best source."""
+    if crash.fault:
+        return crash.fault
     if crash.reason:
         return _advise_unstarted(crash)
     text = "\n".join(re.sub("\x1b\\[[0-9;]*m", "", line) for line in crash.lines)
+    syntax = _SYNTAX_ERROR.search(text)
+    if syntax and is_python_two(syntax[4], syntax[3]):
+        return f"line {syntax[2]} of {syntax[1]} is Python 2, which Python 3 does not read: {convert_help(syntax[1])}"
     for pattern, advice in _BY_TEXT:
         found = re.search(pattern, text, re.MULTILINE)
         if found:
@@ -44,6 +54,9 @@ def _advise_unstarted(crash: Crash) -> str:
     return ""
 
 
+_SYNTAX_ERROR = re.compile(
+    r'^ *File "([^"\n]+)", line (\d+)\n(.*)\n(?: *[\^~]*\n)?(?:SyntaxError|TabError): (.*)', re.MULTILINE
+)
 _DEBUG_GDB = "ur launch --debug {name}=gdb ... shows where"
 
 # The most specific text first; {0} is the match of the pattern.
