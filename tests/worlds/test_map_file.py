@@ -112,6 +112,9 @@ def test_load_map_takes_an_absolute_image(tmp_path: Path) -> None:
         (("resolution: 0.05", "resolution: 0"), "2:13", "expected more than 0"),
         (("resolution: 0.05", "resolution: fine"), "2:13", "expected a number"),
         (("[1, -2.5, 0.25]", "[1, 2]"), "3:9", "expected a list of 3 numbers"),
+        (("[1, -2.5, 0.25]", "[1, 2, -nan]"), "3:9", "write 0.0 where it says nan"),
+        (("[1, -2.5, 0.25]", "[1, 2, .nan]"), "3:9", "write 0.0 where it says nan"),
+        (("resolution: 0.05", 'resolution: "0.05 m"'), "2:13", "expected a number"),
         (("negate: 0", "negate: perhaps"), "4:9", "expected true or false"),
         (("occupied_thresh: 0.65", "occupied_thresh: 65"), "5:18", "0 to 1"),
         (("free_thresh: 0.196", "free_thresh: 0.7"), "6:14", "at most occupied_thresh, 0.65"),
@@ -128,7 +131,15 @@ def test_load_map_says_where_a_map_file_is_wrong(
         load_map(file)
     text = str(caught.value)
     assert text.startswith(f"{file}:{place}: ")
-    assert words in text
+    assert words in text + str(caught.value.diagnostics[0].help)
+
+
+def test_numbers_in_quotes_are_taken_as_map_server_takes_them(tmp_path: Path) -> None:
+    file = write_map(tmp_path, [[205]], 'negate: "0"\noccupied_thresh: "0.65"\nfree_thresh: 1.96e-1\n')
+    plain = read_map(file)
+    file.write_text(file.read_text().replace("0.05", "'5e-2'").replace("[1, -2.5, 0.25]", '["1", -2.5, "0.25"]'))
+    assert read_map(file).file == plain.file
+    assert plain.file.free_thresh == 0.196
 
 
 def test_load_map_says_when_there_is_no_map_file(tmp_path: Path) -> None:

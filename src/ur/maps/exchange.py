@@ -15,6 +15,7 @@ from ur.maps.zones import draw_masks
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.archives import unpack_archive
 from ur.source.foreign.files import read_file, refuse_file
+from ur.source.foreign.pictures import MAP_FORMATS, open_picture
 from ur.source.replace import check_output, replace_file
 from ur.source.section import read_section
 from ur.worlds.map_file import MapImage, read_map, read_map_section
@@ -23,6 +24,8 @@ from ur.worlds.map_keys import parse_map_file
 MOST_PACKED = 45_000_000  # bytes; as text they are less than an answer over ssh may have
 _MOST_UNPACKED = 400_000_000
 _MOST_PART = 100_000_000
+_GREY = 205
+_GREY_DARKNESS = (255 - _GREY) / 255
 _MOST_FILES = 1100
 _FILE = re.compile(r"map\.json|map\.yaml|map(_2)?\.pgm|(graph|scans)_[0-9]{1,6}\.npz")
 
@@ -87,6 +90,15 @@ def import_picture(store: MapStore, source: Path, name: str) -> MapImage:
     with store.arriving(name) as folder:
         write_picture(folder / "map", image.values, image.resolution, image.origin)
     return image
+
+
+def takes_grey_as_free(image: MapImage) -> bool:
+    """Return whether an imported picture has map_server's grey of unknown floor, and its thresholds make that free."""
+    file = image.file
+    if file.mode != "trinary" or file.negate or file.free_thresh <= _GREY_DARKNESS:
+        return False
+    with open_picture(file.image, MAP_FORMATS) as picture:
+        return picture.mode in ("L", "P", "RGB") and bool(picture.convert("L").histogram()[_GREY])
 
 
 def export_picture(store: MapStore, name: str, target: Path) -> list[Path]:

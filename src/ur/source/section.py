@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -16,6 +17,7 @@ from ur.source.read import read_source
 from ur.source.suggest import did_you_mean
 
 _REQUIRED: object = object()
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
 
 def read_section(path: str | Path, what: str, *, piped: bool = True) -> Section:
@@ -140,7 +142,8 @@ class Section:
             or not all(map(_is_number, value))
             or (length is not None and len(value) != length)
         ):
-            self.fail(key, f"{key}: {value!r} in {self.name}, expected {expected}")
+            help = "write 0.0 where it says nan" if "nan" in str(value).lower() else None
+            self.fail(key, f"{key}: {value!r} in {self.name}, expected {expected}", help)
         return tuple(float(x) for x in value)
 
     def points(self, key: str, default: object = _REQUIRED, *, minimum: int = 0) -> tuple[tuple[float, float], ...]:
@@ -184,6 +187,14 @@ class Section:
     def merged(self, over: Section) -> Section:
         """Return this mapping with the values of another one merged over it, mapping by mapping; positions are kept."""
         return Section(self.file, _merge(self._node, over._node), self.name)
+
+    def with_numbers(self, *keys: str) -> Section:
+        """Return this mapping with the texts of these keys as yaml-cpp takes them: `"0.05"` and `1e-3` are numbers."""
+        pairs = [(k, _as_number(v) if getattr(k, "value", None) in keys else v) for k, v in self._node.value]
+        node = yaml.MappingNode(self._node.tag, pairs, self._node.start_mark, self._node.end_mark)
+        read = Section(self.file, node, self.name)
+        read._asked = self._asked
+        return read
 
     def without(self, key: str) -> Section:
         """Return this mapping without one of its keys."""
@@ -232,6 +243,15 @@ def _is_number(value: object) -> TypeGuard[float]:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return False
     return abs(value) <= sys.float_info.max
+
+
+def _as_number(node: yaml.Node) -> yaml.Node:
+    if isinstance(node, yaml.SequenceNode):
+        inner = [_as_number(each) for each in node.value]
+        return yaml.SequenceNode(node.tag, inner, node.start_mark, node.end_mark)
+    if node.tag == "tag:yaml.org,2002:str" and _NUMBER.fullmatch(node.value):
+        return yaml.ScalarNode("tag:yaml.org,2002:float", node.value, node.start_mark, node.end_mark)
+    return node
 
 
 def _kind(node: yaml.Node) -> str:

@@ -36,6 +36,7 @@ class MapFile:
 
 def parse_map_file(section: Section, folder: Path) -> MapFile:
     """Parse the keys of a map file, and ignore others. `folder` is that of a relative image path. Raises UserError."""
+    section = section.with_numbers("resolution", "origin", "negate", "occupied_thresh", "free_thresh")
     image = section.text("image")
     if not image:
         section.fail("image", "image: '' in a map file, expected the path of an image")

@@ -119,3 +119,14 @@ def test_damaged_map_is_listed_as_such(plan: Path, capsys: pytest.CaptureFixture
     next(plan.parent.glob("data/ubiquity_launches/maps/flat/*.pgm")).write_bytes(b"")
     assert main(["maps"]) == 0
     assert "flat: damaged: " in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("threshold", "noted"), [("0.25", True), ("0.196", False)])
+def test_import_notes_thresholds_that_make_unknown_floor_free(
+    threshold: str, noted: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan = write_picture(tmp_path / "plan", np.array(((0, 100, -1), (100, -1, 0)), dtype=np.int8), 0.1, (0.0, 0.0, 0.0))
+    plan.write_text(plan.read_text().replace("free_thresh: 0.196", f"free_thresh: {threshold}"))
+    assert f"free_thresh: {threshold}" in plan.read_text()
+    assert main(["maps", "import", str(plan), "flat"]) == 0
+    assert ("note: free_thresh: 0.25 makes the grey of unknown floor (205) free" in capsys.readouterr().out) is noted

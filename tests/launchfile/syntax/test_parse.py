@@ -76,13 +76,37 @@ def test_broken_file_gives_what_stood_before() -> None:
         ("<launch>\n<param name=a/></launch>", "2:13", "not well-formed"),
         ("<launch><param name='b & c'/></launch>", "1:24", "&amp;"),
         ("", "1:1", "no element"),
-        ("<launch/>\n<launch/>", "2:1", "junk after document element"),
+        ("<launch/>\n<launch/>", "2:1", "one root element"),
     ],
 )
 def test_broken_xml_is_explained_at_its_place(text: str, place: str, words: str) -> None:
     found = _parse(text).diagnostics[0]
     assert str(found.span) == f"x.launch:{place}"
     assert words in found.message
+
+
+@pytest.mark.parametrize(
+    ("data", "place", "words"),
+    [
+        (b"<launch>\n<!-- a -- b -->\n</launch>", "2:8", "instead of '--'"),
+        (b"<launch>\n<!-- a --->\n</launch>", "2:8", "instead of '--'"),
+        (b"<launch>\n<!-- a\n</launch>", "2:1", "write --> at the end of the comment"),
+        (b"<launch><param name='a' value='b < c'/></launch>", "1:34", "write &lt; instead of <"),
+        (b"<launch><param name='a' value='b/>\n  <node/></launch>", "2:3", "close the quotes of the line above"),
+        (b"<launch/>\nhello", "2:1", "before </launch>"),
+        (b"hello\n<launch/>", "1:1", "make it a comment"),
+        (b"\n<?xml version='1.0'?>\n<launch/>", "2:1", "remove what is before it"),
+        (b"<?xml version='1.0' encoding='utf-16'?>\n<launch/>", "1:31", 'write encoding="utf-8"'),
+        (b"<?xml version='1.0' encoding='none'?>\n<launch/>", "1:1", 'write encoding="utf-8"'),
+        (b"<launch>\n<param name='\xfc' value='1'/></launch>", "2:14", "iconv -f latin1 -t utf-8 FILE"),
+        (b"<launch>&nbsp;</launch>", "1:9", "write the character itself"),
+        (b"<launch><xacro:include/></launch>", "1:9", "xmlns:PREFIX"),
+    ],
+)
+def test_cause_of_broken_xml_has_its_own_help(data: bytes, place: str, words: str) -> None:
+    found = parse_launch_file("x.launch", data).diagnostics[0]
+    assert str(found.span) == f"x.launch:{place}"
+    assert words in (found.help or "")
 
 
 NAMES = st.sampled_from(["a", "b-c", "_d", "ns:e"])

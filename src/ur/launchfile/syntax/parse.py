@@ -19,6 +19,20 @@ MAX_ELEMENTS = 200_000
 _MISMATCHED_TAG = 7
 _NO_ELEMENT = 3
 _DUPLICATE_ATTRIBUTE = 8
+_INVALID_TOKEN = 4
+_UNCLOSED_TOKEN = 5
+_CAUSES = {
+    _DUPLICATE_ATTRIBUTE: ("duplicate attribute", "keep one of the two"),
+    2: ("text before the first tag, expected <launch>", "remove it, or make it a comment: <!-- ... -->"),
+    9: ("something after the end of <launch>, expected one root element", "move it into <launch>, before </launch>"),
+    11: (
+        "an entity that XML does not know",
+        "write the character itself: only &lt; &gt; &amp; &quot; &apos; are known",
+    ),
+    17: ("'<?xml ...?>' after other text, expected it as the first", "remove what is before it, also blank lines"),
+    19: ("the declared encoding is not the file's, which is UTF-8", 'write encoding="utf-8" or leave it out'),
+    27: ("a prefix that is not declared", "remove it, or add xmlns:PREFIX=... to <launch>"),
+}
 _LONE_AMPERSAND = re.compile(r"&(?!#?\w+;)")
 
 
@@ -87,7 +101,12 @@ class _Builder:
             self.diagnostics.append(self.explain(problem))
         except (LookupError, ValueError, UnicodeError) as problem:  # an encoding that Python does not know
             self.diagnostics.append(
-                error(f"not well-formed XML: {problem}, expected UTF-8", Span(self.source, 0, 1), rule="bad-xml")
+                error(
+                    f"not well-formed XML: {problem}, expected UTF-8",
+                    Span(self.source, 0, 1),
+                    rule="bad-xml",
+                    help='write encoding="utf-8" in the first line, or leave it out',
+                )
             )
         for element in self.stack:
             element.end = max(element.end, len(self.source.text))
@@ -204,16 +223,46 @@ class _Builder:
             else:
                 reason = "no element found, expected <launch>"
                 help_ = "a launch file starts with <launch> and ends with </launch>"
-        elif lone := _find_lone_ampersand(text, offset):
-            span = Span(self.source, lone.start(), lone.end())
-            reason, help_ = "'&' begins a reference such as &lt;, expected &amp;", "write &amp; instead of &"
-        elif text.startswith("<", offset) and reason.startswith("not well-formed"):
-            help_ = "inside a value write &lt; instead of <; else check that the quotes before it are closed"
-        elif reason.startswith("not well-formed"):
-            help_ = "check the quotes, the '=' and the '>' around this place"
-        elif problem.code == _DUPLICATE_ATTRIBUTE:
-            help_ = "keep one of the two"
+        elif cause := _find_cause(text, offset, problem.code):
+            start, end, reason, help_ = cause
+            span = Span(self.source, start, end)
         return error(f"not well-formed XML: {reason}", span, rule="bad-xml", notes=notes, help=help_)
+
+
+def _find_cause(text: str, offset: int, code: int) -> tuple[int, int, str, str] | None:
+    # Start, end, reason and help of an error, of which expat names only the place.
+    comment = text.rfind("<!--", 0, offset + 4)
+    closed = text.find("-->", comment + 4)
+    line = text[text.rfind("\n", 0, offset) + 1 : offset]
+    if code in _CAUSES:
+        return offset, offset + 1, *_CAUSES[code]
+    if code not in (_INVALID_TOKEN, _UNCLOSED_TOKEN):
+        return None
+    if text.startswith("\ufffd", offset):
+        reason = "a character that is not UTF-8, which the file is read as"
+        return offset, offset + 1, reason, "save the file as UTF-8: iconv -f latin1 -t utf-8 FILE"
+    if comment != -1 and (closed == -1 or offset <= closed + 2):
+        if closed == -1:
+            return (
+                comment,
+                comment + 4,
+                "a comment is not closed, expected '-->'",
+                "write --> at the end of the comment",
+            )
+        return (
+            offset - 2,
+            offset,
+            "'--' inside a comment, expected it only at the end",
+            "write '-' or '==' instead of '--'",
+        )
+    if lone := _find_lone_ampersand(text, offset):
+        reason = "'&' begins a reference such as &lt;, expected &amp;"
+        return lone.start(), lone.end(), reason, "write &amp; instead of &"
+    if text.startswith("<", offset) and line.strip():
+        return offset, offset + 1, "'<' inside a value, expected &lt;", "write &lt; instead of <"
+    if text.startswith("<", offset):
+        return offset, offset + 1, "a tag inside a value that is not closed", "close the quotes of the line above"
+    return offset, offset + 1, "invalid token", "check the quotes, the '=' and the '>' around this place"
 
 
 def _find_lone_ampersand(text: str, offset: int) -> re.Match[str] | None:
