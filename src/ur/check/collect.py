@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shlex
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -33,7 +34,7 @@ class Targets:
     """The files to check, sorted, by kind; `whole`: packages that are checked completely.
 
     `left_out` are links that lead elsewhere, and unreadable folders; `found` are the files below each whole package,
-    by its folder, whose names fit a launch file.
+    by its folder, whose names fit a launch file. `not_read` counts the files of each kind that no rule reads.
     """
 
     launch_files: tuple[str, ...]
@@ -43,6 +44,7 @@ class Targets:
     whole: tuple[Package, ...]
     left_out: tuple[str, ...] = ()
     found: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    not_read: Mapping[str, int] = field(default_factory=dict)
 
     def package_of(self, path: str) -> Package | None:
         """Return the package that a file belongs to: the innermost folder with a package.xml."""
@@ -67,6 +69,7 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
     visited: set[str] = set()
     left_out: set[str] = set()
     found: dict[str, None] = {}
+    not_read: set[str] = set()
     for word in join_addresses(paths, world):
         path = _locate(word, world)
         links = EscapingLinks(path)
@@ -79,6 +82,7 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
                 _add_package(file.removesuffix("/package.xml"), world, packages)
         launch.update(file for file in files if _is_launch_file(file, file == path, world))
         yaml.update(file for file in files if file.endswith(_YAML_SUFFIXES) and not is_ros2_name(file))
+        not_read.update(file for file in files if is_ros2_name(file) and file != path)
         folders = {f"{folder}/bin" for folder in packages}
         if world.is_file(path) and not _can_be_checked(path, launch, yaml, folders, world):
             raise UserError(
@@ -93,7 +97,9 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
     programs = _without_twins(programs, world)
     whole = tuple(packages[folder] for folder in sorted(packages) if folder in visited)
     files_of = (tuple(sorted(launch)), tuple(sorted(yaml)), tuple(sorted(programs)))
-    return Targets(*files_of, packages, whole, tuple(sorted(left_out)), _sort_by_package(found, whole))
+    kinds = Counter("Python" if file.endswith(".py") else "YAML" for file in not_read - launch)
+    by_kind = {f"{kind} launch file of ROS 2": number for kind, number in sorted(kinds.items())}
+    return Targets(*files_of, packages, whole, tuple(sorted(left_out)), _sort_by_package(found, whole), by_kind)
 
 
 def _sort_by_package(files: Iterable[str], packages: Iterable[Package]) -> Mapping[str, Sequence[str]]:

@@ -24,7 +24,7 @@ def report() -> CheckReport:
 
 def test_json_has_places_from_one_and_counts() -> None:
     body = json.loads(render_json(report()))
-    assert body["summary"] == {"files": 2, "errors": 2, "warnings": 1, "suppressed": 0}
+    assert body["summary"] == {"files": 2, "errors": 2, "warnings": 1, "suppressed": 0, "not_read": {}}
     finding = next(each for each in body["findings"] if each["rule"] == "undeclared-argument")
     assert {key: finding[key] for key in ("path", "line", "column", "end_line", "end_column", "severity")} == {
         "path": "part.launch",
@@ -62,3 +62,13 @@ def test_github_commands_are_one_line_each_with_escapes() -> None:
 def test_text_ends_with_counts() -> None:
     assert render_text(report()).endswith("\n2 errors and 1 warning in 2 files\n")
     assert render_text(CheckReport((), 1, 2)) == "nothing found in 1 file (2 findings hidden by comments)\n"
+
+
+def test_text_counts_what_was_not_read_by_kind() -> None:
+    ros2 = {"/w/launch/a.launch.py": "", "/w/launch/b_launch.py": "", "/w/launch/c.launch.yaml": ""}
+    skipped = "2 Python launch files of ROS 2 and 1 YAML launch file of ROS 2 were not read\n"
+    text = render_text(check_paths(["/w"], MemoryWorld(FILES | ros2)))
+    assert text.endswith(f"\n2 errors and 1 warning in 2 files; {skipped}")
+    text = render_text(check_paths(["/w"], MemoryWorld(ros2)))
+    assert text.startswith("nothing was checked: ")
+    assert text.endswith(f"; {skipped}")

@@ -46,6 +46,13 @@ def test_exit_code_says_what_was_found(words: list[str], code: int) -> None:
     assert main(["check", *words]) == code
 
 
+@pytest.mark.parametrize("form", ["human", "json"])
+def test_check_that_read_nothing_ends_with_code_two(folder: Path, form: str) -> None:
+    (folder / "ros2").mkdir()
+    (folder / "ros2" / "robot.launch.py").write_text("")
+    assert main(["check", "ros2", "--format", form]) == 2
+
+
 def test_findings_are_shown_with_short_paths(capsys: pytest.CaptureFixture[str]) -> None:
     main(["check"])
     lines = capsys.readouterr().out.splitlines()

@@ -18,6 +18,7 @@ def render_json(report: CheckReport) -> str:
             "errors": report.errors,
             "warnings": len(report.findings) - report.errors,
             "suppressed": report.suppressed,
+            "not_read": dict(report.not_read),
         },
     }
     return json.dumps(body, indent=2, ensure_ascii=False) + "\n"

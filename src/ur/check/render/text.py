@@ -39,11 +39,17 @@ def summarise(report: CheckReport, *, nothing: str = "nothing found") -> str:
     warnings = len(report.findings) - report.errors
     counts = [_count(number, word) for number, word in ((report.errors, "error"), (warnings, "warning")) if number]
     hidden = f" ({_count(report.suppressed, 'finding')} hidden by comments)" if report.suppressed else ""
-    return f"{' and '.join(counts) or nothing} in {_count(report.files, 'file')}{hidden}"
+    skipped = " and ".join(_count(number, kind) for kind, number in report.not_read.items())
+    left_out = f"; {skipped} {'was' if sum(report.not_read.values()) == 1 else 'were'} not read" if skipped else ""
+    if not report.files:
+        return f"nothing was checked: no launch file, YAML file or program of a package is there{left_out}"
+    return f"{' and '.join(counts) or nothing} in {_count(report.files, 'file')}{hidden}{left_out}"
 
 
 def _count(number: int, word: str) -> str:
-    return f"{number} {word}" + ("" if number == 1 else "s")
+    if number == 1:
+        return f"1 {word}"
+    return f"{number} {word.replace(' file ', ' files ') if ' file ' in word else word + 's'}"
 
 
 def shorten_paths(report: CheckReport, folder: str) -> CheckReport:

@@ -60,7 +60,7 @@ def command(
     given, and packages with bases are checked for every base and variant; NAME:=VALUE checks with that value only.
 
     Exit code: 0 when no error is found, 1 when there is one (with --strict: or a warning), 2 when the check could not
-    run.
+    run or there was nothing to read.
     """
     from ur.check.cache.program import digest_program
     from ur.check.cache.store import cache_folder, load_recall, name_cache, store_recall
@@ -101,6 +101,8 @@ def command(
     _show(report, form)
     if note := describe_left_out(report.left_out):
         click.echo(note, err=True)
+    if not report.files:
+        return 2
     return 1 if report.errors or (strict and report.findings) else 0
 
 
