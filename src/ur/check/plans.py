@@ -79,7 +79,7 @@ class PlanChecks:
             if found.severity is Severity.ERROR or self._is_checked(found):
                 yield judge_package(stamp_severity(found, self.rules), view.package, option, self.world)
         element_at = partial(self._element_at, view)
-        for found in self.visitor.visit_plan(resolved.plan, element_at, view.package, self.world):
+        for found in self.visitor.visit_plan(resolved.plan, element_at, view.package, self.world, plain=option is None):
             yield judge_package(found, view.package, option, self.world)
 
     def _is_checked(self, found: Diagnostic) -> bool:

@@ -12,7 +12,7 @@ from ur.check.worlds import CachedWorld
 from ur.source.diagnostic import Diagnostic, Note, Severity
 
 if TYPE_CHECKING:
-    from ur.launchfile.plan.specs import NodeSpec, ParamSpec
+    from ur.launchfile.plan.specs import NodeSpec, ParamSpec, Plan
     from ur.launchfile.syntax import Element, LaunchFile
     from ur.launchfile.world import World
     from ur.source.file import SourceFile, Span
@@ -153,6 +153,14 @@ class LaunchedNode:
 
 
 @dataclass(frozen=True, slots=True)
+class PlanView:
+    """A resolved launch file with its options as they are by default. `element_at`: the tag at a path and offset."""
+
+    plan: Plan
+    element_at: Callable[[str, int], Element | None]
+
+
+@dataclass(frozen=True, slots=True)
 class ParamView:
     """A parameter of a resolved launch file whose value a command prints."""
 
@@ -182,6 +190,7 @@ class Rule:
     program: Callable[[ProgramView], Iterable[RuleFinding]] | None = None
     whole_package: Callable[[PackageView], Iterable[RuleFinding]] | None = None
     node: Callable[[LaunchedNode], Iterable[RuleFinding]] | None = None
+    plan: Callable[[PlanView], Iterable[RuleFinding]] | None = None
     param: Callable[[ParamView], Iterable[RuleFinding]] | None = None
     fix: Callable[[Diagnostic], tuple[TextEdit, ...]] | None = None
 

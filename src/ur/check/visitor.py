@@ -11,6 +11,7 @@ from ur.check.rule import (
     Package,
     PackageView,
     ParamView,
+    PlanView,
     ProgramView,
     Rule,
     RuleFinding,
@@ -39,6 +40,7 @@ class Visitor:
         self._program: list[_Hook] = [(rule, rule.program) for rule in every if rule.program]
         self._package: list[_Hook] = [(rule, rule.whole_package) for rule in every if rule.whole_package]
         self._node: list[_Hook] = [(rule, rule.node) for rule in every if rule.node]
+        self._plan: list[_Hook] = [(rule, rule.plan) for rule in every if rule.plan]
         self._param: list[_Hook] = [(rule, rule.param) for rule in every if rule.param]
 
     def visit_launch_file(self, view: LaunchView) -> Iterable[Diagnostic]:
@@ -50,9 +52,20 @@ class Visitor:
         yield from _ask(self._launch_file, view.package, view)
 
     def visit_plan(
-        self, plan: Plan, element_at: Callable[[str, int], Element | None], package: Package | None, world: CachedWorld
+        self,
+        plan: Plan,
+        element_at: Callable[[str, int], Element | None],
+        package: Package | None,
+        world: CachedWorld,
+        *,
+        plain: bool,
     ) -> Iterable[Diagnostic]:
-        """Apply the rules to a resolved file. `element_at` returns the tag at a path and offset, or None."""
+        """Apply the rules to a resolved file. `element_at` returns the tag at a path and offset, or None.
+
+        `plain`: no option has another value than by default.
+        """
+        if plain:
+            yield from _ask(self._plan, package, PlanView(plan, element_at))
         machines = {machine.name for machine in plan.machines}
         for node in plan.all_nodes():
             element = element_at(node.origin.span.file.path, node.origin.span.start)

@@ -12,15 +12,19 @@ from ur.source.diagnostic import Severity
 from ur.source.render import render_human
 
 FOLDER = "/ws/my_robot"
-_OTHERS = {
-    "/opt/demo_nodes/package.xml": "<package><name>demo_nodes</name></package>",
-    "/opt/demo_nodes/bin/talker": "#!/bin/sh\n",
-    "/opt/demo_nodes/bin/listener": "#!/bin/sh\n",
-    "/opt/rviz/package.xml": "<package><name>rviz</name></package>",
-    "/opt/rviz/bin/rviz": "#!/bin/sh\n",
+_PROGRAMS = {
+    "demo_nodes": ("talker", "listener"),
+    "rviz": ("rviz",),
+    "tf": ("static_transform_publisher",),
+    "tf2_ros": ("static_transform_publisher",),
+    "amcl": ("amcl",),
 }
-_PACKAGES = {"my_robot": FOLDER, "demo_nodes": "/opt/demo_nodes", "rviz": "/opt/rviz"}
-_EXECUTABLES = ("/opt/demo_nodes/bin/talker", "/opt/demo_nodes/bin/listener", "/opt/rviz/bin/rviz")
+_PACKAGES = {"my_robot": FOLDER, **{name: f"/opt/{name}" for name in _PROGRAMS}}
+_EXECUTABLES = tuple(f"/opt/{name}/bin/{program}" for name, programs in _PROGRAMS.items() for program in programs)
+_OTHERS = {
+    **{f"/opt/{name}/package.xml": f"<package><name>{name}</name></package>" for name in _PROGRAMS},
+    **dict.fromkeys(_EXECUTABLES, "#!/bin/sh\n"),
+}
 OPEN, CLOSE = "«", "»"
 _EXCERPT = re.compile(r" +\d* \|")  # a line of the file below a finding, or its marks
 
