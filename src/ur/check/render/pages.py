@@ -59,7 +59,8 @@ def _show_files(example: Example) -> str:
     parts = []
     for path, text in example.files.items():
         kind = kinds.get(path.rpartition(".")[2], "bash")
-        parts.append(f"`{path}`\n\n```{kind}\n{strip_marks(text).strip()}\n```\n")
+        shown = strip_marks(text).strip().replace("\r", "␍")
+        parts.append(f"`{path}`\n\n```{kind}\n{shown}\n```\n")
     return "\n".join(parts)
 
 

@@ -17,6 +17,7 @@ from ur.source.file import SourceFile, Span
 _EXPONENT = re.compile(r"([-+]?\d+)(\.\d*)?[eE]([-+]?)(\d+)")
 _INFINITE = re.compile(r"[-+]?(?:inf|nan)", re.IGNORECASE)
 _SWITCH = {"yes": "true", "on": "true", "no": "false", "off": "false"}
+_READ_FROM_TEXT = ("initial_estimate_covariance", "process_noise_covariance")  # robot_localization takes texts, too
 _LONGEST = 60  # characters of what someone may take for a number
 
 
@@ -37,7 +38,7 @@ def _find_in_text(source: SourceFile) -> Iterator[RuleFinding]:
             continue
         seen.add(id(node))
         if isinstance(node, yaml.MappingNode):
-            stack.extend((value, False) for _, value in node.value)
+            stack.extend((value, False) for key, value in node.value if str(key.value) not in _READ_FROM_TEXT)
         elif isinstance(node, yaml.SequenceNode):
             texts = any(each.tag.endswith(":str") for each in node.value)
             stack.extend((each, texts) for each in node.value)
@@ -125,6 +126,7 @@ of texts.
         ),
         good=(
             _yaml_example("tolerance: 1.0e-3\ncode: '010'\nstart: '12:30'\nstates: [blink, 'on']\nuse_map: yes\n"),
+            _yaml_example("process_noise_covariance: [1e-9, 0.0]\n"),
             launch_example(make_launch('<param name="tolerance" type="double" value="1e-3"/>')),
         ),
         yaml_file=_find_in_yaml,
