@@ -17,12 +17,13 @@ from ur.cli.main import main
 from ur.get.record import InstallRecord, load_record, record_path
 from ur.maps.record import MapEdit
 from ur.maps.store import own_store
+from ur.maps.waypoint_file import waypoint_path
 from ur.robot.discovery.record import RobotRecord, load_records, records_folder
 from ur.robot.discovery.seen import SeenRobot, load_seen, note_seen, seen_path
 from ur.robot.selection import Selection, load_selection, selection_path
 from ur.robot.sync.memory import WorkspacePair, load_memory, memory_path
 from ur.web.server.logins.session_list import find_logins
-from ur_nodes.client.waypoints import WaypointStore, name_of_map, waypoint_path
+from ur_nodes.client.waypoints import WaypointStore, name_of_map
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 

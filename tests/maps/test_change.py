@@ -6,12 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ur.maps.change import add_edit, make_edit, move_map, propose, read_places, write_places
+from ur.maps.change import add_edit, make_edit, move_map, propose
 from ur.maps.exchange import import_picture
 from ur.maps.picture_file import write_picture
 from ur.maps.record import MapRecord
 from ur.maps.scan_file import StoredGraph, encode_graph, read_graph
 from ur.maps.store import MapStore
+from ur.maps.waypoint_file import read_places, write_places
 from ur.source.diagnostic import UserError
 from ur.worlds.map_file import read_map
 
@@ -49,7 +50,7 @@ def test_map_graph_and_waypoints_move_together(store: MapStore, tmp_path: Path) 
     (store.path("flat") / "graph_1.npz").write_bytes(encode_graph(graph))
     store.write_record("flat", MapRecord(graph="graph_1.npz"))
     waypoints = tmp_path / "flat.yaml"
-    write_places(waypoints, "flat", {"door": (1.0, 0.0, 0.0)})
+    write_places(waypoints, {"door": (1.0, 0.0, 0.0)})
     move_map(store, "flat", (0.0, 0.0, math.pi / 2), waypoints)
     assert read_places(waypoints)["door"] == pytest.approx((0.0, 1.0, 90.0))
     record = store.record("flat")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -14,16 +13,15 @@ from ur.maps.picture_file import write_picture
 from ur.maps.record import LARGEST, MOST_EDITS, MOST_POINTS, EditKind, MapEdit, MapRecord, render_record
 from ur.maps.scan_file import encode_graph, read_graph
 from ur.maps.store import MapStore
+from ur.maps.waypoint_file import read_places, write_places
 from ur.maps.zone_mask import write_masks
 from ur.source.diagnostic import UserError, error
 from ur.source.replace import replace_file
-from ur.source.section import read_section
 from ur.worlds.map_file import MapImage, read_map
 
 Point = tuple[float, float]
 
 _FARTHEST = 10_000.0  # m
-"""Names of places."""
 
 
 def make_edit(kind: EditKind, points: list[Point]) -> MapEdit:
@@ -100,7 +98,7 @@ def move_map(store: MapStore, name: str, motion: Origin, waypoints: Path) -> Non
         if record.zones:
             write_masks(store.path(name), moved.zones, read_map(store.picture(name)))
         if places:
-            write_places(waypoints, name, move_places(places, motion))
+            write_places(waypoints, move_places(places, motion))
         if record.graph:
             (store.path(name) / record.graph).unlink(missing_ok=True)
 
@@ -112,7 +110,7 @@ def name_place(store: MapStore, name: str, waypoints: Path, place: str, pose: Or
     if not all(math.isfinite(value) and abs(value) <= _FARTHEST for value in pose):
         raise _bad(f"the place is farther away than {_FARTHEST:g} m, expected metres in the frame of the map")
     with store.claim(store.resolve(name)):
-        write_places(waypoints, name, {**read_places(waypoints), place: pose})
+        write_places(waypoints, {**read_places(waypoints), place: pose})
 
 
 def move_places(places: Mapping[str, Origin], motion: Origin) -> dict[str, Origin]:
@@ -121,29 +119,6 @@ def move_places(places: Mapping[str, Origin], motion: Origin) -> dict[str, Origi
         each: (*move_point((x, y), motion), math.remainder(degrees + math.degrees(motion[2]), 360.0))
         for each, (x, y, degrees) in places.items()
     }
-
-
-def read_places(path: Path) -> dict[str, Origin]:
-    """Read the waypoints of a map: x, y in m, and degrees; empty without a file. Raises UserError."""
-    if not path.exists():
-        return {}
-    section = read_section(path, "a waypoint file")
-    found: dict[str, Origin] = {}
-    for name in section.keys:
-        x, y, degrees = section.numbers(name, 3)
-        found[name] = (x, y, degrees)
-    return found
-
-
-def write_places(path: Path, map_name: str, places: dict[str, Origin]) -> None:
-    """Replace the waypoints of a map. Raises OSError."""
-    head = f"# Waypoints of the map {map_name}: name: [x, y, angle], in m, m and degrees, in the map frame.\n"
-    # In quotation marks: 007 and yes are names, not values.
-    rows = (
-        f"{json.dumps(name, ensure_ascii=False)}: [{x:.3f}, {y:.3f}, {degrees:.1f}]\n"
-        for name, (x, y, degrees) in sorted(places.items())
-    )
-    replace_file(path, head + "".join(rows), parents=True)
 
 
 def _write(store: MapStore, name: str, image: MapImage, origin: Origin) -> None:

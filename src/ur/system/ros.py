@@ -131,6 +131,11 @@ def find_facts(environment: Mapping[str, str], domain: str) -> str:
     return environment.get("UR_FACTS") or facts_file(environment, domain)
 
 
+def parameters_file(facts: str) -> str:
+    """Return the file with the parameters of all nodes of the runs whose facts are in a file."""
+    return f"{facts.removesuffix('.json')}..parameters.json"  # no node has a name without letters
+
+
 def viewer_socket(environment: Mapping[str, str]) -> str:
     """Return the socket for viewers of the process with all nodes, without ROS."""
     return os.path.join(os.path.dirname(find_facts(environment, NONE)), "nodes.sock")  # noqa: PTH120 - as above

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from hashlib import sha1
@@ -12,25 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ur.maps.waypoint_path import waypoint_path as stored_path
+from ur.maps.waypoint_file import read_places, waypoint_path, write_places
 from ur.source.diagnostic import UserError, error
-from ur.source.replace import replace_file
-from ur.source.section import read_section
 from ur.source.suggest import did_you_mean
-from ur_nodes.client.snapshot import format_number
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-
-_HEAD = "# Waypoints of the map {name}: name: [x, y, angle], in m, m and degrees, in the map frame.\n"
-
-
-def waypoint_path(map_name: str, environment: Mapping[str, str]) -> Path:
-    """Return the waypoint file of a map: below XDG_DATA_HOME, which is ~/.local/share unless set.
-
-    `map_name` may be a path; then its stem counts.
-    """
-    stem = Path(map_name).stem if "/" in map_name else map_name
-    return stored_path(re.sub(r"[^A-Za-z0-9_.-]", "_", stem), environment)
 
 
 def name_of_map(grid: Grid) -> str:
@@ -79,14 +64,7 @@ class WaypointStore:
 
     def places(self) -> dict[str, Pose2]:
         """Return all waypoints, sorted by name. Raises UserError, with the line, when the file cannot be used."""
-        if not self.path.exists():
-            return {}
-        section = read_section(self.path, "a waypoint file")
-        found = {}
-        for name in section.keys:
-            x, y, degrees = section.numbers(name, 3)
-            found[name] = Pose2(x, y, math.radians(degrees))
-        return dict(sorted(found.items()))
+        return {name: Pose2(x, y, math.radians(degrees)) for name, (x, y, degrees) in read_places(self.path).items()}
 
     def find(self, name: str) -> Pose2:
         """Return a waypoint. Raises UserError, with a suggestion, when there is none of that name."""
@@ -116,21 +94,12 @@ class WaypointStore:
         self._write({key: place for key, place in self.places().items() if key != name})
 
     def _write(self, places: Mapping[str, Pose2]) -> None:
-        lines = [f"{_key(name)}: [{_numbers_of(place)}]\n" for name, place in sorted(places.items())]
-        text = _HEAD.format(name=self.path.stem) + "".join(lines or ["{}\n"])
         try:
-            replace_file(self.path, text, parents=True, sync=self._sync)
+            write_places(
+                self.path, {name: (x, y, math.degrees(yaw)) for name, (x, y, yaw) in places.items()}, self._sync
+            )
         except OSError as problem:
             reason = (problem.strerror or str(problem)).lower()
             raise UserError(
                 error(f"{self.path}: {reason}, expected a writable waypoint file", rule="unwritable-file")
             ) from None
-
-
-def _numbers_of(place: Pose2) -> str:
-    x, y = format_number(place.x, 3), format_number(place.y, 3)
-    return f"{x}, {y}, {format_number(math.degrees(place.yaw), 1)}"
-
-
-def _key(name: str) -> str:
-    return '"' + name.replace("\\", "\\\\").replace('"', '\\"') + '"'  # 007 and yes are names, not values

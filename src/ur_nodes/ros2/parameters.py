@@ -1,4 +1,4 @@
-"""Parameters of a node of ROS 2. Those of other nodes are out of reach: each node keeps its own.
+"""Parameters of a node of ROS 2. Those of other nodes are read from a file of the run, as its launch files give them.
 
 Those that a node sets are in a file of the run, too, and outlive the node: an emergency stop is among them.
 """
@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
 from rclpy.parameter import Parameter
 
+from ur.system.ros import parameters_file
 from ur_nodes.file_facts import FileFacts, file_of_run
 from ur_nodes.ports.parameters import READ_ONLY, Declaration, Parameters
 from ur_nodes.ros2.reception import ReceivingNode
@@ -31,6 +33,7 @@ class RosParameters:
         self._prefix = f"{name}/"
         run = file_of_run()
         self._file = FileFacts(simulated_time=False, file=run.with_name(f"{run.stem}{name.replace('/', '.')}.json"))
+        self._given = FileFacts(simulated_time=False, file=Path(parameters_file(str(run))))
         for own, value in self._file.get(_SET, {}).items():
             self._keep(own, value)
 
@@ -39,13 +42,19 @@ class RosParameters:
 
     def has(self, name: str) -> bool:
         own = self._own(name)
-        return own is not None and bool(self._is_set(own) or self._below(own))
+        if own is None:
+            return self._given.get(_absolute(name)) is not None
+        return bool(self._is_set(own) or self._below(own))
 
     def get(self, name: str) -> object:
         own = self._own(name)
-        if own is not None and self._is_set(own):
+        if own is None:
+            if (found := self._given.get(_absolute(name))) is None:
+                raise KeyError(name)
+            return found
+        if self._is_set(own):
             return _plain(self._node.get_parameter(own).value)
-        below = {} if own is None else self._below(own)
+        below = self._below(own)
         if not below:
             raise KeyError(name)
         tree: dict[str, Any] = {}
@@ -136,6 +145,10 @@ def _describe(own: str, declared: Declaration | None) -> ParameterDescriptor | N
     elif type(declared.value) is int:
         descriptor.integer_range = [IntegerRange(from_value=int(low), to_value=int(high))]
     return descriptor
+
+
+def _absolute(name: str) -> str:
+    return name if name.startswith("/") else f"/{name}"
 
 
 def _plain(value: Any) -> object:

@@ -70,7 +70,7 @@ def test_map_is_edited_by_commands(plan: Path, tmp_path: Path, capsys: pytest.Ca
     for words in (
         ["wall", "1", "1", "1", "1.5"],
         ["origin", "1", "-0.5"],
-        ["place", "door", "2", "1", "90"],
+        ["place", "front door", "2", "1", "90"],
         ["rotate", "-3.2"],
         ["keep-out", "0", "0", "1", "0.5"],
         ["zone", "hall", "40", "0", "0", "1", "0.5"],
@@ -80,14 +80,14 @@ def test_map_is_edited_by_commands(plan: Path, tmp_path: Path, capsys: pytest.Ca
     assert capsys.readouterr().out.splitlines()[-7:] == [
         "flat: wall: 6 cells changed",
         "flat: (1, -0.5) is (0, 0) now",
-        "flat: door is at 2 1 90",
+        "flat: front door is at 2 1 90",
         "flat: turned by -3.2 degrees",
         "flat: zone keep-out: keep out, 0.5 square metres",
         "flat: zone hall: at most 40 % of the highest speed, 0.5 square metres",
         "flat: zone hall is deleted",
     ]
     written = (tmp_path / "data/ubiquity_launches/waypoints/flat.yaml").read_text(encoding="utf-8")
-    assert '"door": [2.053, 0.887, 86.8]' in written
+    assert '"front door": [2.053, 0.887, 86.8]' in written
     assert main(["maps", "edit", "flat", "place", "living room", "1", "1"]) == 0
     assert main(["maps", "edit", "flat", "place", "a/b", "1", "1"]) == 2
     assert "'a/b' is not a name of a place, expected at most 40 letters, digits, blanks" in capsys.readouterr().err

@@ -10,9 +10,8 @@ from tests.ur_nodes.slam.drives import drive
 from tests.ur_nodes.slam.storage.test_merging import put, store
 
 from ur.cli.main import main
-from ur.maps.change import read_places, write_places
 from ur.maps.store import MapStore
-from ur.maps.waypoint_path import waypoint_path
+from ur.maps.waypoint_file import read_places, waypoint_path, write_places
 from ur_nodes.geometry.pose import Pose2
 
 __all__ = ["store"]
@@ -22,8 +21,8 @@ __all__ = ["store"]
 def test_merged_map_has_the_waypoints_of_both(store: MapStore, capsys: pytest.CaptureFixture[str]) -> None:
     put(store, "hall", -2.0, 1.6)
     put(store, "attic", 2.2, -0.6)
-    write_places(waypoint_path("hall", os.environ), "hall", {"door": (0.5, 0.0, 90.0)})
-    write_places(waypoint_path("attic", os.environ), "attic", {"door": (9.0, 9.0, 0.0), "sofa": (-0.2, 0.3, 0.0)})
+    write_places(waypoint_path("hall", os.environ), {"door": (0.5, 0.0, 90.0)})
+    write_places(waypoint_path("attic", os.environ), {"door": (9.0, 9.0, 0.0), "sofa": (-0.2, 0.3, 0.0)})
     assert main(["maps", "merge", "hall", "attic", "--as", "house"]) == 0
     assert "of hall: door" in capsys.readouterr().out
     places = read_places(waypoint_path("house", os.environ))

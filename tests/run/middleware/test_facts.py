@@ -15,7 +15,7 @@ def test_facts_are_those_that_were_written_last(tmp_path: Path) -> None:
 
 
 def test_facts_are_cleared_with_what_nodes_keep_beside_them_and_no_others(tmp_path: Path) -> None:
-    for name in ("facts-7.json", "facts-7.mux.json", "facts-70.json", "facts-70.mux.json"):
+    for name in ("facts-7.json", "facts-7.mux.json", "facts-7..parameters.json", "facts-70.json", "facts-70.mux.json"):
         (tmp_path / name).write_text("{}")
     clear_facts(str(tmp_path / "facts-7.json"))
     assert sorted(each.name for each in tmp_path.iterdir()) == ["facts-70.json", "facts-70.mux.json"]

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ur.maps.waypoint_file import waypoint_path
 from ur.source.diagnostic import UserError
-from ur_nodes.client.waypoints import WaypointStore, name_of_map, waypoint_path
+from ur_nodes.client.waypoints import WaypointStore, name_of_map
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.navigate.arguments import error_line

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 from tests.ros2_session import Ros2Session
+
+from ur.run.middleware.facts import add_parameters
+from ur.system.ros import parameters_file
 
 PROGRAM = """
 import json
@@ -56,3 +60,25 @@ def test_other_programs_set_known_parameters_to_short_values_only(session: Ros2S
         "kept": [True, 62.5],
         "names": [],
     }
+
+
+def test_node_reads_what_launch_files_give_another_node_that_does_not_run(session: Ros2Session, tmp_path: Path) -> None:
+    facts = str(tmp_path / "facts.json")
+    add_parameters(
+        parameters_file(facts), {"/keyboard_navigate/map_name": "maze", "/keyboard_navigate/odd": b"no JSON"}
+    )
+    program = f"""
+import os
+os.environ["UR_FACTS"] = {facts!r}
+import rclpy
+from ur_nodes.ros2.node import RosNode
+
+rclpy.init()
+node = RosNode("page")
+other = node.parameters.of("keyboard_navigate")
+print(other.any("map_name", ""), other.any("odd", "none"), node.parameters.any("map_name", "none"))
+node.close()
+rclpy.shutdown()
+"""
+    done = session.run("-c", program, within=90.0)
+    assert done.stdout.splitlines()[-1:] == ["maze none none"], done.stderr

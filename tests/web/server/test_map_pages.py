@@ -18,7 +18,7 @@ from tests.fakes.page_server import PageServerClient  # noqa: E402
 
 from ur.maps.picture_file import write_picture  # noqa: E402
 from ur.maps.store import MapStore, own_store  # noqa: E402
-from ur.maps.waypoint_path import waypoint_path  # noqa: E402
+from ur.maps.waypoint_file import waypoint_path  # noqa: E402
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.runs.commands import CommandQueue, EndedCommand  # noqa: E402

@@ -10,7 +10,7 @@ import click
 
 from ur.maps.record import EditKind
 from ur.maps.store import MapStore, own_store
-from ur.maps.waypoint_path import waypoint_path
+from ur.maps.waypoint_file import waypoint_path
 from ur.source.diagnostic import UserError, error
 
 _HELP = "ur maps edit NAME rotate|origin|erase|wall|keep-out|zone|place NUMBERS"

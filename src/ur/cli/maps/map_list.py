@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ur.maps.record import MapRecord
 from ur.maps.store import MapStore
-from ur.maps.waypoint_path import waypoint_path
+from ur.maps.waypoint_file import read_places, waypoint_path
 from ur.source.ansi import BOLD, RESET, strip_styles
 from ur.source.diagnostic import UserError
 from ur.source.printable import printable
@@ -73,7 +73,6 @@ def list_facts(store: MapStore, name: str, environment: Mapping[str, str], *, pi
     `width` and `height` are in m, `places` is the number of places, and `problem` is set if the map is damaged.
     `picture` is a list of lines from `draw_lines` without colours.
     """
-    from ur.maps.change import read_places
     from ur.worlds.map_file import read_map
 
     record, image, places, problem = MapRecord(), None, 0, ""

@@ -15,7 +15,7 @@ import click
 from ur.cli.maps.edit import edit
 from ur.cli.maps.map_list import describe_map, draw_lines, list_facts, list_maps
 from ur.maps.store import MapStore, own_store
-from ur.maps.waypoint_path import waypoint_path
+from ur.maps.waypoint_file import waypoint_path
 from ur.source.ansi import speaks_unicode
 from ur.source.diagnostic import UserError, error
 from ur.source.render import shows_colour

@@ -7,10 +7,10 @@ import subprocess
 import sys
 from dataclasses import dataclass
 
-from ur.maps.change import move_places, read_places, write_places
+from ur.maps.change import move_places
 from ur.maps.names import check_map_name
 from ur.maps.store import MapStore
-from ur.maps.waypoint_path import waypoint_path
+from ur.maps.waypoint_file import read_places, waypoint_path, write_places
 from ur.request.requirements.python_packages import need_all
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.json_values import read_json
@@ -42,7 +42,7 @@ def merge_maps(store: MapStore, first: str, second: str, name: str) -> str:
     mine, other = (read_places(waypoint_path(each, os.environ)) for each in (first, second))
     places = {**move_places(other, merged.place), **mine}
     if places:
-        write_places(waypoint_path(name, os.environ), name, places)
+        write_places(waypoint_path(name, os.environ), places)
     twice = ", ".join(sorted(set(mine) & set(other)))
     kept = f"; waypoints of both names are those of {first}: {twice}" if twice else ""
     return f"{name}: {merged.keyframes} scans, {merged.links} links between the two maps{kept}"

@@ -27,6 +27,19 @@ def write_facts(path: str, facts: Mapping[str, object]) -> None:
     replace_file(path, json.dumps(dict(facts)), lasting=False)
 
 
+def add_parameters(path: str, values: Mapping[str, object]) -> None:
+    """Add parameters by their full names, also of nodes that are left out: as on a parameter server, others read them.
+
+    What JSON cannot hold is left out. Raises OSError.
+    """
+    found = read_facts(path)
+    for name, value in values.items():
+        with suppress(TypeError, ValueError):
+            json.dumps(value, allow_nan=False)
+            found[name] = value
+    write_facts(path, found)
+
+
 def clear_facts(path: str) -> None:
     """Remove facts, and the parameters beside them that nodes have stored for their next start."""
     file = Path(path)

@@ -13,7 +13,7 @@ from typing import TypeVar
 
 from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.run.master.parameters import CommandParameters
-from ur.run.middleware.facts import clear_facts, read_facts, write_facts
+from ur.run.middleware.facts import add_parameters, clear_facts, read_facts, write_facts
 from ur.run.middleware.parameter_files import file_name, format_parameters
 from ur.run.middleware.protocol import GraphView
 from ur.run.options import RunOptions
@@ -23,7 +23,7 @@ from ur.run.record.entry import RunEntry
 from ur.run.record.registry import list_runs
 from ur.run.supervisor.events import Event, Exited, ParametersSet, SetupFailed, Unregistered
 from ur.source.diagnostic import UserError, error
-from ur.system.ros import find_facts, graph_address
+from ur.system.ros import find_facts, graph_address, parameters_file
 
 _SETTLED = 5.0  # s: a new process has its lock by then
 
@@ -70,9 +70,12 @@ class DomainMiddleware:
 
     def set_parameters(self, plan: Plan, folder: str, options: RunOptions, commands: CommandParameters) -> Event:
         try:
-            files = format_parameters(plan, commands.collect())
-            for name, text in files.items():
+            printed = commands.collect()
+            for name, text in format_parameters(plan, printed).items():
                 Path(file_name(folder, name)).write_text(text, encoding="utf-8")
+            add_parameters(
+                parameters_file(self.facts), {each.name: printed.get(each.name, each.value) for each in plan.params}
+            )
             if self.own:
                 write_facts(
                     self.facts,

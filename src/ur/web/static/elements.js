@@ -66,7 +66,7 @@ export function replaceRows(list, rows) {
 /** A text of the robot as a sentence of its own: nodes begin their messages with a small letter. @param {string} text */
 export const sentence = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
-/** Why a place or a zone cannot have a name; "" if it can. As `WAYPOINT_NAME` and `ZONE_NAME` of the robot. @param {string} name */
+/** Why a place or a zone cannot have a name; "" if it can. As `PLACE_NAME` and `ZONE_NAME` of the robot. @param {string} name */
 export function checkName(name) {
   if (!name) return TEXTS.noName;
   return /^[\p{L}\p{N}_]([\p{L}\p{N}_ .-]{0,38}[\p{L}\p{N}_.-])?$/u.test(name) ? "" : TEXTS.badName;

@@ -6,10 +6,11 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
+from ur.maps.waypoint_file import waypoint_path
 from ur_nodes.client.patrol_text import PatrolRoute, PatrolStop
 from ur_nodes.client.saving import MapSaving
 from ur_nodes.client.snapshot import RobotSnapshot, heading_there
-from ur_nodes.client.waypoints import WaypointStore, name_of_map, waypoint_path
+from ur_nodes.client.waypoints import WaypointStore, name_of_map
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.node import Node
 from ur_nodes.teleop.navigate.commands import DrivePatrol, Go, GoToWaypoint
