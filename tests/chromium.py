@@ -149,9 +149,14 @@ class Chromium:
 
     def press(self, key: str, text: str = "") -> None:
         """Press and let go of a key: `ArrowDown`, `Escape`, or a character."""
-        code = {"Enter": 13, "Escape": 27, "Tab": 9, "ArrowDown": 40, "ArrowUp": 38}.get(key, 0)
+        code = {"Enter": 13, "Escape": 27, "Tab": 9, "ArrowDown": 40, "ArrowUp": 38, " ": 32}.get(key, 0)
         text = text or (key if len(key) == 1 else "\r" if key == "Enter" else "")
-        common = {"key": key, "windowsVirtualKeyCode": code, "nativeVirtualKeyCode": code}
+        common = {
+            "key": key,
+            "code": "Space" if key == " " else "",
+            "windowsVirtualKeyCode": code,
+            "nativeVirtualKeyCode": code,
+        }
         self.ask("Input.dispatchKeyEvent", type="keyDown", text=text, **common)
         self.ask("Input.dispatchKeyEvent", type="keyUp", **common)
 

@@ -40,6 +40,29 @@ def test_slider_limits_the_speed_when_it_is_let_go(robot: PlayedRobot, browser: 
     browser.run("page.panels.close(); 0")
 
 
+def test_space_stops_wherever_the_focus_is_except_in_a_text(browser: Chromium) -> None:
+    browser.run("globalThis.stopped = 0; page.stop = () => (stopped += 1)")
+    browser.run("page.panels.show(['speed', 'layers']); 0")
+    browser.run("document.body.append(document.createElement('textarea'), document.createElement('select')); 0")
+    wait(lambda: browser.holds("document.querySelector('#layers-panel input')"))
+    stopping = ("#speed-limit", "#layers-panel input", "#stop", "#map", "body > select")
+    for count, wanted in enumerate(stopping, 1):
+        browser.run(f"document.querySelector('{wanted}').focus(); 0")
+        ticked = browser.run("document.activeElement.checked ?? null")
+        browser.press(" ")
+        assert browser.run("[stopped, document.activeElement.checked ?? null]") == [count, ticked], wanted
+    browser.run("document.querySelector('#layers-panel input').focus(); 0")
+    ticked = browser.run("document.activeElement.checked")
+    browser.press("Enter")
+    assert browser.run("document.activeElement.checked") is not ticked
+    browser.press("Enter")
+    browser.run("document.querySelector('body > textarea').focus(); 0")
+    browser.press(" ")
+    assert browser.run("[stopped, document.activeElement.value]") == [len(stopping), " "]
+    browser.run("document.querySelectorAll('body > textarea, body > select').forEach((each) => each.remove())")
+    browser.run("delete page.stop; page.panels.show([]); 0")
+
+
 def test_bumper_that_is_pressed_is_named(browser: Chromium) -> None:
     wait(lambda: "Bumper pressed: front" in browser.run("document.getElementById('banners').textContent"))
 

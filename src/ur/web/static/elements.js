@@ -72,6 +72,12 @@ export function checkName(name) {
   return /^[\p{L}\p{N}_]([\p{L}\p{N}_ .-]{0,38}[\p{L}\p{N}_.-])?$/u.test(name) ? "" : TEXTS.badName;
 }
 
+/** Whether a text is typed there, to which spaces belong. @param {EventTarget | null} target */
+export function takesText(target) {
+  if (target instanceof HTMLInputElement) return !["checkbox", "radio", "range"].includes(target.type);
+  return target instanceof HTMLTextAreaElement;
+}
+
 /** Whether keys belong to a control: what is typed there drives nothing. @param {EventTarget | null} target */
 export function takesKeys(target) {
   return [HTMLInputElement, HTMLSelectElement, HTMLTextAreaElement].some((each) => target instanceof each);

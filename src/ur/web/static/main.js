@@ -3,7 +3,7 @@
 
 import { labelControls, measureEdges, showMode } from "./controls.js";
 import { DriveSocket, tabId } from "./drive_socket.js";
-import { element, takesKeys } from "./elements.js";
+import { element, takesText } from "./elements.js";
 import { FrameHandlers, showOnMap } from "./frames.js";
 import { Gestures } from "./gestures.js";
 import { keepLink, listLayers, openLink } from "./link_state.js";
@@ -87,7 +87,8 @@ export class Page {
     this.panels = new Panels(element("panels"), GROUPS, this);
     this.panels.show(link.panels);
     setInterval(() => keepLink(this), 1000);
-    addEventListener("keydown", (event) => this.key(event));
+    addEventListener("keydown", (event) => this.key(event), true); // before any control
+    addEventListener("keyup", (event) => stops(event) && event.preventDefault(), true); // some browsers press a button by it
     addEventListener("pagehide", () => this.leave());
   }
 
@@ -194,13 +195,15 @@ export class Page {
     }
   }
 
-  /** @param {KeyboardEvent} event */
+  /** The space bar stops; Enter ticks boxes in its place. @param {KeyboardEvent} event */
   key(event) {
-    if (takesKeys(event.target) || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.code === "Space" && !event.repeat) {
-      event.preventDefault();
-      this.stop();
-    }
+    const box = event.target instanceof HTMLInputElement && event.target.type === "checkbox" ? event.target : null;
+    const ticks = box && event.key === "Enter";
+    if (!ticks && !stops(event)) return;
+    event.preventDefault();
+    if (event.repeat) return;
+    if (ticks) box.click();
+    else this.stop();
   }
 
   /** Leave the robot to others, unless it drives to a goal of this page. */
@@ -218,6 +221,11 @@ export class Page {
   say(text, red = false) {
     this.status.say(text, red);
   }
+}
+
+/** Whether a key is the space bar, other than in a text. @param {KeyboardEvent} event */
+function stops({ code, target, ctrlKey, metaKey, altKey }) {
+  return code === "Space" && !takesText(target) && !ctrlKey && !metaKey && !altKey;
 }
 
 async function start() {
