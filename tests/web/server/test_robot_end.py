@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import subprocess
+from pathlib import Path
 
 import pytest
+from tests.ros_session import RosSession
 from tests.web.static.test_link_state import NODE
 
-from ur.web.server.robot_end import find_error
+from ur.web.server.robot_end import RobotProcess, find_error
 from ur.web.server.static_files import FOLDER
 
 MISSING = [
@@ -44,3 +47,24 @@ def test_page_shows_why_the_node_ends(problem: str, shown: str) -> None:
     done = subprocess.run(words, input=script, capture_output=True, text=True, timeout=120, check=True)
     ((banner,),) = (json.loads(done.stdout),)
     assert banner["text"].endswith(shown)
+
+
+@pytest.mark.ros
+async def test_node_of_the_page_ends_with_its_master(tmp_path: Path) -> None:
+    session = RosSession(tmp_path)
+    states: asyncio.Queue[str] = asyncio.Queue()
+    environment = session.env | {"XDG_STATE_HOME": str(tmp_path)}
+
+    def note() -> None:
+        states.put_nowait(end.state)
+
+    end = RobotProcess(environment, lambda _: None, lambda _: None, lambda: None, note, lambda _: None)
+    running = asyncio.create_task(end.run())
+    try:
+        assert [await asyncio.wait_for(states.get(), 60) for _ in range(2)] == ["starting", "up"]
+        session.close()
+        assert [await asyncio.wait_for(states.get(), 60) for _ in range(2)] == ["starting", "no master"]
+    finally:
+        running.cancel()
+        await asyncio.gather(running, return_exceptions=True)
+        session.close()

@@ -6,7 +6,8 @@ import asyncio
 import json
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +43,7 @@ class PlayedRobot:
     """A server whose robot's end answers nothing, shows a state, and notes what pages ask for."""
 
     def __init__(self, folder: Path) -> None:
-        self.port, self.asked = free_port(), list[Any]()
+        self.port, self.asked, self._running = free_port(), list[Any](), True
         self._gate = LoginGate(make_origins((), self.port), folder / "sessions.json", lambda _: None)
         environment = {"ROS_MASTER_URI": "http://localhost:1", "XDG_STATE_HOME": str(folder)}
         self.assistants = grant_files(environment)
@@ -69,6 +70,15 @@ class PlayedRobot:
     def show(self, kind: Kind, value: Mapping[str, Any]) -> None:
         self._loop.call_soon_threadsafe(self._application.show, json_frame(kind, value))
 
+    @contextmanager
+    def ended(self) -> Iterator[None]:
+        """No master answers, so that the robot's end sends nothing."""
+        self._running = False
+        self._loop.call_soon_threadsafe(self._application.robot_end._enter, "no master")
+        yield
+        self._running = True
+        self._loop.call_soon_threadsafe(self._begin)
+
     @property
     def camera(self) -> str:
         """The topic that a page has chosen."""
@@ -90,12 +100,18 @@ class PlayedRobot:
             self._ready.set()
             await self._over.wait()
 
-    async def _play(self) -> None:
-        """Challenges and poses as of a robot that stands."""
-        self._application.robot_end.state = "up"
+    def _begin(self) -> None:
+        self._application.robot_end._enter("up")
         self._application.show(json_frame(Kind.STATE, STATE))
         self._application.show(json_frame(Kind.FIELDS, {"fields": {"/odom": ["twist.twist.linear.x"]}}, Layer.PLOTS))
+
+    async def _play(self) -> None:
+        """Challenges and poses as of a robot that stands."""
+        self._begin()
         for count in range(1, 100_000):
+            if not self._running:
+                await asyncio.sleep(0.02)
+                continue
             self._application._drivers.take({"n": [count, 0]})
             self._application.show(pose_frame(PoseSample(0.0, 0.0, 0.0, 0.0, 0.0, 0.01, 0.01)))
             values = {"t": count / 50, "v": {PLOT: count % 7 / 7}}

@@ -106,6 +106,27 @@ def test_map_is_saved_on_request_and_its_program_is_ended_before_another_map_is_
     assert not panel.run("document.getElementById('map-save').checkVisibility()")
 
 
+def test_page_drops_what_it_knew_when_nothing_runs_any_more(robot: PlayedRobot, panel: Chromium) -> None:
+    show_map(robot, panel, "", saves=True)
+    robot.show(Kind.PLACES, {"named": True, "places": {"desk": [0, 0, 0]}, "problem": ""})
+    wait(lambda: panel.run("Object.keys(page.map.places)") == ["desk"])
+    panel.run("page.runs.state = { runs: [], ended: [] }; 0")
+    with robot.ended():
+        wait(
+            lambda: "Nothing runs on bob. Start a program." in panel.run("document.getElementById('banners').innerText")
+        )
+        assert panel.run("[page.state, page.map.pose, page.mapList.state.saves]") == [None, None, False]
+        assert panel.run("page.map.places") == {}
+        assert not panel.run("document.getElementById('map-save').checkVisibility()")
+        press(panel, "Drive on this map: flat")
+        wait(lambda: panel.run("started.length") == 1)
+        assert panel.run("started[0].program") == "keyboard_navigate"
+        panel.run("location.reload(); 0")
+        wait(lambda: panel.holds("globalThis.page?.server?.end === 'no master'"))
+        assert panel.run("page.state") is None, "the server has dropped it, too"
+    wait(lambda: panel.holds("page.state && page.map.pose"))
+
+
 def test_map_is_renamed_by_a_good_name_and_deleted_by_two_presses(robot: PlayedRobot, panel: Chromium) -> None:
     show_map(robot, panel, "")
     press(panel, "Rename the map flat")

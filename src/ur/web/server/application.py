@@ -74,7 +74,7 @@ class Application:
         self._runs = runs or RunPages(environment, log)
         self._devices = SessionPages(gate, self._drivers.rename, log)
         self._assistants = assistants or AssistantPages(environment, log)
-        self.robot_end = make_robot_end(environment, self.show, self._drivers.take, self._on_start, self._announce, log)
+        self.robot_end = make_robot_end(environment, self.show, self._drivers.take, self._on_start, self._on_state, log)
         self._foxglove = ViewerGate(environment, self._drivers, self._send, self._is_up, log)
         self._data = DataPages(environment, self._is_up, log)
         self._maps = MapPages(commands or CommandQueue(environment), log)
@@ -150,6 +150,11 @@ class Application:
         end = self.robot_end
         status = {"robot": self._robot, "end": end.state, "problem": end.problem, "master": end.master}
         self._viewers.announce({**status, "assistants": self._assistants.describe()})
+
+    def _on_state(self) -> None:
+        if self.robot_end.state == "no master":
+            self._viewers.forget()
+        self._announce()
 
     def show(self, frame: bytes) -> None:
         """Forward a frame to all pages. Raises ValueError for an invalid frame."""

@@ -26,6 +26,7 @@ State = Literal["no master", "starting", "up"]
 _MODULE = "ur_nodes.web.robot_end_node"
 _MASTER_LIMIT = 2.0  # s
 _PAUSE = 1.0  # s
+_REFUSALS = 2  # connections in a row, after which the master has ended
 _DRIVE_LINE = 1 << 16  # bytes
 _PRINTED = 20  # last lines of the process that are kept
 _LONGEST_ERROR = 300  # characters
@@ -101,15 +102,25 @@ class RobotProcess:
             self.state = state
             self._on_state()
 
-    async def _master_answers(self) -> bool:
+    async def _await_end_of_master(self) -> None:
+        """Return when nothing listens at the master's address any more; a computer out of reach may come back."""
+        refused = 0
+        while refused < _REFUSALS:
+            await asyncio.sleep(_PAUSE)
+            refused = 0 if await self._master_answers(unknown=True) else refused + 1
+
+    async def _master_answers(self, *, unknown: bool = False) -> bool:
+        """Determine whether a master answers. `unknown`: what to return for a computer that does not."""
         if (domain := read_domain(self.master)) is not None:
             return domain != NONE or Path(viewer_socket(self._environment)).exists()  # there is no master to wait for
         address = urlsplit(self.master)
         try:
             opened = asyncio.open_connection(address.hostname, address.port or 11311)
             _, writer = await asyncio.wait_for(opened, _MASTER_LIMIT)
-        except (OSError, ValueError, asyncio.TimeoutError):
+        except ConnectionRefusedError:
             return False
+        except (OSError, ValueError, asyncio.TimeoutError):
+            return unknown
         writer.close()
         return True
 
@@ -117,7 +128,11 @@ class RobotProcess:
         node = await start_node(_MODULE, self._environment, self._take_error, links=2, longest=_DRIVE_LINE)
         self.pid = node.process.pid
         (frames, self._view), (messages, self._drive) = node.links
-        tasks = [asyncio.create_task(self._take_frames(frames)), asyncio.create_task(self._read_messages(messages))]
+        tasks = [
+            asyncio.create_task(self._take_frames(frames)),
+            asyncio.create_task(self._read_messages(messages)),
+            asyncio.create_task(self._await_end_of_master()),
+        ]
         try:
             self._on_start()
             await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)

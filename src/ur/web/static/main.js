@@ -52,7 +52,7 @@ export class Page {
       () => this.drive?.letGo(),
     );
     this.frames = new FrameHandlers();
-    this.frames.on(KIND.SERVER, (frame) => (this.server = readJson(frame)));
+    this.frames.on(KIND.SERVER, (frame) => this.showServer(readJson(frame)));
     this.frames.on(KIND.STATE, (frame) => this.showState(readJson(frame)));
     this.frames.on(KIND.POSE, (frame) => this.showPose(readPose(frame)));
     showOnMap(this.frames, this.map);
@@ -103,6 +103,26 @@ export class Page {
     this.poseAt = performance.now();
     this.map.setPose(pose);
     this.overlays.follow(pose);
+  }
+
+  /** @param {any} server */
+  showServer(server) {
+    if (server.end === "no master" && this.state) this.forget();
+    this.server = server;
+  }
+
+  /** Drop what was known of a robot that no longer runs; its map stays, greyed. */
+  forget() {
+    this.state = null;
+    this.pose = undefined;
+    this.poseAt = -Infinity;
+    this.mapList?.take(null);
+    this.places?.show({ named: false, places: {}, problem: "" });
+    this.places?.patrol.show(null);
+    this.overlays.found.clear();
+    this.overlays.trail = [];
+    this.map.forget();
+    this.status.forget();
   }
 
   /** @param {any} state */

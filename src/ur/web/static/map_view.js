@@ -119,6 +119,14 @@ export class MapView {
     this.request();
   }
 
+  /** Remove all but the map. */
+  forget() {
+    this.pose = this.goal = null;
+    this.scan = this.plan = this.particles = new Float32Array();
+    this.places = {};
+    this.request();
+  }
+
   request() {
     if (this.due) return;
     this.due = true;

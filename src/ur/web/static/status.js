@@ -67,6 +67,15 @@ export class Status {
     this.refresh();
   }
 
+  /** Drop what was known of the robot. */
+  forget() {
+    this.stopAsked = false;
+    this.goalKnown = null;
+    this.goalSeen = this.goalHeard = "";
+    element("goal").hidden = true;
+    showBattery(null);
+  }
+
   refresh() {
     const { page } = this;
     const { state, drive, map, pose } = page;
