@@ -6,7 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from ur.request.environment import current_selection, environment_changes, hide_ros2, render_exports
+from ur.request.environment import (
+    current_selection,
+    environment_changes,
+    hide_ros2,
+    render_exports,
+    watch_selection,
+)
 from ur.robot.selection import Selection
 from ur.source.diagnostic import UserError
 
@@ -92,3 +98,13 @@ def test_environment_that_names_a_robot_precedes_the_stored_selection(tmp_path: 
     assert current_selection(home | {"UR_ROBOT": ""}) == Selection("alice", "")
     with pytest.raises(UserError):
         current_selection(home | {"UR_ROBOT": "--bob"})
+
+
+def test_selection_that_leads_to_other_nodes_is_found_while_it_is_selected(tmp_path: Path) -> None:
+    stored = tmp_path / ".config/ubiquity_launches/selection"
+    stored.parent.mkdir(parents=True)
+    home = {"HOME": str(tmp_path), "PATH": "/bin"}
+    find = watch_selection(home | environment_changes(Selection(ros="1"), home))
+    for text, moved in (("sim:stage", ""), ("sim:magni", ""), ("sim --ros none", "sim:stage --ros none"), ("--", "")):
+        stored.write_text(f"{text}\n")
+        assert find() == moved, text

@@ -12,7 +12,7 @@ from ur.source.diagnostic import UserError
 from ur.source.project import launch_library, project_folder, state_folder
 from ur.source.user_folders import list_workspaces, user_folder
 from ur.system.debian_root import DebianRoot, find_root
-from ur.system.ros import NONE, Ros, choose_domain, facts_file, find_ros
+from ur.system.ros import NONE, Ros, choose_domain, facts_file, find_ros, graph_address
 
 REPOSITORY = project_folder()
 PACKAGE = launch_library()
@@ -27,6 +27,23 @@ def current_selection(environment: Mapping[str, str]) -> Selection:
     if chosen := environment.get(CHOSEN):
         return parse_selection(chosen)
     return load_selection(selection_path(environment))
+
+
+def watch_selection(environment: Mapping[str, str]) -> Callable[[], str]:
+    """Return a function that returns the selection while nodes of it are not those of `environment`, else ""."""
+    found: dict[Selection, str] = {}
+
+    def find() -> str:
+        try:
+            selection = current_selection(environment)
+        except UserError:
+            return ""
+        if selection not in found:
+            there = {**environment, **environment_changes(selection, environment)}
+            found[selection] = "" if graph_address(there) == graph_address(environment) else str(selection)
+        return found[selection]
+
+    return find
 
 
 def environment_changes(

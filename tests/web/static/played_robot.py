@@ -79,6 +79,10 @@ class PlayedRobot:
         self._running = True
         self._loop.call_soon_threadsafe(self._begin)
 
+    def move(self, selection: str) -> None:
+        """Another selection, or none, leads to other nodes."""
+        self._application._moved = lambda: selection
+
     @property
     def camera(self) -> str:
         """The topic that a page has chosen."""

@@ -106,7 +106,9 @@ def test_map_is_saved_on_request_and_its_program_is_ended_before_another_map_is_
     assert not panel.run("document.getElementById('map-save').checkVisibility()")
 
 
-def test_page_drops_what_it_knew_when_nothing_runs_any_more(robot: PlayedRobot, panel: Chromium) -> None:
+def test_page_drops_what_it_knew_when_nothing_runs_and_names_another_selection(
+    robot: PlayedRobot, panel: Chromium
+) -> None:
     show_map(robot, panel, "", saves=True)
     robot.show(Kind.PLACES, {"named": True, "places": {"desk": [0, 0, 0]}, "problem": ""})
     wait(lambda: panel.run("Object.keys(page.map.places)") == ["desk"])
@@ -121,6 +123,10 @@ def test_page_drops_what_it_knew_when_nothing_runs_any_more(robot: PlayedRobot, 
         press(panel, "Drive on this map: flat")
         wait(lambda: panel.run("started.length") == 1)
         assert panel.run("started[0].program") == "keyboard_navigate"
+        robot.move("sim --ros 2")
+        wait(lambda: "has selected 'sim --ros 2'" in panel.run("document.getElementById('banners').innerText"))
+        assert "Programs" not in panel.run("document.getElementById('banners').innerText")
+        robot.move("")
         panel.run("location.reload(); 0")
         wait(lambda: panel.holds("globalThis.page?.server?.end === 'no master'"))
         assert panel.run("page.state") is None, "the server has dropped it, too"

@@ -9,7 +9,7 @@ from functools import partial
 import click
 
 from ur.cli.robots.over_ssh import is_over_ssh, serve_there
-from ur.request.environment import CHOSEN, apply_selection, current_selection
+from ur.request.environment import CHOSEN, apply_selection, current_selection, watch_selection
 from ur.request.requirements.python_packages import need_all
 from ur.robot.selection import Selection, parse_selection
 from ur.source.diagnostic import UserError, error
@@ -94,7 +94,7 @@ def command(
     known = None if service else partial(list_masters, os.environ, selection, stored)
     options = ServerOptions(
         name, port or 0, role, not no_browser, phone, service, foxglove, tuple(viewers), days,
-        own=selection.robot if not service else name, known=known, child=child,
+        own=selection.robot if not service else name, known=known, child=child, moved=watch_selection(dict(os.environ)),
     )  # fmt: skip
     asyncio.run(serve(options, click.echo))
     return 0

@@ -61,13 +61,15 @@ class Application:
         recordings: RecordingPages | None = None,
         commands: CommandQueue | None = None,
         assistants: AssistantPages | None = None,
+        moved: Callable[[], str] = str,
     ) -> None:
         """Create the application.
 
         `robot` is the name of the displayed robot; `log` is called with a line about each action of a client. `robots`
-        are those that pages may change to; by default only that one.
+        are those that pages may change to; by default only that one. `moved`: see ServerOptions.
         """
         self._gate, self._files, self._robot, self._log = gate, files, robot, log
+        self._moved = moved
         self._viewers = Viewers()
         self._drivers = DrivingPages(self._send)
         self._cameras = Cameras()
@@ -149,7 +151,7 @@ class Application:
     def _announce(self) -> None:
         end = self.robot_end
         status = {"robot": self._robot, "end": end.state, "problem": end.problem, "master": end.master}
-        self._viewers.announce({**status, "assistants": self._assistants.describe()})
+        self._viewers.announce({**status, "moved": self._moved(), "assistants": self._assistants.describe()})
 
     def _on_state(self) -> None:
         if self.robot_end.state == "no master":

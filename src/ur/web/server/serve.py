@@ -57,7 +57,7 @@ class ServerOptions:
     is printed, since the output of a service is stored in a log. `foxglove`: print an address for viewers; `origins`:
     additional origins of viewers. `days`: validity of a login. `own`: the robot's name in the list that `known` reads,
     of robots that pages may change to. `child`: the descriptor of a socket to the parent server, which makes its links
-    and ends it.
+    and ends it. `moved` returns the selection if that is of other nodes now, else "".
     """
 
     robot: str
@@ -72,6 +72,7 @@ class ServerOptions:
     own: str = ""
     known: Callable[[], Sequence[RobotMaster]] | None = None
     child: int | None = None
+    moved: Callable[[], str] = str
 
 
 async def serve(
@@ -102,7 +103,7 @@ async def serve(
     gate = LoginGate(origins, path, log, links, options.origins, discard_line if quiet else report, life)
     above = ParentServer(options.own, parent, gate.invite) if parent is not None else None
     robots = above or _make_robots(options, gate, log)
-    application = Application(gate, load_files(), robot_environment(), options.robot, log, robots)
+    application = Application(gate, load_files(), robot_environment(), options.robot, log, robots, moved=options.moved)
     async with AsyncExitStack() as stack:
         stack.callback(log.close)
         if above is not None:

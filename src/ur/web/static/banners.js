@@ -72,6 +72,7 @@ function makeBanner(banner) {
 export function describeLink({ age, server, pose, poseAge }) {
   if (age > 2) return [{ text: Number.isFinite(age) ? TEXTS.lost(age) : TEXTS.connecting }];
   if (!server) return [];
+  if (server.moved && (server.end !== "up" || !pose || pose.linkAge > 1)) return [{ text: TEXTS.moved(server.moved) }];
   if (server.end === "no master") return [{ text: TEXTS.noMaster(server.robot) }];
   if (server.end === "starting" && server.problem) return [{ text: TEXTS.robotEndFails(server.problem) }];
   if (server.end === "starting" || !pose || poseAge > 2) return [{ text: TEXTS.starting }];

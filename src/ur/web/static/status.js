@@ -81,7 +81,7 @@ export class Status {
     const { state, drive, map, pose } = page;
     const link = describeLink({ age: page.socket.age, server: page.server, pose: pose ?? null, poseAge: page.poseAge });
     const old = link.length > 0;
-    if (page.server?.end === "no master" && page.mayDrive && link.length && !page.panels.isOpen("programs")) {
+    if (page.server?.end === "no master" && !page.server.moved && page.mayDrive && link.length && !page.panels.isOpen("programs")) {
       link[0].buttons = [{ label: TEXTS.programs, act: () => page.panels.toggle("programs") }];
     }
     /** @type {import("./banners.js").Banner[]} */

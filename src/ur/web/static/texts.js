@@ -263,6 +263,8 @@ export const TEXTS = {
   connecting: "Connecting ...",
   /** @param {string} robot */
   noMaster: (robot) => `Nothing runs on ${robot === "simulated robot" ? "the simulated robot" : robot}. Start a program.`,
+  /** @param {string} selection */
+  moved: (selection) => `'ur use' has selected '${selection}' since this page was started. Start 'ur web' again to see what runs there.`,
   starting: "Connecting to the robot ...",
   /** @param {string} problem */
   robotEndFails: (problem) => `The page's node on the robot ends again and again: ${problem}`,
