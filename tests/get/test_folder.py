@@ -13,6 +13,7 @@ from ur.get.owners import ask_server, confirm_guesses, owners_of_config, owners_
 from ur.get.plan import Tables, make_plan
 from ur.get.render import render_plan
 from ur.get.steps import Missing
+from ur.source.diagnostic import UserError
 
 OWNER = "https://github.com/somebody"
 
@@ -231,3 +232,9 @@ def test_owner_of_a_linked_repository_is_asked_for_packages_of_its_family_only(t
     write(tmp_path / "README.md", "see https://github.com/makers/scuttle_driver")
     found = {each.package: each.others for each in folder_needs([str(tmp_path)], {}).missing}
     assert found == {"scuttle_model": ("https://github.com/makers",), "arm_model": ()}
+
+
+def test_folder_without_a_file_to_read_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "robot.launch.py").write_text("")
+    with pytest.raises(UserError, match="no launch file"):
+        folder_needs([str(tmp_path)], {})

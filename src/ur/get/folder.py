@@ -50,6 +50,7 @@ class _Found:
     packages: dict[str, Path] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     paths: int = 0
+    read: int = 0
 
 
 def folder_needs(
@@ -69,6 +70,9 @@ def folder_needs(
     for folder in folders:
         found.owners[Path(folder)] = owners_above(Path(folder).resolve())
         _read_folder(folder, found, progress, manifests=manifests)
+    if not found.read:
+        message = f"no launch file, xacro file or package.xml in {', '.join(folders)}, expected one that names packages"
+        raise UserError(error(message, rule="no-launch-files", help="ur get --missing FOLDER"))
     places = {name: _shorten(path, folders) for name, path in found.names.items()}
     hints = join_hints(found.hints, found.links, found.own)[:_MAX_HINTS]
     here = tuple(world.package_names())  # raises, where ROS refuses to search packages
@@ -134,6 +138,7 @@ def _read_folder(folder: str, found: _Found, progress: Progress, *, manifests: b
             found.notes.append(f"only the first {count:,} files of {folder} were read")
             return
         characters += _read_file(path, found, manifests=manifests)
+        found.read += 1
 
 
 def _read_file(path: Path, found: _Found, *, manifests: bool) -> int:

@@ -48,3 +48,9 @@ def test_json_names_role_and_place(folder: Path, capsys: pytest.CaptureFixture[s
 def test_nothing_found_is_said_with_what_to_try(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["find", "speed"]) == 1
     assert capsys.readouterr().err == "no 'speed' in .; use * as a wildcard: ur find '*speed*'\n"
+
+
+def test_search_of_a_folder_without_launch_files_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "a.launch").rename(folder / "a.launch.py")
+    assert main(["find", "speed"]) == 2
+    assert "those of ROS 2 are not read" in capsys.readouterr().err
