@@ -140,12 +140,12 @@ text: `python` and Python 2 are not part of current systems. Scripts of nodes be
 in its folder `bin`, are read and compiled; none is run.
 """,
         bad=(
-            _script_example("«#!/usr/bin/env python3»\r\nprint('hello')\r\n"),
-            _script_example("«#!/usr/bin/env python»\nprint('hello')\n", "/usr/bin/python3"),
-            _script_example("«print('hello')»\n"),
+            _script_example('«#!/usr/bin/env python3»\r\nprint("hello")\r\n'),
+            _script_example('«#!/usr/bin/env python»\nprint("hello")\n', "/usr/bin/python3"),
+            _script_example('«print("hello")»\n'),
             _script_example("#!/usr/bin/env python3\n«print 'hello'»\n"),
         ),
-        good=(_script_example("#!/usr/bin/env python3\nprint('hello')\n"),),
+        good=(_script_example('#!/usr/bin/env python3\nprint("hello")\n'),),
         node=_find_bad_scripts,
         program=_find_bad_program,
     ),

@@ -101,9 +101,7 @@ def command(
     _show(report, form)
     if note := describe_left_out(report.left_out):
         click.echo(note, err=True)
-    if not report.files:
-        return 2
-    return 1 if report.errors or (strict and report.findings) else 0
+    return 2 if not report.files else 1 if report.errors or (strict and report.findings) else 0
 
 
 def _watch(places: list[str], chosen: frozenset[str], values: Mapping[str, str], form: str, *, fix: bool) -> NoReturn:
