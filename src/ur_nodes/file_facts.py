@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from ur.system.ros import find_facts
+from ur.system.ros import find_facts, parameters_file
 
 
 class FileFacts:
@@ -41,3 +41,8 @@ class FileFacts:
 def file_of_run() -> Path:
     """The file of the facts of this run."""
     return Path(find_facts(os.environ, os.environ.get("ROS_DOMAIN_ID") or "0"))
+
+
+def given_parameters() -> Path:
+    """Return the file with the parameters of all nodes, as the launch files of the runs give them."""
+    return Path(parameters_file(str(file_of_run())))

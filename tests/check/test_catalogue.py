@@ -11,7 +11,7 @@ def test_all_rules_are_chosen_without_words() -> None:
 
 
 def test_group_and_id_are_added_and_taken_away() -> None:
-    yaml = {"bad-yaml", "duplicate-key", "bad-base", "bad-map", "bad-world"}
+    yaml = {"bad-yaml", "duplicate-key", "bad-base", "bad-map", "bad-world", "misread-value"}
     assert choose_rules(["yaml"], []) == yaml
     assert choose_rules(["yaml", "bad-xml"], ["duplicate-key"]) == yaml - {"duplicate-key"} | {"bad-xml"}
 

@@ -7,14 +7,12 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
 from rclpy.parameter import Parameter
 
-from ur.system.ros import parameters_file
-from ur_nodes.file_facts import FileFacts, file_of_run
+from ur_nodes.file_facts import FileFacts, file_of_run, given_parameters
 from ur_nodes.ports.parameters import READ_ONLY, Declaration, Parameters
 from ur_nodes.ros2.reception import ReceivingNode
 
@@ -33,7 +31,7 @@ class RosParameters:
         self._prefix = f"{name}/"
         run = file_of_run()
         self._file = FileFacts(simulated_time=False, file=run.with_name(f"{run.stem}{name.replace('/', '.')}.json"))
-        self._given = FileFacts(simulated_time=False, file=Path(parameters_file(str(run))))
+        self._given = FileFacts(simulated_time=False, file=given_parameters())
         for own, value in self._file.get(_SET, {}).items():
             self._keep(own, value)
 
