@@ -166,3 +166,27 @@ def test_plot_is_ticked_drawn_and_in_the_address(browser: Chromium, tmp_path: Pa
     wait(lambda: browser.holds("globalThis.page?.panels?.open === 'plots' && page.plots.size === 1"))
     browser.run("page.panels.close(); 0")
     assert browser.run("location.search") == ""
+
+
+def test_neighbouring_ticks_of_a_plot_have_different_numbers(browser: Chromium) -> None:
+    ticks = "[[16.58, 0.005], [16.585, 0.005], [16.59, 0.005], [250.02, 0.02], [250.04, 0.02], [0.5, 0.5], [10, 5]]"
+    made = browser.run(f"import('/plot_series.js').then((all) => {ticks}.map((each) => all.shortNumber(...each)))")
+    assert made == ["16.58", "16.585", "16.59", "250.02", "250.04", "0.5", "10"]
+
+
+def test_names_of_topics_and_types_break_between_words_only(browser: Chromium) -> None:
+    names = ["/move_base/global_costmap/costmap_updates", "geometry_msgs/PoseWithCovarianceStamped"]
+    rows = json.dumps([[*names, 1, 1, 1.0, 1.0], ["/base_pose_ground_truth", "nav_msgs/Odometry", 1, 0, 10.0, 100.0]])
+    browser.run("page.panels.show(['topics']); 0")
+    wait(lambda: browser.holds("document.querySelector('#topics-panel table')"))
+    browser.run(f"import('/data/data_socket.js').then((all) => all.DATA.tell('topics', {{ rows: {rows} }}))")
+    parts = """[...document.querySelectorAll('#topics-panel tbody tr')].map((row) => [...row.cells].slice(0, 2)
+      .map((cell) => [cell.textContent, [...(cell.querySelector('button') ?? cell).childNodes].filter((part) => {
+        const range = document.createRange();
+        range.selectNode(part);
+        return new Set([...range.getClientRects()].map((each) => each.top)).size > 1;
+      }).map((part) => part.textContent)]))"""
+    first, second = browser.run(parts)
+    assert first == [[name, []] for name in names]
+    assert second == [["/base_pose_ground_truth", []], ["nav_msgs/Odometry", []]]
+    browser.run("page.panels.show([]); 0")

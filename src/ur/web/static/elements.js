@@ -63,6 +63,11 @@ export function replaceRows(list, rows) {
   /** @type {HTMLElement | null} */ (same ?? list.closest("aside"))?.focus();
 }
 
+/** Have a name of ROS broken between its words only, where it does not fit. @param {HTMLElement} box @param {string} name */
+export function showName(box, name) {
+  if (box.textContent !== name) box.replaceChildren(...(name.match(/[A-Z]*[^A-Z_/]*[_/]?/g) ?? []).flatMap((part) => [part, make("wbr")]));
+}
+
 /** A text of the robot as a sentence of its own: nodes begin their messages with a small letter. @param {string} text */
 export const sentence = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 

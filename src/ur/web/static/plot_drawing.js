@@ -33,7 +33,7 @@ export function drawPlot(canvas, series, now) {
     context.moveTo(LEFT, y);
     context.lineTo(width - RIGHT, y);
     context.stroke();
-    context.fillText(shortNumber(Math.abs(value) < step / 1e6 ? 0 : value), LEFT - 6, y);
+    context.fillText(shortNumber(Math.abs(value) < step / 1e6 ? 0 : value, step), LEFT - 6, y);
   }
   context.textBaseline = "alphabetic";
   for (const ago of [60, 40, 20, 0]) {

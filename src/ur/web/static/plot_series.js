@@ -57,10 +57,11 @@ export function niceStep(least) {
   return (([1, 2, 5].find((each) => each * power >= least * (1 - 1e-9)) ?? 10) * power);
 }
 
-/** A number in few characters. @param {number | null} value */
-export function shortNumber(value) {
+/** A number in few characters, other than that of a value a step away. @param {number | null} value @param {number} step */
+export function shortNumber(value, step = 1) {
   if (value === null) return "\u2013";
   const size = Math.abs(value);
   if (size !== 0 && (size < 0.001 || size >= 1e6)) return value.toExponential(1);
-  return String(Number(value.toFixed(size < 10 ? 3 : size < 100 ? 2 : 1)));
+  const digits = Math.max(size < 10 ? 3 : size < 100 ? 2 : 1, Math.ceil(-Math.log10(step)));
+  return String(Number(value.toFixed(Math.min(digits, 9))));
 }

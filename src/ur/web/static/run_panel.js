@@ -1,7 +1,7 @@
 // @ts-check
 /** The nodes of what runs: their state, buttons to start, stop and restart them, and their log. */
 
-import { make, makeButton, makeSureButton } from "./elements.js";
+import { make, makeButton, makeSureButton, showName } from "./elements.js";
 import { RunLog } from "./run_log.js";
 import { RUNS } from "./run_socket.js";
 import { TEXTS } from "./texts.js";
@@ -89,7 +89,7 @@ class RunPanel {
       row = this.body.insertRow();
       row.id = id;
       const head = make("th");
-      for (const part of node.name.replace(/^\//, "").match(/[^_/]*[_/]?/g) ?? []) head.append(part, make("wbr"));
+      showName(head, node.name.replace(/^\//, ""));
       head.scope = "row";
       row.append(head, ...[1, 2, 3].map(() => make("td")));
       if (this.mayDrive && !node.core) {

@@ -1,7 +1,7 @@
 // @ts-check
 /** Topics with their rates, messages of one of them, services and parameters. */
 
-import { make, makeButton, makeNote } from "../elements.js";
+import { make, makeButton, makeNote, showName } from "../elements.js";
 import { DATA } from "./data_socket.js";
 import { ParameterView } from "./parameter_view.js";
 import { ServiceView } from "./service_view.js";
@@ -158,9 +158,9 @@ class TopicList {
       const row = this.rows.get(topic[0]) ?? this.makeRow(topic[0]);
       if (this.body.children[index] !== row) this.body.insertBefore(row, this.body.children[index] ?? null);
       const [, kind, publishers, subscribers, rate, bandwidth] = topic;
-      const texts = [kind, DATA_TEXTS.rate(rate), DATA_TEXTS.bandwidth(bandwidth)];
-      texts.forEach((text, column) => {
-        const cell = row.children[column + 1];
+      showName(row.cells[1], kind);
+      [DATA_TEXTS.rate(rate), DATA_TEXTS.bandwidth(bandwidth)].forEach((text, column) => {
+        const cell = row.cells[column + 2];
         if (cell.textContent !== text) cell.textContent = text;
       });
       row.title = DATA_TEXTS.ends(publishers, subscribers);
@@ -175,8 +175,9 @@ class TopicList {
     row.dataset.topic = name;
     const head = make("th");
     head.scope = "row";
-    const button = makeButton(name, () => this.openTopic(name));
+    const button = makeButton("", () => this.openTopic(name));
     button.className = "go";
+    showName(button, name);
     head.append(button);
     row.append(head, make("td"), make("td", "", "number"), make("td", "", "number"));
     this.rows.set(name, row);
