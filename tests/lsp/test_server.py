@@ -185,3 +185,24 @@ async def test_server_checks_and_completes_programs_and_yaml_files(package: Path
         assert [each.label for each in offered] == ["speed"]
         editor.replace(name, "sp\n", "speed: [1.0\n")
         await editor.wait_for(name, ["bad-yaml"])
+
+
+async def test_hover_is_answered_while_another_file_takes_long(package: Path) -> None:
+    for number in range(1, 9):
+        include = f'<include file="$(find my_robot)/launch/heavy{number + 1}.launch"/>'
+        (package / f"launch/heavy{number}.launch").write_text(f"<launch>{include * 4}</launch>")
+    (package / "launch/heavy9.launch").write_text("<launch/>")
+    heavy, name = "launch/heavy1.launch", "launch/bringup.launch"
+    async with open_editor(package) as editor:
+        editor.open(name)
+        text = (package / heavy).read_text()
+        editor.open(heavy, text.replace("</launch>", '<param name="a" value="$(arg b)"/></launch>'))
+        hover = await editor.client.text_document_hover_async(
+            types.HoverParams(editor.document(name), editor.at(name, "arg robot)", 5))
+        )
+        assert hover is not None
+        assert editor.uri(heavy) not in editor.published
+        editor.replace(heavy, "$(arg b)", "c")
+        editor.replace(heavy, 'value="c"', 'value="$(arg d)"')
+        (found,) = await editor.wait_for(heavy, ["undeclared-argument"])
+        assert "'d'" in found.message

@@ -125,10 +125,16 @@ class CachedWorld:
     def noted(self, questions: set[Question] | None) -> None:
         self._notes.questions = questions
 
-    def note(self, kind: str, *words: str) -> None:
+    def pause_by(self, pause: Callable[[], None] | None) -> None:
+        """Call `pause` after each query that is recorded; it may wait, or end the work by an exception."""
+        self._notes.pause = pause
+
+    def note(self, *question: str) -> None:
         """Add a query to `noted` that another world answers."""
         if self._notes.questions is not None:
-            self._notes.questions.add((kind, *words))
+            self._notes.questions.add(question)
+            if self._notes.pause is not None:
+                self._notes.pause()
 
     def answer(self, question: Question) -> object:
         """Return the other world's answer to a recorded query, or the exception that it raises.
@@ -230,8 +236,7 @@ class CachedWorld:
         return known
 
     def _ask(self, *question: str) -> Any:
-        if self._notes.questions is not None:
-            self._notes.questions.add(question)
+        self.note(*question)
         if question not in self._answers:
             self._answers[question] = self._answer_now(question)
         answer = self._answers[question]
@@ -258,3 +263,4 @@ def _comparable(answer: object) -> object:
 class _Notes:
     # One object for a world and those seen from it.
     questions: set[Question] | None = None
+    pause: Callable[[], None] | None = None

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import re
+import threading
+import time
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 
@@ -21,6 +24,7 @@ from ur.source.file import SourceFile
 
 MakeWorld = Callable[[Sequence[str]], World]  # of the paths that are checked; see ur.check.computer
 _ENCODING = re.compile(r"""\A<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
+_SLICE = 0.1  # seconds of work within one piece after which requests are looked at
 _KEPT = 16  # files whose plans are kept
 
 ResolvedCase = tuple[str, Plan, tuple[TraceStep, ...]]
@@ -94,7 +98,7 @@ class Workspace:
     def steps(self, first: Sequence[str] = ()) -> Iterator[frozenset[str]]:
         """Find what has changed, `first` in those files; yields after each piece the files with other findings."""
         if self.session is not None:
-            yield from self.session.steps(first)
+            yield from _in_slices(self.session.steps(first), self.session.world)
 
     def findings_of(self, path: str) -> list[Diagnostic]:
         """The findings in one file, as far as they are known."""
@@ -153,6 +157,64 @@ class Workspace:
                 seen.add(resolved.case.label)
                 yield resolved.case.label, resolved.plan, tuple(trace)
             trace.clear()
+
+
+class _Abandoned(BaseException):
+    """Ends work that is not wanted any more, wherever it is."""
+
+
+def _in_slices(work: Iterator[frozenset[str]], world: CachedWorld) -> Iterator[frozenset[str]]:
+    """Yield what `work` does, and nothing after each slice of a longer piece.
+
+    The work has a thread of its own, which stands still except while the caller waits for the next piece.
+    """
+    go, back = threading.Semaphore(0), threading.Semaphore(0)
+    found: deque[frozenset[str] | BaseException | None] = deque()
+    until, wanted = 0.0, True
+
+    def hand_over(piece: frozenset[str]) -> None:
+        questions, world.noted = world.noted, None
+        found.append(piece)
+        back.release()
+        go.acquire()
+        world.noted = questions
+        if not wanted:
+            raise _Abandoned
+
+    def pause() -> None:
+        if threading.current_thread() is thread and time.monotonic() > until:
+            hand_over(frozenset())
+
+    def run() -> None:
+        end: BaseException | None = None
+        try:
+            go.acquire()
+            for piece in work if wanted else ():
+                hand_over(piece)
+        except BaseException as problem:  # raised where the work is wanted
+            end = problem
+        world.pause_by(None)
+        found.append(end)
+        back.release()
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    try:
+        while True:
+            until = time.monotonic() + _SLICE
+            world.pause_by(pause)
+            go.release()
+            back.acquire()
+            piece = found.pop()
+            if isinstance(piece, BaseException):
+                raise piece
+            if piece is None:
+                return
+            yield piece
+    finally:
+        wanted = False
+        go.release()
+        thread.join(1.0)
 
 
 def encode_text(text: str) -> bytes:
