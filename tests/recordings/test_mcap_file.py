@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 import random
+import struct
 from pathlib import Path
 
 import pytest
+from mcap.reader import SeekingReader
 from mcap.writer import CompressionType, Writer
 
 from ur.recordings.description import describe_recording
@@ -92,6 +94,28 @@ def test_chunks_that_unpack_to_more_than_they_declare_or_may_are_refused(name: s
     path = Path(__file__).parents[1] / "fuzz/corpus/recording" / f"find-{name}"
     with pytest.raises(UserError, match="no message in it can be read"):
         open_recording(path)
+
+
+@pytest.mark.parametrize("place", ["no summary", "summary", "metadata"])
+def test_no_chunk_is_unpacked_for_what_a_recording_says_of_itself(
+    place: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = write_recording(tmp_path / "one.mcap")
+    data = bytearray(path.read_bytes())
+    with path.open("rb") as file:
+        summary = SeekingReader(file).get_summary()
+    assert summary is not None
+    chunk = summary.chunk_indexes[0].chunk_start_offset
+    if place == "metadata":
+        metadata = struct.pack("<Q", summary.metadata_indexes[0].offset)
+        struct.pack_into("<Q", data, data.rindex(metadata), chunk)
+    else:
+        struct.pack_into("<Q", data, len(data) - 28, chunk if place == "summary" else 0)
+    path.write_bytes(data)
+    monkeypatch.delattr("mcap.stream_reader.breakup_chunk")
+    recording = open_recording(path)
+    assert {*recording.topics} == {"/words", "/map"}
+    assert len(list(recording.messages())) == 201
 
 
 @pytest.mark.parametrize("compression", [*CompressionType])

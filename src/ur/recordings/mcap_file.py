@@ -11,20 +11,17 @@ from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from heapq import heappop, heappush
-from itertools import islice
 from operator import itemgetter
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 from ur.recordings.mcap_channels import LATCHED, SENDER
-from ur.recordings.mcap_records import MOST_RECORD, PER_RECORD, read_records, summary_size
+from ur.recordings.mcap_records import PER_RECORD, read_records, read_summary
 from ur.source.diagnostic import UserError, error_about
 from ur.source.foreign.files import open_file, refuse_file
 
 MAGIC = b"\x89MCAP"
 _RARE_HZ = 0.2
-_MOST_SUMMARY = 64 * 1024 * 1024
-_MOST_METADATA = 1000
 _MOST_HELD = 512 * 1024 * 1024  # bytes of messages, while they are put into the order of their times
 _HELP = "'ls ~/.local/state/ur/black_box' lists recordings"
 
@@ -106,15 +103,10 @@ def check_recording(path: Path) -> None:
 def open_recording(path: Path) -> RecordingFile:
     """Read what a recording holds. Raises UserError: it cannot be read, or is no MCAP file."""
     from mcap.exceptions import McapError
-    from mcap.reader import SeekingReader
 
     with _reading(path) as file:
         try:
-            if summary_size(file) > _MOST_SUMMARY:
-                raise ValueError("its index is too large")
-            reader = SeekingReader(file, record_size_limit=MOST_RECORD)
-            summary = reader.get_summary()
-            metadata = {each.name: dict(each.metadata) for each in islice(reader.iter_metadata(), _MOST_METADATA)}
+            summary, metadata = read_summary(file)
         except (McapError, struct.error, ValueError, EOFError, OSError, MemoryError):
             summary, metadata = None, {}
         if summary is not None and summary.statistics is not None:

@@ -12,11 +12,14 @@ from typing import IO, TYPE_CHECKING
 
 if TYPE_CHECKING:
     from mcap.records import Channel, Chunk, McapRecord
+    from mcap.summary import Summary
 
 MOST_RECORD = 64 * 1024 * 1024  # bytes, also of an unpacked chunk
 _MOST_UNPACKED, _MOST_RATIO = 256 * 1024 * 1024, 200  # bytes that a file may unpack to, plus so many times its size
 _RECORD = struct.Struct("<BQ")  # kind and length
 _SCHEMA, _CHANNEL, _MESSAGE = 3, 4, 5
+_MOST_SUMMARY = 64 * 1024 * 1024
+_MOST_METADATA = 1000
 _TAIL = 37  # bytes of the last record and the magic
 PER_RECORD = 300  # bytes of memory besides its data
 
@@ -25,12 +28,11 @@ def read_records(
     file: IO[bytes], complete: bool, begin: int, topics: Set[str] | None, channels: dict[int, Channel]
 ) -> Iterator[tuple[float, McapRecord | None]]:
     """Yield the records of a file, each with the time that no later message is older than."""
-    from mcap.reader import SeekingReader
     from mcap.records import Chunk
     from mcap.stream_reader import StreamReader
 
     left = _MOST_UNPACKED + _MOST_RATIO * os.fstat(file.fileno()).st_size
-    summary = SeekingReader(file, record_size_limit=MOST_RECORD).get_summary() if complete else None
+    summary = read_summary(file)[0] if complete else None
     indexes = summary.chunk_indexes if summary is not None else []
     if summary is not None:
         yield from ((0.0, each) for each in (*summary.schemas.values(), *summary.channels.values()))
@@ -96,9 +98,38 @@ def _unpack(chunk: Chunk) -> bytes:
     return data
 
 
-def summary_size(file: IO[bytes]) -> int:
-    """Return the bytes after the beginning of the summary, 0 where there is none."""
+def read_summary(file: IO[bytes]) -> tuple[Summary | None, dict[str, dict[str, str]]]:
+    """Return what the end of a file says of it, None where it says nothing, and its metadata; no chunk is unpacked.
+
+    Raises ValueError, and errors of the library.
+    """
+    from mcap.records import Channel, ChunkIndex, Footer, Metadata, MetadataIndex, Schema, Statistics
+    from mcap.stream_reader import StreamReader
+    from mcap.summary import Summary
+
+    def records(place: int) -> Iterator[McapRecord]:
+        file.seek(place)
+        return StreamReader(file, skip_magic=True, emit_chunks=True, record_size_limit=MOST_RECORD).records
+
     size = file.seek(-_TAIL, os.SEEK_END) + _TAIL
-    start: int = struct.unpack("<Q", file.read(_TAIL)[9:17])[0]
-    file.seek(0)
-    return size - start if start else 0
+    footer = next(records(size - _TAIL))
+    if not isinstance(footer, Footer):
+        raise ValueError("its end is missing")
+    if not footer.summary_start:
+        return None, {}
+    if size - footer.summary_start > _MOST_SUMMARY:
+        raise ValueError("its index is too large")
+    summary = Summary()
+    for record in records(footer.summary_start):
+        if isinstance(record, Statistics):
+            summary.statistics = record
+        elif isinstance(record, Schema):
+            summary.schemas[record.id] = record
+        elif isinstance(record, Channel):
+            summary.channels[record.id] = record
+        elif isinstance(record, ChunkIndex):
+            summary.chunk_indexes.append(record)
+        elif isinstance(record, MetadataIndex):
+            summary.metadata_indexes.append(record)
+    first = (next(records(each.offset)) for each in summary.metadata_indexes[:_MOST_METADATA])
+    return summary, {each.name: dict(each.metadata) for each in first if isinstance(each, Metadata)}
