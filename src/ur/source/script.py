@@ -129,7 +129,7 @@ def _compile(path: str, data: bytes, text: str, every: bool) -> Iterator[ScriptF
         )
     elif every:
         yield ScriptFault(
-            "text", start, end, f"not valid Python: {reason}", f"python3 -m py_compile {shlex.quote(path)}"
+            "text", start, end, f"not valid Python: {reason}", "correct the line; 'ur check' reads it again"
         )
 
 

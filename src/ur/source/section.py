@@ -17,7 +17,7 @@ from ur.source.read import read_source
 from ur.source.suggest import did_you_mean
 
 _REQUIRED: object = object()
-_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+_NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")
 
 
 def read_section(path: str | Path, what: str, *, piped: bool = True) -> Section:

@@ -18,6 +18,7 @@ _EXPONENT = re.compile(r"([-+]?\d+)(\.\d*)?[eE]([-+]?)(\d+)")
 _INFINITE = re.compile(r"[-+]?(?:inf|nan)", re.IGNORECASE)
 _SWITCH = {"yes": "true", "on": "true", "no": "false", "off": "false"}
 _READ_FROM_TEXT = ("initial_estimate_covariance", "process_noise_covariance")  # robot_localization takes texts, too
+_LONGEST_TEXT = 50_000  # characters of <rosparam>: reading more takes memory that a check may not take
 _LONGEST = 60  # characters of what someone may take for a number
 
 
@@ -76,7 +77,7 @@ def _read_scalar(text: str, tag: str, beside_texts: bool) -> tuple[str, str] | N
 
 
 def _find_in_launch(element: Element, _view: LaunchView) -> Iterable[RuleFinding]:
-    if element.name == "rosparam" and element.text.strip():
+    if element.name == "rosparam" and element.text.strip() and len(element.text) <= _LONGEST_TEXT:
         for found in _find_in_text(SourceFile("", element.text)):
             start, end = element.text_offset(found.span.start), element.text_offset(found.span.end)
             yield RuleFinding(Span(element.source, start, end), found.message, found.help, subject=found.subject)
