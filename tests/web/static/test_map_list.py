@@ -106,6 +106,23 @@ def test_map_is_saved_on_request_and_its_program_is_ended_before_another_map_is_
     assert not panel.run("document.getElementById('map-save').checkVisibility()")
 
 
+def test_map_is_renamed_by_a_good_name_and_deleted_by_two_presses(robot: PlayedRobot, panel: Chromium) -> None:
+    show_map(robot, panel, "")
+    press(panel, "Rename the map flat")
+    submit = "document.getElementById('map-name').form.requestSubmit(); 0"
+    panel.run(f"document.getElementById('map-name').value = '../x'; {submit}")
+    assert panel.run("posted") == []
+    assert "Not renamed" in panel.run("document.querySelector('#maps-panel .problem').textContent")
+    panel.run(f"document.getElementById('map-name').value = 'home'; {submit}")
+    wait(lambda: panel.run("posted") == [["/api/maps/rename", {"name": "flat", "new_name": "home"}]])
+    wait(lambda: not panel.holds("document.getElementById('map-name')"))
+    press(panel, "Delete the map hall")
+    assert panel.run("posted.length") == 1
+    press(panel, "Sure? Delete the map hall")
+    wait(lambda: panel.run("posted.length") == 2)
+    assert panel.run("posted[1]") == ["/api/maps/delete", {"name": "hall"}]
+
+
 def test_page_drops_what_it_knew_when_nothing_runs_and_names_another_selection(
     robot: PlayedRobot, panel: Chromium
 ) -> None:
@@ -131,20 +148,3 @@ def test_page_drops_what_it_knew_when_nothing_runs_and_names_another_selection(
         wait(lambda: panel.holds("globalThis.page?.server?.end === 'no master'"))
         assert panel.run("page.state") is None, "the server has dropped it, too"
     wait(lambda: panel.holds("page.state && page.map.pose"))
-
-
-def test_map_is_renamed_by_a_good_name_and_deleted_by_two_presses(robot: PlayedRobot, panel: Chromium) -> None:
-    show_map(robot, panel, "")
-    press(panel, "Rename the map flat")
-    submit = "document.getElementById('map-name').form.requestSubmit(); 0"
-    panel.run(f"document.getElementById('map-name').value = '../x'; {submit}")
-    assert panel.run("posted") == []
-    assert "Not renamed" in panel.run("document.querySelector('#maps-panel .problem').textContent")
-    panel.run(f"document.getElementById('map-name').value = 'home'; {submit}")
-    wait(lambda: panel.run("posted") == [["/api/maps/rename", {"name": "flat", "new_name": "home"}]])
-    wait(lambda: not panel.holds("document.getElementById('map-name')"))
-    press(panel, "Delete the map hall")
-    assert panel.run("posted.length") == 1
-    press(panel, "Sure? Delete the map hall")
-    wait(lambda: panel.run("posted.length") == 2)
-    assert panel.run("posted[1]") == ["/api/maps/delete", {"name": "hall"}]
