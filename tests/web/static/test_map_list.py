@@ -144,7 +144,7 @@ def test_page_drops_what_it_knew_when_nothing_runs_and_names_another_selection(
         wait(lambda: "has selected 'sim --ros 2'" in panel.run("document.getElementById('banners').innerText"))
         assert "Programs" not in panel.run("document.getElementById('banners').innerText")
         robot.move("")
-        panel.run("location.reload(); 0")
-        wait(lambda: panel.holds("globalThis.page?.server?.end === 'no master'"))
+        panel.run("globalThis.old = true; location.reload(); 0")
+        wait(lambda: panel.holds("!globalThis.old && globalThis.page?.server?.end === 'no master'"))
         assert panel.run("page.state") is None, "the server has dropped it, too"
     wait(lambda: panel.holds("page.state && page.map.pose"))
