@@ -1,6 +1,7 @@
-"""Clients without a login that try to silence a page on this computer: `python -m bench.web_parts.attackers KIND PORT`.
+"""Clients that try to silence a page on this computer: `python -m bench.web_parts.attackers KIND PORT`.
 
-They run at the lowest priority, take loopback addresses only, hold at most 1100 connections, and end after `--seconds`.
+They have no login but for the kind `member`, which reads its cookie from standard input. They run at the lowest
+priority, take loopback addresses only, hold at most 1100 connections, and end after `--seconds`.
 """
 
 from __future__ import annotations
@@ -9,7 +10,9 @@ import argparse
 import json
 import os
 import resource
+import select
 import socket
+import sys
 import tempfile
 import threading
 import time
@@ -32,8 +35,8 @@ for (let loop = 0; loop < 30; loop++) (async () => {
 class Attack:
     """One kind of attack on a port until a time of time.monotonic()."""
 
-    def __init__(self, port: int, until: float) -> None:
-        self._port, self._until = port, until
+    def __init__(self, port: int, until: float, cookie: str = "") -> None:
+        self._port, self._until, self._cookie = port, until, cookie
 
     @property
     def over(self) -> bool:
@@ -84,6 +87,12 @@ class Attack:
         """Send thousands of requests at once over each connection."""
         many = self._head("GET /login") * 2000
         self._repeat(lambda _: self._ask(many), THREADS)
+
+    def member(self) -> None:
+        """Send requests of a session that may look, 50 at a time over each of 8 connections, and read the answers."""
+        more = f"Cookie: {self._cookie}\r\n"
+        many = b"".join(self._head(line, more=more) for line in ("POST /api/stop", "GET /nope", "GET /main.js")) * 50
+        self._repeat(lambda _: self._pour(many), THREADS)
 
     def heads(self) -> None:
         """Send heads of 31 kB with cookies that almost are those of a session."""
@@ -148,6 +157,18 @@ class Attack:
             while sock.recv(1 << 16):
                 pass
 
+    def _pour(self, data: bytes) -> None:
+        """Send data again and again over one connection while the answers are read."""
+        with suppress(OSError), socket.create_connection(("127.0.0.1", self._port), 5.0) as sock:
+            sock.setblocking(False)
+            left = memoryview(data)
+            while not self.over:
+                selected = select.select([sock], [sock], [], 0.1)
+                if selected[0] and not sock.recv(1 << 18):
+                    return
+                if selected[1]:
+                    left = left[sock.send(left) :] or memoryview(data)
+
     def _repeat(self, act: Callable[[int], None], threads: int) -> None:
         def run(number: int) -> None:
             while not self.over:
@@ -199,6 +220,7 @@ KINDS = (
     "body",
     "requests",
     "pipeline",
+    "member",
     "heads",
     "addresses",
     "logins",
@@ -216,7 +238,8 @@ def main() -> None:
     os.nice(19)
     _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (min(hard, 4096), hard))
-    getattr(Attack(options.port, time.monotonic() + options.seconds), options.kind)()
+    cookie = sys.stdin.readline().strip()
+    getattr(Attack(options.port, time.monotonic() + options.seconds, cookie), options.kind)()
 
 
 if __name__ == "__main__":

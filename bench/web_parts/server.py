@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import re
+import subprocess
 import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import aiohttp
@@ -19,9 +21,34 @@ async def log_in(port: int, log: Path) -> dict[str, str]:
     while not (found := re.search(r"login#(\S+)", log.read_text())):
         assert time.monotonic() < deadline, "ur web printed no link"
         await asyncio.sleep(0.1)
+    return await _log_in(port, found[1])
+
+
+async def log_in_to_look(port: int, cookie: dict[str, str]) -> str:
+    """Log in with a link that a session makes for watching, and return the header `Cookie`."""
+    url = f"http://localhost:{port}"
+    async with (
+        aiohttp.ClientSession(cookies=cookie, headers={"Origin": url}) as session,
+        session.post(f"{url}/api/invite", json={"role": "look"}) as answer,
+    ):
+        link = (await answer.json())["link"]
+    return "; ".join(f"{name}={value}" for name, value in (await _log_in(port, link.rpartition("#")[2])).items())
+
+
+def start_attackers(command: Sequence[str], env: Mapping[str, str], cookie: str) -> subprocess.Popen[str]:
+    """Start attackers of a kind, see `attackers`; the kind `member` has the cookie."""
+    started = subprocess.Popen(command, cwd=Path(__file__).parents[2], env=env, stdin=subprocess.PIPE, text=True)
+    assert started.stdin is not None, "a pipe"
+    with started.stdin:
+        started.stdin.write(cookie + "\n")
+    return started
+
+
+async def _log_in(port: int, token: str) -> dict[str, str]:
     url = f"http://localhost:{port}"
     async with aiohttp.ClientSession() as session:
-        answer = await session.post(f"{url}/login", json={"token": found[1]}, headers={"Origin": url})
+        answer = await session.post(f"{url}/login", json={"token": token}, headers={"Origin": url})
+        assert answer.status == 200, await answer.text()
         return {name: value.value for name, value in answer.cookies.items()}
 
 

@@ -14,6 +14,7 @@ import pytest
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 from bench.web_parts.attackers import KINDS  # noqa: E402
+from bench.web_parts.server import log_in_to_look, start_attackers  # noqa: E402
 from tests.web.server.test_serve import Service  # noqa: E402
 
 from ur.web.access.roles import Role  # noqa: E402
@@ -41,6 +42,7 @@ async def test_session_is_served_while_all_attackers_are_at_work(tmp_path: Path)
         _, _, cookie = service.ask("POST", "/login", json.dumps({"token": token}))
         url = f"http://127.0.0.1:{service.port}"
         headers = {"Origin": url, "Cookie": cookie}
+        member = await log_in_to_look(service.port, cookie)
         async with (
             aiohttp.ClientSession(headers=headers) as session,
             session.ws_connect(f"{url}/ws/drive?tab=0123456789") as drive,
@@ -49,7 +51,7 @@ async def test_session_is_served_while_all_attackers_are_at_work(tmp_path: Path)
             for kind in set(KINDS) - {"none", "site"}:  # for a site Chromium is needed
                 words = [sys.executable, "-m", "bench.web_parts.attackers", kind, str(service.port)]
                 env = {**os.environ, "PYTHONPATH": str(ROOT)}
-                attackers.append(subprocess.Popen([*words, "--seconds", str(SECONDS)], cwd=ROOT, env=env))
+                attackers.append(start_attackers([*words, "--seconds", str(SECONDS)], env, member))
             for number in range(PRESSES):
                 close = {"Connection": "close"} if number % 2 else {}
                 async with session.post(f"{url}/api/stop", headers=close) as answer:

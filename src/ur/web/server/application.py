@@ -10,7 +10,7 @@ from collections.abc import AsyncIterator, Callable, Mapping
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
-from ur.web.access.rate import draw, make_bucket
+from ur.web.access.rate import Buckets, draw, make_bucket
 from ur.web.access.roles import Role
 from ur.web.runs.commands import CommandQueue
 from ur.web.server.assistant_pages import AssistantPages
@@ -41,6 +41,7 @@ _CANCEL_AGAIN = 1.0  # s
 _MOST_BAD = 20  # malformed messages of one page
 _RATE, _BURST = 150.0, 150.0  # messages of one page, a second
 _VIEW_RATE, _VIEW_BURST = 10.0, 40.0  # changes of what one page shows, a second
+_STOP_LINES = (1.0, 20.0)  # stops of a session that are logged: a second, at once
 _TAB = re.compile(r"[0-9a-z]{8,32}", re.ASCII)
 
 
@@ -69,7 +70,7 @@ class Application:
         are those that pages may change to; by default only that one. `moved`: see ServerOptions.
         """
         self._gate, self._files, self._robot, self._log = gate, files, robot, log
-        self._moved = moved
+        self._moved, self._stop_lines = moved, Buckets(*_STOP_LINES)  # by session
         self._viewers = Viewers()
         self._drivers = DrivingPages(self._send)
         self._cameras = Cameras()
@@ -213,7 +214,9 @@ class Application:
         connected = self.robot_end.state == "up"
         if connected:
             self._send({"do": "stop"})
-        self._log(f"{request.remote} ({request[SESSION][1].name}): emergency stop{'' if connected else ' fails'}")
+        session, grant = request[SESSION]
+        if self._stop_lines.allows(session, time.monotonic()):
+            self._log(f"{request.remote} ({grant.name}): emergency stop{'' if connected else ' fails'}")
         if not connected:
             raise web.HTTPServiceUnavailable(text="the robot is not connected\n")
         return web.json_response({"ok": True})

@@ -14,7 +14,6 @@ from ur.web.wire.frames import Key, Kind, Layer, generation_of, json_frame, key_
 from ur.web.wire.view_request import ViewRequest
 
 _BUFFER = 1 << 15  # bytes buffered in this process in addition to the kernel's buffer
-_READ = 4096  # bytes read at once, so that a page that sends without a pause has no others wait
 _HEARTBEAT = 5.0  # s between pings of a web socket
 _CONTROL_RATE, _CONTROL_BURST = 2.0, 20.0  # pings and pongs of a page, a second
 
@@ -130,13 +129,12 @@ async def receive(socket: web.WebSocketResponse) -> AsyncIterator[WSMessage]:
 
 
 def limit_buffer(request: web.Request, size: int = _BUFFER) -> None:
-    """Limit the send buffer of a slow page, beyond which only the newest frames are sent, and what is read at once."""
+    """Limit the send buffer of a slow page, beyond which only the newest frames are sent."""
     import socket
 
     transport = request.transport
     if transport is not None:
         transport.set_write_buffer_limits(high=size)
-        transport.max_size = _READ  # type: ignore[attr-defined]  # of asyncio's transports of sockets
         sock = transport.get_extra_info("socket")
         if sock is not None:
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)

@@ -178,6 +178,24 @@ async def test_session_that_asks_too_much_limits_itself_only_and_can_stop(server
         await server.stop(client)
 
 
+async def test_session_that_sends_requests_without_waiting_is_disconnected_and_fills_no_log(
+    server: AttackedServer,
+) -> None:
+    async with await server.open_client(Role.LOOK) as busy, await server.open_client() as client:
+        (cookie,) = (f"Cookie: {each.key}={each.value}" for each in busy.cookie_jar)
+        many = b"".join(server.request(line, b"", cookie) for line in ("POST /api/stop", "GET /nope")) * 1000
+        for _ in range(4):
+            assert (await server.answer(many)).count(b"HTTP/1.1 ") <= 32
+        few = server.request("GET /api/me", b"", cookie) * 2 + server.request("GET /", b"", cookie, "Connection: close")
+        assert (await server.answer(few)).count(b"HTTP/1.1 200") == 3
+        await server.stop(client)
+        async with busy.post(f"{server.url}/api/stop") as answer:
+            assert answer.status == 200
+        for _ in range(30):
+            await server.stop(busy)
+        assert len([line for line in server.log if "emergency stop" in line]) <= 30
+
+
 async def test_page_can_be_loaded_again_and_again_at_once(server: AttackedServer) -> None:
     async with await server.open_client(Role.LOOK) as client:
         for _ in range(8):

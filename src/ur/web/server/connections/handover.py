@@ -8,6 +8,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import cast
 
+_MOST_READ = 4096  # bytes at once: all requests among them are parsed before another client is served
 _MOST_LEFT = 1 << 16  # bytes that a client may send after its only request
 
 Handlers = Callable[[], asyncio.Protocol]
@@ -38,6 +39,7 @@ class _Continued(asyncio.Protocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Pass the connection on."""
+        transport.max_size = _MOST_READ  # type: ignore[attr-defined]  # of asyncio's transports of sockets
         transport.set_protocol(self._handler)
         self._handler.connection_made(transport)
         self._handler.data_received(self._data)

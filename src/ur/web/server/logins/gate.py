@@ -52,6 +52,7 @@ _LOGIN_RATE, _LOGIN_BURST = 0.2, 10.0
 _REQUEST_RATE, _REQUEST_BURST = 50.0, 200.0  # of a session
 _FILE_RATE, _FILE_BURST = 500.0, 1500.0  # of a session, for files of the page: loading it requests dozens
 _LONGEST_QUERY = 500  # characters
+_MOST_AHEAD = 8  # requests that wait on a connection for this answer: browsers send one after the other
 _UNLIMITED = frozenset({"/api/stop", "/ws/drive"})
 
 
@@ -137,7 +138,8 @@ class LoginGate:
                 answer = web.Response(status=elsewhere.status, headers={"Location": elsewhere.headers["Location"]})
             except web.HTTPException as refusal:
                 answer = web.Response(status=refusal.status, text=refusal.text)
-            if SESSION not in request:
+            ahead = request.protocol._messages  # noqa: SLF001  # aiohttp keeps no count, and bounds them late
+            if SESSION not in request or len(ahead) > _MOST_AHEAD:
                 answer.force_close()
             if not answer.prepared:
                 answer.headers.update(HEADERS)
