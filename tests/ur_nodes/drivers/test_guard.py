@@ -13,6 +13,7 @@ from pathlib import Path
 
 import psutil
 import pytest
+from tests.json_client import wait_until
 from tests.ur_nodes.drivers.guarded import GuardedBoard
 from tests.ur_nodes.drivers.rig import one_of
 from tests.ur_nodes.drivers.threads import ThreadedNode
@@ -54,7 +55,8 @@ def find_guard(board: GuardedBoard) -> psutil.Process:
     found: list[psutil.Process] = []
 
     def is_ready() -> bool:
-        found[:] = [each for each in psutil.Process(board.driver.pid).children() if each.name() == MOTOR_GUARD.decode()]
+        children = [each for each in psutil.Process(board.driver.pid).children() if each.status() != "zombie"]
+        found[:] = [each for each in children if each.name() == MOTOR_GUARD.decode()]
         return bool(found)
 
     board.run_until(is_ready)
@@ -70,6 +72,18 @@ def test_guard_ignores_what_ends_a_driver_and_ends_with_it_after_the_motors_rest
         board.driver.kill()
         board.run_until(lambda: board.rests)
         board.run_until(lambda: not guard.is_running() or guard.status() == psutil.STATUS_ZOMBIE)
+
+
+def test_guard_that_is_stopped_is_replaced_by_one_that_stops_the_motors_of_a_killed_driver(tmp_path: Path) -> None:
+    with GuardedBoard("create2", tmp_path / "device") as board:
+        board.run_until(lambda: len(board.turned) > 10)
+        stopped = find_guard(board)
+        stopped.suspend()
+        board.run_until(lambda: not stopped.is_running() or stopped.status() == psutil.STATUS_ZOMBIE)
+        assert find_guard(board).pid != stopped.pid
+        board.run_until(lambda: not board.rests)
+        board.driver.kill()
+        board.run_until(lambda: board.rests)
 
 
 def test_oom_killer_chooses_a_driver_before_its_guard(tmp_path: Path) -> None:
@@ -132,7 +146,7 @@ def unit_socket(tmp_path: Path) -> Iterator[socket.socket]:
 
 
 def test_guard_in_a_unit_of_its_own_stops_the_motors_of_the_driver_that_connects(unit_socket: socket.socket) -> None:
-    def start(*_: object) -> int:
+    def start(*_: object) -> tuple[int, int]:
         raise AssertionError
 
     out, device = os.pipe()
@@ -149,11 +163,24 @@ def test_guard_in_a_unit_of_its_own_stops_the_motors_of_the_driver_that_connects
         os.close(each)
 
 
+def test_driver_starts_a_guard_where_that_of_the_unit_stops_reading(unit_socket: socket.socket) -> None:
+    theirs, ours = os.pipe()
+    guard = MotorGuard(ours, b"STOP", b"", lambda *_: (os.dup(ours), 0), unit_socket.getsockname())
+    connection, _ = unit_socket.accept()
+    unit_socket.close()  # the unit cannot be started again
+    with connection:
+        wait_until(lambda: not guard.report(moving=True), 20.0, "that it is noticed")
+    assert os.read(theirs, 100) == b"STOP"
+    guard.close()
+    for each in (theirs, ours):
+        os.close(each)
+
+
 def test_driver_stops_the_motors_and_starts_a_guard_itself_where_that_of_the_unit_ended(
     unit_socket: socket.socket,
 ) -> None:
     theirs, ours = os.pipe()
-    guard = MotorGuard(ours, b"STOP", b"", lambda *_: os.dup(ours), unit_socket.getsockname())
+    guard = MotorGuard(ours, b"STOP", b"", lambda *_: (os.dup(ours), 0), unit_socket.getsockname())
     unit_socket.accept()[0].close()
     assert not guard.report(moving=True)
     assert os.read(theirs, 100) == b"STOP"

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Callable
 from typing import Any
 
+from ur_nodes.ports.log import ThrottledLog
+
 
 class ThreadedNode:
     """Each job, and what takes its result, has a thread. A line has one job at a time."""
+
+    def __init__(self) -> None:
+        write = sys.stderr.write
+        self.log = ThrottledLog(write, write, write, write, lambda: 0.0)
 
     def work(self, job: Callable[[], Any], take: Callable[[Any], None], lane: str = "") -> None:
         threading.Thread(target=lambda: take(job()), name=lane, daemon=True).start()

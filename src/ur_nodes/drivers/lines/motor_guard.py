@@ -15,20 +15,22 @@ from importlib.resources import files
 from ur.robot.base.own_drivers import GUARD_SOCKET
 from ur.run.host.cgroup import find_group_above
 
-StartGuard = Callable[[int, bytes, bytes], int]
+StartGuard = Callable[[int, bytes, bytes], tuple[int, int]]
 
-_SOON = 2.0  # s in which a guard that systemd has started does not end unless it cannot run
+_SOON = 2.0  # s in which a guard that systemd has started does not end unless it cannot run, and one may start up
+_UNREAD = 0.2  # s without room for a report after which a guard has stopped
+_ROOM = 8192  # bytes of the socket's buffer: some twenty reports
 
 
-def start_guard(device: int, stop: bytes, leave: bytes) -> int:
-    """Start the process that watches over the motors; returns the end of the pipe to write its `m` and `r` to."""
-    theirs, ours = os.pipe()
+def start_guard(device: int, stop: bytes, leave: bytes) -> tuple[int, int]:
+    """Start the process that watches over the motors; returns the end of the pipe for its `m` and `r`, and its id."""
+    theirs, ours = os.pipe2(os.O_DIRECT | os.O_CLOEXEC)  # each report takes a page: a guard that stopped fills it soon
     program = (files(__package__) / "guard_program.py").read_text(encoding="utf-8")
     words = [str(theirs), str(device), stop.hex(), leave.hex(), find_group_above()]
     # Until the guard ignores what ends its driver: a new process has blocked what is blocked here.
     before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM, signal.SIGHUP))
     try:
-        subprocess.Popen(
+        process = subprocess.Popen(
             [sys.executable, "-I", "-S", "-c", program, *words],
             pass_fds=(theirs, device),
             start_new_session=True,  # it outlives what ends this process and its group
@@ -40,16 +42,17 @@ def start_guard(device: int, stop: bytes, leave: bytes) -> int:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
         os.close(theirs)
     os.set_blocking(ours, False)
-    return ours
+    return ours, process.pid
 
 
-def request_guard(path: str, device: int, stop: bytes, leave: bytes) -> int:
+def request_guard(path: str, device: int, stop: bytes, leave: bytes) -> tuple[int, int]:
     """Have systemd start it in the unit whose socket has this path; see `start_guard`. Raises OSError."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as link:
         link.setblocking(False)
+        link.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _ROOM)
         link.connect(path)
         socket.send_fds(link, [f"{stop.hex()},{leave.hex()}".encode()], [device])
-        return link.detach()
+        return link.detach(), 0
 
 
 class MotorGuard:
@@ -61,28 +64,37 @@ class MotorGuard:
         """Start it; `start` does so where systemd has no unit for it, whose socket is `unit`. Raises OSError."""
         self._unit, self._given, self._start = unit, (device, stop, leave), start
         self._requested = -_SOON
-        self._pipe = self._begin()
+        self._pipe, self._pid = self._begin()
+        self._read = self._requested
 
     def report(self, *, moving: bool) -> bool:
         """Report a command before it is sent, so that motors never turn without a guard. Raises OSError.
 
-        Returns False where the guard was killed: the motors are stopped, and a new guard is started.
+        Returns False where the guard was killed or does not read: the motors are stopped, and a new guard is started.
         """
+        now = time.monotonic()
         try:
             os.write(self._pipe, b"m" if moving else b"r")
         except BlockingIOError:
-            return True  # it has more to read than it needs
+            if now - self._read < _UNREAD or now - self._requested < _SOON:
+                return True  # it has more to read than it needs
         except ConnectionError:
-            device, stop, _ = self._given
-            if moving:
-                os.write(device, stop)  # first: a start takes time, and the host may have been killed, too
-            started = self._begin()
-            self.close()
-            self._pipe = started
-            return False
-        return True
+            self._pid = 0
+        else:
+            self._read = now
+            return True
+        device, stop, _ = self._given
+        if moving:
+            os.write(device, stop)  # first: a start takes time, and the host may have been killed, too
+        if self._pid:  # one that goes on later would stop and leave the device
+            with suppress(OSError):
+                os.kill(self._pid, signal.SIGKILL)
+        started = self._begin()
+        self.close()
+        self._pipe, self._pid = started
+        return False
 
-    def _begin(self) -> int:
+    def _begin(self) -> tuple[int, int]:
         before, self._requested = self._requested, time.monotonic()
         if self._requested - before >= _SOON:
             with suppress(OSError):

@@ -67,11 +67,18 @@ class SerialLine:
         if self._port is None or not data:
             return
         with contextlib.suppress(OSError, termios.error):  # unplugged: what reads it reports that
-            if self._guard and moving and not self._guard.report(moving=True):
+            if moving and not self._guarded(moving=True):
                 return  # the next command moves them again
             os.write(self._port.fileno(), data)  # what stops motors waits for no guard that has to be started again
-            if self._guard and not moving:
-                self._guard.report(moving=False)
+            if not moving:
+                self._guarded(moving=False)
+
+    def _guarded(self, *, moving: bool) -> bool:
+        """Report to the guard, and log where it had to be started again."""
+        guarded = self._guard is None or self._guard.report(moving=moving)
+        if not guarded:
+            self._node.log.warn(f"{self.name}: the guard of the motors was killed or hung; started another", every=60.0)
+        return guarded
 
     def close(self) -> None:
         self._closed = True

@@ -80,12 +80,12 @@ def test_device_that_is_in_use_is_reported_and_used_once_it_is_free(tmp_path: Pa
 def test_guard_that_was_killed_is_started_again(tmp_path: Path) -> None:
     started: list[int] = []
 
-    def start_guard(device: int, _stop: bytes, _leave: bytes) -> int:
+    def start_guard(device: int, _stop: bytes, _leave: bytes) -> tuple[int, int]:
         """One that was killed at once: the end of a pipe that none reads."""
         started.append(device)
         theirs, ours = os.pipe()
         os.close(theirs)
-        return ours
+        return ours, 0
 
     terminal, record = DeviceTerminal(tmp_path / "device"), Record()
     line = SerialLine(ThreadedNode(), str(terminal.path), record.user(), LineSettings(115200, b"STOP"), start_guard)  # type: ignore[arg-type]
@@ -99,14 +99,14 @@ def test_guard_that_was_killed_is_started_again(tmp_path: Path) -> None:
 def test_what_stops_the_motors_is_sent_where_no_guard_can_be_started(tmp_path: Path) -> None:
     pipes: list[int] = []
 
-    def start_guard(_device: int, _stop: bytes, _leave: bytes) -> int:
+    def start_guard(_device: int, _stop: bytes, _leave: bytes) -> tuple[int, int]:
         """One that was killed at once, and none after it."""
         if pipes:
             raise OSError
         theirs, ours = os.pipe()
         os.close(theirs)
         pipes.append(ours)
-        return ours
+        return ours, 0
 
     terminal, record = DeviceTerminal(tmp_path / "device"), Record()
     line = SerialLine(ThreadedNode(), str(terminal.path), record.user(), LineSettings(115200, b"STOP"), start_guard)  # type: ignore[arg-type]

@@ -46,10 +46,10 @@ class FullGuard:
     def __init__(self) -> None:
         self.pipe, self.size = -1, 0
 
-    def start(self, _device: int, _stop: bytes, _leave: bytes) -> int:
+    def start(self, _device: int, _stop: bytes, _leave: bytes) -> tuple[int, int]:
         self.pipe, ours = open_pipe()
         self.size = fill_pipe(ours)
-        return ours
+        return ours, 0
 
 
 @pytest.fixture

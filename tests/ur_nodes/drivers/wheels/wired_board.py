@@ -71,11 +71,11 @@ class WiredBoard:
         (pipe,) = self._pipes
         return read_rest(pipe)
 
-    def _start_guard(self, _device: int, stop: bytes, leave: bytes) -> int:
+    def _start_guard(self, _device: int, stop: bytes, leave: bytes) -> tuple[int, int]:
         theirs, ours = open_pipe()
         self._pipes.append(theirs)
         self.guards.append((stop, leave))
-        return ours
+        return ours, 0
 
     def _take(self, data: bytes) -> None:
         assert self._terminal
