@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
@@ -106,4 +107,5 @@ def _deflection(
     number = axis.get(name, -1)
     if not 0 <= number < len(axes):
         return 0.0
-    return max(-limit, min(limit, axes[number] * scale.get(name, 0.0)))
+    value = axes[number] * scale.get(name, 0.0)
+    return max(-limit, min(limit, value)) if math.isfinite(value) else 0.0  # min and max pass a limit on for NaN

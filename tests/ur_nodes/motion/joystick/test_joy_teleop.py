@@ -77,6 +77,11 @@ def test_joystick_with_fewer_axes_does_not_move(report: JoystickState) -> None:
     assert sent is None or sent.linear == (0.0, 0.0, 0.0)
 
 
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), float("-inf")])
+def test_axis_that_is_no_finite_number_does_not_move_the_robot(value: float) -> None:
+    assert replay(at(value, value, ENABLE), at(value, 0.5, TURBO)) == [(JoyTwist(), None), (twist(0.0, 1.0), None)]
+
+
 def test_no_dead_man_button_means_no_motion() -> None:
     without = replace(SETTINGS, enable_button=-1, enable_turbo_button=-1)
     assert replay(at(1.0, 0.0, 0, 4, 5), settings=without)[0][0] is None
