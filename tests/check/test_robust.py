@@ -44,3 +44,35 @@ def test_broken_files_give_findings_and_no_exception(pieces: list[str], yaml: st
     }
     report = check_paths(["/p"], MemoryWorld(files, {"p": "/p"}))
     assert all(found.rule in load_rules() for found in report.findings)
+
+
+def test_devices_pipes_and_yaml_that_its_aliases_multiply_are_findings_with_their_lines(tmp_path: Path) -> None:
+    (tmp_path / "package.xml").write_text("<package><name>p</name></package>")
+    (tmp_path / "maps").mkdir()
+    os.mkfifo(tmp_path / "maps" / "pipe")
+    (tmp_path / "maps" / "a.yaml").write_text(
+        "resolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.6\nfree_thresh: 0.2\nimage: pipe\n"
+    )
+    bomb = [
+        "a0: &a0 [x, x, x, x, x, x, x, x, x, x]",
+        *(f"a{n + 1}: &a{n + 1} [{f'*a{n}, ' * 9}*a{n}]" for n in range(7)),
+    ]
+    (tmp_path / "bomb.yaml").write_text("\n".join(bomb))
+    (tmp_path / "a.launch").write_text(
+        '<launch>\n<include file="/dev/zero"/>\n<param name="t" textfile="/dev/zero"/>\n'
+        '<param name="b" binfile="/dev/zero"/>\n<rosparam file="/dev/zero"/>\n</launch>\n'
+    )
+    report = check_paths([str(tmp_path)], make_world([str(tmp_path)], os.environ))
+    spans = [
+        (found.rule, found.span) for found in report.findings if found.rule in ("missing-file", "bad-map", "bad-yaml")
+    ]
+    places = [
+        (rule, span.file.path.rpartition("/")[2], span.file.text.count("\n", 0, span.start) + 1)
+        for rule, span in spans
+        if span
+    ]
+    assert sorted(places) == [
+        ("bad-map", "a.yaml", 6),
+        ("bad-yaml", "bomb.yaml", 1),
+        *(("missing-file", "a.launch", line) for line in (2, 3, 4, 5)),
+    ]

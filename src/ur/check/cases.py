@@ -16,7 +16,7 @@ from ur.check.rule import LaunchView
 from ur.check.survey import walk_elements
 from ur.check.worlds import ANONYMOUS, CachedWorld, Environment, Unknowns, has_marker
 from ur.launchfile.plan.load import load_plan
-from ur.launchfile.plan.problems import NOT_GIVEN, NOT_PYTHON
+from ur.launchfile.plan.problems import NOT_GIVEN, NOT_PYTHON, SPECIAL
 from ur.launchfile.plan.specs import Plan, TraceStep
 from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.syntax import Element, LaunchFile
@@ -226,7 +226,7 @@ def _hides_a_file(found: Diagnostic) -> bool:
 
 def _is_path_of_user(found: Diagnostic, world: CachedWorld) -> bool:
     # A default like "" or "none", which the user of the file replaces, or a path of another computer.
-    if found.rule != "missing-file" or found.span is None:
+    if found.rule != "missing-file" or found.span is None or found.kind == SPECIAL:
         return False
     if "/" not in found.subject:
         return "$" in found.span.text

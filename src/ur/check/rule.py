@@ -119,6 +119,7 @@ class YamlView:
 
     source: SourceFile
     package: Package | None
+    world: CachedWorld
 
 
 @dataclass(frozen=True, slots=True)

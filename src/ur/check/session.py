@@ -198,7 +198,9 @@ class CheckSession:
             return
         inputs = ("YAML file", describe_package(package), sorted(self.chosen))
         yield from self._check_or_recall(
-            (_YAML, path), inputs, lambda: map(Hit, self._visitor.visit_yaml_file(YamlView(source, package)))
+            (_YAML, path),
+            inputs,
+            lambda: map(Hit, self._visitor.visit_yaml_file(YamlView(source, package, self.world))),
         )
 
     def _check_or_recall(

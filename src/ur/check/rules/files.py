@@ -7,9 +7,10 @@ from collections.abc import Iterable, Iterator
 import yaml
 
 from ur.check.rule import Example, Rule, RuleFinding, RuleGroup, YamlView, launch_example, launch_examples
+from ur.launchfile.plan.values.yaml_values import MAX_VALUES
 from ur.source.diagnostic import Note, Severity
 from ur.source.file import SourceFile, Span
-from ur.source.foreign.yaml_text import check_depth
+from ur.source.foreign.yaml_text import check_depth, check_size
 
 _Loader: type[yaml.SafeLoader] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -19,7 +20,7 @@ def _find_bad_yaml(view: YamlView) -> Iterable[RuleFinding]:
     if not is_plain_yaml(source):
         return
     try:
-        compose_documents(source)
+        documents = compose_documents(source)
     except yaml.MarkedYAMLError as problem:
         if _python_reads(source.text):
             return
@@ -34,6 +35,14 @@ def _find_bad_yaml(view: YamlView) -> Iterable[RuleFinding]:
         yield RuleFinding(place, f"not valid YAML: {message}", help_, notes if notes and notes[0].span != place else ())
     except yaml.YAMLError as problem:
         yield RuleFinding(Span(source, 0, 1), f"not valid YAML: {str(problem).splitlines()[0]}")
+    else:
+        try:
+            for document in documents:
+                check_size(document, MAX_VALUES)
+        except yaml.MarkedYAMLError as problem:
+            place = span_at(source, problem.problem_mark)
+            help_ = "write less, above all less aliases (*name), which multiply"
+            yield RuleFinding(place, f"not valid YAML: {problem.problem}", help_)
 
 
 def _python_reads(text: str) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -34,7 +35,12 @@ def _find_bad_world(view: YamlView) -> Iterable[RuleFinding]:
     if "floor_plan" in keys or ("image" in keys and keys & _WORLD_KEYS):
         from ur.worlds.world_file import check_world
 
-        yield from _find_unusable(view, "a world file", lambda top: check_world(top, Path(view.source.path)))
+        def check(top: Section) -> None:
+            check_world(top, Path(view.source.path))
+            if top.has("image"):
+                _refuse_special(view, top)
+
+        yield from _find_unusable(view, "a world file", check)
 
 
 def _find_bad_map(view: YamlView) -> Iterable[RuleFinding]:
@@ -42,7 +48,23 @@ def _find_bad_map(view: YamlView) -> Iterable[RuleFinding]:
     if {"image", "resolution"} <= keys and not keys & _WORLD_KEYS:
         from ur.worlds.map_keys import parse_map_file
 
-        yield from _find_unusable(view, "a map file", lambda top: parse_map_file(top, Path(view.source.path).parent))
+        def check(top: Section) -> None:
+            parse_map_file(top, Path(view.source.path).parent)
+            _refuse_special(view, top)
+
+        yield from _find_unusable(view, "a map file", check)
+
+
+def _refuse_special(view: YamlView, top: Section) -> None:
+    """Raise UserError where the picture of a map is a device, a pipe or a folder."""
+    path = str(Path(view.source.path).parent / top.text("image"))
+    if view.world.is_file(path):
+        return
+    try:
+        view.world.read_bytes(path)
+    except OSError as problem:
+        if problem.errno == errno.EINVAL:
+            top.fail("image", f"{path}: {problem.strerror}, expected a picture")
 
 
 def _keys(view: YamlView) -> set[str]:

@@ -9,6 +9,7 @@ from ur.source.file import Span
 
 # Kinds of diagnostics.
 NOT_GIVEN = "not-given"  # a `missing-argument` of the file that is started, not of one that it includes
+SPECIAL = "special"  # a `missing-file` that is there, as a device or a pipe
 NOT_PYTHON = "not-python"  # a `bad-eval` that no argument can make right
 OBSOLETE = "obsolete"  # an `unknown-tag` that had a meaning once
 

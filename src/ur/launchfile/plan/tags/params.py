@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import errno
+
 from ur.launchfile.plan.draft import Draft
 from ur.launchfile.plan.names import canonical_name, is_private, join_names
-from ur.launchfile.plan.problems import TagRefused, refuse
+from ur.launchfile.plan.problems import SPECIAL, TagRefused, refuse
 from ur.launchfile.plan.scope import Scope
 from ur.launchfile.plan.specs import Origin, ParamCommand, ParamSpec, ParamType, ParamValue
 from ur.launchfile.plan.tags.attributes import (
@@ -126,9 +128,10 @@ def missing_file(path: str, problem: OSError, element: Element, attribute: str, 
     folder, _, name = path.rpartition("/")
     near = did_you_mean(name, (each for each in draft.world.list_folder(folder or ".") if each != name))
     inside = sorted(draft.world.list_folder(path)) if path else []  # where it is a folder
+    special = problem.errno == errno.EINVAL and not inside
     if 0 < len(inside) <= _LISTED:
         help_ = f"it contains {', '.join(inside)}"
-    elif near:
+    elif near and not special:
         help_ = f"did you mean {folder + '/' if folder else ''}{near}?"
     else:
         help_ = "check the path, or create the file"
@@ -138,6 +141,7 @@ def missing_file(path: str, problem: OSError, element: Element, attribute: str, 
         "missing-file",
         help_,
         subject=path,
+        kind=SPECIAL if special else "",
     )
 
 
@@ -185,8 +189,6 @@ def resolve_rosparam(element: Element, draft: Draft, scope: Scope) -> None:
 def _load(
     element: Element, file: str | None, name: str, full_name: str, substitutes: bool, draft: Draft, scope: Scope
 ) -> None:
-    if file is not None and not draft.world.is_file(file):
-        raise missing_file(file, OSError(2, "no such file"), element, "file", draft)
     text = _read_text(file, element, "file", draft) if file is not None else element.text
     written = text
     if substitutes and "$" in text:
