@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 
+from ur.source.diagnostic import UserError, error
 from ur_nodes.motion.admission.gate import AdmissionGate
 from ur_nodes.motion.mux import MuxState, start_mux
 from ur_nodes.motion.mux_controls import MuxControls
@@ -22,6 +23,9 @@ _OUTPUT = "cmd_vel_out"
 
 def start(node: Node) -> None:
     """Read the parameters and connect. Raises UserError."""
+    if node.parameters.boolean("real_base", False) and node.facts.simulated_time:
+        message = "use_sim_time is true, expected false: a real base must stop in real time, however slow /clock is"
+        raise UserError(error(message, rule="simulated-time", help="rosparam set /use_sim_time false"))
     settings = read_settings(node.parameters)
     if settings.stopped:
         node.log.warn(f"emergency stop is still on; call {node.resolve('~release')} to end it")

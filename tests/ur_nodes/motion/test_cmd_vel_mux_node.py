@@ -13,6 +13,7 @@ from tests.ur_nodes.motion.mux_robot import AHEAD, STILL, LeaseDriver, MuxRobot
 
 from ur.devices.driver_health import RefusedCommands, health_file, parse_drivers, parse_records
 from ur.source.diagnostic import UserError
+from ur_nodes.motion.cmd_vel_mux_node import start
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import RawMessage
 from ur_nodes.ports.services import Switch, Trigger
@@ -331,6 +332,15 @@ def test_robot_stops_before_an_obstacle_and_the_choice_outlives_the_mux(home: Pa
 def test_parameters_that_it_cannot_use_are_named(home: Path, parameters: dict[str, Any], message: str) -> None:
     with pytest.raises(UserError, match=message):
         MuxRobot(home, **parameters)
+
+
+def test_real_base_is_not_driven_by_simulated_time(home: Path) -> None:
+    robot = MuxRobot(home, real_base=True)  # in real time
+    robot.kill()
+    robot.mux = robot.bus.node("cmd_vel_mux")
+    assert robot.mux.facts.simulated_time
+    with pytest.raises(UserError, match="use_sim_time is true, expected false"):
+        start(robot.mux)
 
 
 def test_programs_that_send_to_the_base_itself_drive_through_the_mux_by_either_type(home: Path) -> None:
