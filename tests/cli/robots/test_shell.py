@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from ur.cli.robots.shell import run_ssh
+from ur.cli.robots.shell import run_in_front, run_ssh
 from ur.request.remote.connection import robot_address
 from ur.robot.ssh.address import Address
+from ur.robot.ssh.shell import run_process
 from ur.source import UserError
 
 BOB = Address("ros", "bob.local")
@@ -36,6 +37,8 @@ signal.sigwait(ends)
 print("ended", flush=True)
 sys.exit({code})
 """
+
+HOSTILE = r"print('\x1b[1mbold\x1b[0m \xe9\x1b]0;title\x07\x1b[2J\x1b[5A\rnext\tend'); raise SystemExit(7)"
 
 
 @pytest.fixture
@@ -121,3 +124,20 @@ def test_what_ends_us_ends_ssh(ssh: Path, number: signal.Signals) -> None:
         process.send_signal(number)
         assert process.stdout.readline() == "ended\n"
         assert process.wait(60) == 9
+
+
+def test_output_of_a_robot_that_is_text_cannot_move_the_cursor(capfd: pytest.CaptureFixture[str]) -> None:
+    assert run_in_front([sys.executable, "-c", HOSTILE], escaped=True) == 7
+    assert capfd.readouterr().out == "\x1b[1mbold\x1b[0m é\\x1b]0;title\\x07\\x1b[2J\\x1b[5A\\rnext\tend\n"
+
+
+def test_program_is_said_to_be_missing_also_where_a_folder_of_path_cannot_be_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "sshfs").touch()  # not executable: as a folder that cannot be read, for a user who is root
+    monkeypatch.setenv("PATH", str(tmp_path))
+    for start in (run_in_front, lambda words: run_process(words, timeout=60.0, what="mounting a folder")):
+        with pytest.raises(UserError) as caught:
+            start(["sshfs"])
+        assert "sshfs is not installed here" in caught.value.diagnostics[0].message
+        assert caught.value.diagnostics[0].help == "run: ur setup"

@@ -54,7 +54,7 @@ def test_here(own: OwnBase, device: str) -> int:
 
 def test_there(address: Address, package: str) -> int:
     """Test the base of a robot there, with this terminal, and put its wiring into the base file here, too."""
-    code = run_ssh(address, ["-t"], [remote_line()])
+    code = run_ssh(address, ["-t"], [remote_line()], escaped=True)
     if code not in (0, 1):
         return code
     with connect_robot(address) as shell:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import codecs
+import os
+import re
 import signal
 import subprocess
 import sys
@@ -17,6 +20,7 @@ from ur.robot.ssh.failures import explain_failure
 from ur.robot.ssh.openssh import STRICT
 from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error
+from ur.source.printable import printable_lines
 
 
 @click.command("shell", context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
@@ -32,17 +36,18 @@ def command(robot: str | None, argv: tuple[str, ...]) -> int:
     return run_ssh(robot_address(robot), [] if argv else ["-t"], argv)
 
 
-def run_ssh(address: Address, options: Sequence[str], argv: Sequence[str]) -> int:
+def run_ssh(address: Address, options: Sequence[str], argv: Sequence[str], *, escaped: bool = False) -> int:
     """Run ssh with this terminal and return its exit code. Raises UserError if there was no connection.
 
-    A single argument is a shell line on the robot; several arguments are passed unchanged.
+    A single argument is a shell line on the robot; several arguments are passed unchanged. `escaped`: see
+    `run_in_front`.
     """
     script = [argv[0] if len(argv) == 1 else quote(*argv)] if argv else []
     sys.stdout.flush()
     with tempfile.TemporaryDirectory(prefix="ur-") as folder:
         log = Path(folder) / "log"
         log.touch()
-        code = run_in_front(["ssh", *STRICT, "-E", str(log), *options, "--", str(address), *script])
+        code = run_in_front(["ssh", *STRICT, "-E", str(log), *options, "--", str(address), *script], escaped=escaped)
         reported = log.read_text(encoding="utf-8", errors="replace")
     if code == 255 and reported.strip():
         raise explain_failure(address, reported)
@@ -50,10 +55,11 @@ def run_ssh(address: Address, options: Sequence[str], argv: Sequence[str]) -> in
     return code if code >= 0 else 128 - code
 
 
-def run_in_front(command: Sequence[str]) -> int:
+def run_in_front(command: Sequence[str], *, escaped: bool = False) -> int:
     """Run a program with this terminal; return its exit code.
 
-    Signals that end this process end it too, and it handles Ctrl-C itself.
+    Signals that end this process end it too, and it handles Ctrl-C itself. `escaped`: its output is text, in which
+    control characters except those of colours are shown as escapes.
     """
     running: list[subprocess.Popen[bytes]] = []
     early: list[int] = []
@@ -70,11 +76,13 @@ def run_in_front(command: Sequence[str]) -> int:
     # Before the start, so that no signal ends this process alone. It does not inherit them: handlers end with exec.
     before = [signal.signal(number, hand_on) for number in numbers]
     try:
-        running.append(subprocess.Popen(command))
+        running.append(subprocess.Popen(command, stdout=subprocess.PIPE if escaped else None))
         for number in early:
             running[0].send_signal(number)
+        if running[0].stdout:
+            _print_escaped(running[0].stdout.fileno())
         return running[0].wait()
-    except FileNotFoundError:
+    except (FileNotFoundError, PermissionError):  # the second where a folder of PATH cannot be read
         raise UserError(
             error(
                 f"{command[0]} is not installed here", rule="missing-program", help="run: ur setup", subject=command[0]
@@ -83,3 +91,19 @@ def run_in_front(command: Sequence[str]) -> int:
     finally:
         for number, handler in zip(numbers, before, strict=True):
             signal.signal(number, handler)
+
+
+def _print_escaped(output: int) -> None:
+    """Print text as it arrives; ssh has set the terminal so that each line has to end with a carriage return, too."""
+    decoder, rest = codecs.getincrementaldecoder("utf-8")("replace"), ""
+    while data := os.read(output, 65536):
+        text = rest + decoder.decode(data)
+        rest = "\r" if text.endswith("\r") else ""
+        lines = text.removesuffix("\r").replace("\r\n", "\n").split("\n")
+        sys.stdout.write(("\r\n" if sys.stdin.isatty() else "\n").join(map(_escape_all_but_colours, lines)))
+        sys.stdout.flush()
+
+
+def _escape_all_but_colours(line: str) -> str:
+    parts = re.split(r"(\x1b\[[0-9;]*m)", line)
+    return "".join(part if number % 2 else printable_lines(part) for number, part in enumerate(parts))

@@ -100,7 +100,7 @@ def run_process(
         raise UserError(
             error_about(what, f"{problem}", rule="bad-argument", help="is a name or an answer in it what you expect?")
         ) from None
-    except FileNotFoundError:
+    except (FileNotFoundError, PermissionError):  # the second where a folder of PATH cannot be read
         raise UserError(
             error(
                 f"{command[0]} is not installed here, needed for {what}",
