@@ -187,6 +187,9 @@ async def test_viewer_sees_scan_map_and_camera_and_sends_a_goal(server: PageProc
             assert viewer.messages.get(4), viewer.status
             await asyncio.to_thread(robot.ask, "moving", seconds=60)
             await asyncio.to_thread(robot.ask, "lease", state="held", seconds=60)
+            for _ in range(15):
+                await viewer.publish(12, "/move_base_simple/goal", "geometry_msgs/PoseStamped", pose_bytes(1.0, 0.0))
+            await viewer.until(lambda: any("too many at once, expected at most 2 a second" in e for e in viewer.status))
             await socket.close()
         await asyncio.to_thread(robot.ask, "still", seconds=60)  # nobody can continue its goal: it is cancelled
         await asyncio.to_thread(robot.ask, "lease", state="free", seconds=60)

@@ -208,6 +208,17 @@ async def test_page_that_changes_too_often_is_closed(server: ApplicationServer) 
         assert socket.close_code == aiohttp.WSCloseCode.POLICY_VIOLATION
 
 
+async def test_flood_of_requests_reaches_the_robot_and_is_logged_up_to_a_limit(server: ApplicationServer) -> None:
+    await server.log_in(Role.DRIVE)
+    async with server.client.ws_connect(server.url + DRIVE, headers=server.origin) as socket:
+        for _ in range(140):
+            await socket.send_str('{"t":"stop"}')
+        while sum("stop" in str(each.get("m")) for each in server.robot_end.passed) < 140:
+            assert not socket.closed
+            await asyncio.sleep(0.01)
+    assert 100 <= sum('"stop"' in line for line in server.log) < 120
+
+
 @pytest.mark.parametrize("path", ["/ws/view", "/ws/camera", "/ws/data", RUNS, DRIVE])
 @pytest.mark.parametrize("kind", ["ping", "pong"])
 async def test_page_that_sends_more_pings_than_a_browser_is_closed(

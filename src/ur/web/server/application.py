@@ -40,6 +40,7 @@ _CLOSE_LIMIT = 0.5  # s for pages to disconnect
 _CANCEL_AGAIN = 1.0  # s
 _MOST_BAD = 20  # malformed messages of one page
 _RATE, _BURST = 150.0, 150.0  # messages of one page, a second
+_LOG_RATE, _LOG_BURST = 2.0, 100.0  # of them are logged
 _VIEW_RATE, _VIEW_BURST = 10.0, 40.0  # changes of what one page shows, a second
 _STOP_LINES = (1.0, 20.0)  # stops of a session that are logged: a second, at once
 _TAB = re.compile(r"[0-9a-z]{8,32}", re.ASCII)
@@ -278,6 +279,7 @@ class Application:
     async def _receive(self, socket: web.WebSocketResponse, client: str, who: str) -> None:
         """Forward requests until the page disconnects, exceeds the rate, or sends too many malformed ones."""
         bad, bucket, hold = 0, make_bucket(_RATE, _BURST, time.monotonic()), 0
+        lines = make_bucket(_LOG_RATE, _LOG_BURST, time.monotonic())
         async for message in receive(socket):
             bucket, allowed = draw(bucket, time.monotonic())
             try:
@@ -292,7 +294,9 @@ class Application:
             if request is None:
                 continue
             if text := describe_request(request, message.data, hold):
-                self._log(f"{who}: {text}")
+                lines, logged = draw(lines, time.monotonic())
+                if logged:
+                    self._log(f"{who}: {text}")
             if isinstance(request, Stick):
                 hold = request.hold
             self._send({"page": client, "m": message.data})

@@ -50,6 +50,7 @@ _PING_EVERY = 0.2  # s
 _HELD = 3.0  # s that a request waits for the first challenge of the mux
 _MOST_PINGS = 50  # unanswered pings: the viewer has disconnected
 _RATE, _BURST = 50.0, 500.0  # messages of one viewer, a second
+_GOAL_RATE, _GOAL_BURST = 2.0, 10.0  # goals and poses of one viewer, a second: each is logged, here and by navigation
 _MOST_BAD = 20
 _EXPECTED = f"expected {' or '.join(SCHEMAS)}; drive by hand on the page of 'ur web', whose commands prove their age"
 _REASONS = {"driver": "another one drives, take over on the page of 'ur web'", "late": "the connection was too slow"}
@@ -72,6 +73,7 @@ class _Viewer:
         self.client = f"web-{secrets.token_hex(8)}"
         self.topics: dict[int, AdvertisedTopic] = {}
         self.proved: list[int] | None = None
+        self.goals = make_bucket(_GOAL_RATE, _GOAL_BURST, time.monotonic())
         self.held: tuple[dict[str, object], float] | None = None  # a request that waits for a proof, until when
         self._newest: list[int] | None = None
         self._pings: dict[bytes, list[int] | None] = {}
@@ -239,6 +241,9 @@ class ViewerGate:
         if channel.encoding != "ros1":
             raise BadRequestError(f"{channel.topic}: the encoding '{channel.encoding[:20]}', expected 'ros1'")
         asked = read_request_of(channel.topic, publication.data)
+        viewer.goals, allowed = draw(viewer.goals, time.monotonic())
+        if not allowed:
+            raise BadRequestError(f"{channel.topic}: too many at once, expected at most {_GOAL_RATE:g} a second")
         self._log(f"{who}: {asked['t']} {asked['x']:.2f} {asked['y']:.2f} {asked['yaw']:.2f}")
         viewer.held = (asked, time.monotonic() + _HELD)
         self._release(viewer)
