@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from ur.launchfile import MemoryWorld, dump_plan, load_plan
 from ur.launchfile.plan.specs import Plan
+from ur.launchfile.query.arguments import read_arguments
 
 
 def _load(files: dict[str, str | bytes] | str | bytes) -> Plan:
@@ -79,6 +80,12 @@ def test_arguments_that_double_are_stopped() -> None:
         f'<arg name="a{level}" default="$(arg a{level - 1})$(arg a{level - 1} )"/>' for level in range(1, 60)
     )
     assert _rules(_load(_launch(body))) == {"value-too-long"}
+
+
+def test_arguments_of_a_huge_file_are_read_without_comparing_all_with_all() -> None:
+    tags = "".join(f'<arg name="a{n}" default="$(arg z)"/>' for n in range(30_000))
+    world = MemoryWorld({"/a.launch": f'<launch><arg name="z" default="1"/>{tags}</launch>'})
+    assert len(read_arguments("/a.launch", [], world)) == 30_001
 
 
 def test_deep_elements_are_refused() -> None:

@@ -81,17 +81,17 @@ def format_arguments(arguments: Sequence[ArgumentSpec]) -> str:
 def _read_argument(
     element: Element, draft: Draft, scope: Scope, comments: dict[int, Comment]
 ) -> dict[str, ArgumentSpec]:
-    before = set(scope.declared)
+    before = len(scope.declared)
     resolve_arg(element, draft, scope)
-    names = set(scope.declared) - before
-    if not names or element.attributes.get("value"):
+    if len(scope.declared) == before or element.attributes.get("value"):
         return {}
-    (name,) = names
+    name = next(reversed(scope.declared))
     default = element.attributes.get("default")
     if default is not None and "$" in default:
-        shown = Scope(scope.namespace, scope.filename, {key: value for key, value in scope.args.items() if key != name})
+        given = scope.args.pop(name)
+        shown = Scope(scope.namespace, scope.filename, scope.args)
         resolve_arg(element, draft, shown)
-        default = shown.args[name]
+        default, scope.args[name] = shown.args[name], given
     doc = element.attributes.get("doc") or ""
     comment = comments.get(element.start)
     if not doc and comment is not None:
