@@ -69,3 +69,11 @@ def test_link_stays_a_link(folder: Path) -> None:
     assert main(["format", "c.launch"]) == 0
     assert (folder / "c.launch").is_symlink()
     assert (folder / "real" / "c.launch").read_text() == FINE
+
+
+def test_folder_without_launch_files_is_not_called_formatted(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("a.launch", "b.launch"):
+        (folder / name).rename(folder / f"{name}.py")
+    assert main(["format", "--check"]) == 2
+    message = "nothing was formatted: no launch file is there; 2 Python launch files of ROS 2 were not read\n"
+    assert capsys.readouterr().err == message

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from textwrap import fill
 
@@ -39,11 +40,18 @@ def summarise(report: CheckReport, *, nothing: str = "nothing found") -> str:
     warnings = len(report.findings) - report.errors
     counts = [_count(number, word) for number, word in ((report.errors, "error"), (warnings, "warning")) if number]
     hidden = f" ({_count(report.suppressed, 'finding')} hidden by comments)" if report.suppressed else ""
-    skipped = " and ".join(_count(number, kind) for kind, number in report.not_read.items())
-    left_out = f"; {skipped} {'was' if sum(report.not_read.values()) == 1 else 'were'} not read" if skipped else ""
+    left_out = f"; {skipped}" if (skipped := describe_not_read(report.not_read)) else ""
     if not report.files:
         return f"nothing was checked: no launch file, YAML file or program of a package is there{left_out}"
     return f"{' and '.join(counts) or nothing} in {_count(report.files, 'file')}{hidden}{left_out}"
+
+
+def describe_not_read(not_read: Mapping[str, int]) -> str:
+    """Return `6 Python launch files of ROS 2 were not read`; empty if everything was."""
+    if not not_read:
+        return ""
+    kinds = " and ".join(_count(number, kind) for kind, number in not_read.items())
+    return f"{kinds} {'was' if sum(not_read.values()) == 1 else 'were'} not read"
 
 
 def _count(number: int, word: str) -> str:

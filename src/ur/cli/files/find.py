@@ -39,11 +39,12 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
     from ur.tools.find.search import find_name
 
     places = list(paths) or ["."]
+    world = make_world(places, add_own_package(os.environ))
     with show_progress("finding launch files") as progress:
         found = find_name(
             name,
             places,
-            make_world(places, add_own_package(os.environ)),
+            world,
             [kind for kind in KINDS if not kinds or kind in kinds],
             progress,
         )
@@ -54,7 +55,11 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
     elif found:
         _show(found)
     else:
-        where = ", ".join(places)
+        from ur.check.collect import collect_targets
+        from ur.check.render.text import describe_not_read
+
+        not_read = describe_not_read(collect_targets(places, world).not_read)
+        where = ", ".join(places) + (f", of which {not_read}" if not_read else "")
         click.echo(f"no {name!r} in {where}; use * as a wildcard: ur find '*{name}*'", err=True)
     return 0 if found else 1
 

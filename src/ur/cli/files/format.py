@@ -32,13 +32,15 @@ def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
     standard input to standard output. Comments stay. The plan of each file is compared, for every base and variant: a
     file whose plan would change keeps its order.
 
-    Exit code: 0, or 1 when a file has errors (it stays as it is) or, with --check and --diff, would change.
+    Exit code: 0, or 1 when a file has errors (it stays as it is) or, with --check and --diff, would
+    change; 2 when there are launch files of ROS 2 only.
     """
     if paths == (_STANDARD_INPUT,):
         return _format_input()
     from ur.check.collect import collect_targets
     from ur.check.computer import make_world
     from ur.check.links import describe_left_out
+    from ur.check.render.text import describe_not_read
     from ur.check.worlds import CachedWorld
     from ur.request.environment import add_own_package
     from ur.source.progress_line import show_progress
@@ -50,7 +52,9 @@ def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
         changed, broken = _format_files(targets, world, progress, check=check, diff=diff)
     if note := describe_left_out(targets.left_out):
         click.echo(note, err=True)
-    _sum_up(len(targets.launch_files), changed, broken, dry=check or diff)
+    _sum_up(len(targets.launch_files), changed, broken, describe_not_read(targets.not_read), dry=check or diff)
+    if targets.not_read and not targets.launch_files:
+        return 2
     return 1 if broken or (changed and (check or diff)) else 0
 
 
@@ -111,7 +115,11 @@ def _print_result(done: Formatted, check: bool, diff: bool) -> None:
         click.echo(f"would format {name}" if check else f"formatted {name}")
 
 
-def _sum_up(files: int, changed: int, broken: int, dry: bool) -> None:
+def _sum_up(files: int, changed: int, broken: int, not_read: str, *, dry: bool) -> None:
+    left_out = f"; {not_read}" if not_read else ""
+    if not files:
+        click.echo(f"nothing was formatted: no launch file is there{left_out}", err=True)
+        return
     verb = "would change" if dry else "changed"
     errors = f", {broken} left alone because of errors" if broken else ""
-    click.echo(f"{files} launch file{'' if files == 1 else 's'}: {changed} {verb}{errors}", err=True)
+    click.echo(f"{files} launch file{'' if files == 1 else 's'}: {changed} {verb}{errors}{left_out}", err=True)
