@@ -17,7 +17,8 @@ from ur.source.file import SourceFile, Span
 _EXPONENT = re.compile(r"([-+]?\d+)(\.\d*)?[eE]([-+]?)(\d+)")
 _INFINITE = re.compile(r"[-+]?(?:inf|nan)", re.IGNORECASE)
 _SWITCH = {"yes": "true", "on": "true", "no": "false", "off": "false"}
-_READ_FROM_TEXT = ("initial_estimate_covariance", "process_noise_covariance")  # robot_localization takes texts, too
+# Of robot_localization and OMPL in MoveIt, which make numbers of texts themselves
+_READ_FROM_TEXT = ("initial_estimate_covariance", "process_noise_covariance", "planner_configs")
 _LONGEST_TEXT = 50_000  # characters of <rosparam>: reading more takes memory that a check may not take
 _LONGEST = 60  # characters of what someone may take for a number
 
@@ -77,7 +78,8 @@ def _read_scalar(text: str, tag: str, beside_texts: bool) -> tuple[str, str] | N
 
 
 def _find_in_launch(element: Element, _view: LaunchView) -> Iterable[RuleFinding]:
-    if element.name == "rosparam" and element.text.strip() and len(element.text) <= _LONGEST_TEXT:
+    named = element.attributes.get("param", "").rpartition("/")[2]
+    if element.name == "rosparam" and named not in _READ_FROM_TEXT and 0 < len(element.text.strip()) <= _LONGEST_TEXT:
         for found in _find_in_text(SourceFile("", element.text)):
             start, end = element.text_offset(found.span.start), element.text_offset(found.span.end)
             yield RuleFinding(Span(element.source, start, end), found.message, found.help, subject=found.subject)
@@ -127,7 +129,8 @@ of texts.
         ),
         good=(
             _yaml_example("tolerance: 1.0e-3\ncode: '010'\nstart: '12:30'\nstates: [blink, 'on']\nuse_map: yes\n"),
-            _yaml_example("process_noise_covariance: [1e-9, 0.0]\n"),
+            _yaml_example("process_noise_covariance: [1e-9, 0.0]\nplanner_configs: {SBL: {range: 1e-6}}\n"),
+            launch_example(make_launch('<rosparam param="process_noise_covariance">[1e-9, 0.0]</rosparam>')),
             launch_example(make_launch('<param name="tolerance" type="double" value="1e-3"/>')),
         ),
         yaml_file=_find_in_yaml,
