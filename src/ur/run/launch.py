@@ -72,6 +72,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
             log_bounds=bounds,
             restart_share=_report_share(options),
             middleware=middleware,
+            simulated_time=any(param.name == "/use_sim_time" and param.value is True for param in plan.params),
             timings=options.timings,
             clients=plan_clients((entry, listener), nodes, options, environment),
             owners=options.owners,

@@ -63,6 +63,7 @@ class Run:
     log_bounds: LogBounds = field(default_factory=LogBounds)
     restart_share: Callable[[], Event] | None = None  # StartShare; None: no robot has a share
     middleware: Middleware | None = None  # returns which nodes are ready, while a client requests it
+    simulated_time: bool = False  # nodes wait for /clock
     timings: Timings | None = None  # called when every node is ready
     clients: RunClients = field(default_factory=RunClients)
     owners: tuple[RunEntry, ...] = ()  # runs that this one has joined: it ends with the first of them

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import socket
 import struct
+import threading
 from collections import deque
+from collections.abc import Collection
 
 import pytest
 
 from ur.launchfile.plan.specs import ReadyCondition
 from ur.run.master.tcpros import NoTopic, TopicConnection, read_frames
 from ur.run.middleware.protocol import ReceivedMessages, RunGraph
-from ur.run.startup.readiness import find_missing, measure_rate
+from ur.run.startup.readiness import find_missing, follow_clock, measure_rate
 
 GRAPH = RunGraph(
     {"/chat": ["/talker"], "/act/status": ["/server"], "/lonely/status": ["/server"]},
@@ -113,3 +115,30 @@ def test_listener_reports_a_publisher_that_refuses() -> None:
         listener.receive()
     listener.close()
     theirs.close()
+
+
+class OneLook:
+    """A view that returns one graph, and records that it is no longer needed."""
+
+    def __init__(self, *publishers: str) -> None:
+        self.received: dict[str, ReceivedMessages] = {}
+        self.forgotten = threading.Event()
+        self._graph = RunGraph({topic: ["/node"] for topic in publishers}, {}, {})
+
+    def look(self, topics: Collection[str]) -> RunGraph:
+        assert not topics
+        return self._graph
+
+    def wait(self, seconds: float) -> None:
+        raise AssertionError(seconds)
+
+    def forget(self) -> None:
+        self.forgotten.set()
+
+
+@pytest.mark.parametrize(("publishers", "reports"), [((), 1), (("/scan",), 1), (("/scan", "/clock"), 0)])
+def test_simulated_time_is_reported_where_no_node_publishes_it(publishers: tuple[str, ...], reports: int) -> None:
+    view, lines = OneLook(*publishers), list[str]()
+    follow_clock(lambda: view, threading.Event(), lines.append, patience=0.0)
+    assert view.forgotten.wait(10)
+    assert len(lines) == reports

@@ -18,6 +18,8 @@ _PROGRAMS = {
     "tf": ("static_transform_publisher",),
     "tf2_ros": ("static_transform_publisher",),
     "amcl": ("amcl",),
+    "rosbag": ("play",),
+    "rplidar_ros": ("rplidarNode",),
 }
 _PACKAGES = {"my_robot": FOLDER, **{name: f"/opt/{name}" for name in _PROGRAMS}}
 _EXECUTABLES = tuple(f"/opt/{name}/bin/{program}" for name, programs in _PROGRAMS.items() for program in programs)
