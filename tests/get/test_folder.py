@@ -236,5 +236,5 @@ def test_owner_of_a_linked_repository_is_asked_for_packages_of_its_family_only(t
 
 def test_folder_without_a_file_to_read_is_refused(tmp_path: Path) -> None:
     (tmp_path / "robot.launch.py").write_text("")
-    with pytest.raises(UserError, match="no launch file"):
+    with pytest.raises(UserError, match="no readable launch file"):
         folder_needs([str(tmp_path)], {})

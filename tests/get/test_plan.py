@@ -97,6 +97,28 @@ def test_package_xml_with_entities_is_refused() -> None:
         read_dependencies('<!DOCTYPE a [<!ENTITY b "c">]><package/>')
 
 
+@pytest.mark.parametrize(
+    ("condition", "counts"),
+    [
+        ("$ROS_VERSION == 1", True),
+        ("$ROS_VERSION == 2", False),
+        ("$ROS_DISTRO >= melodic and $ROS_PYTHON_VERSION == '3'", True),
+        ("$ROS_VERSION != 1 or ($OTHER == '' and $ROS_VERSION < 2)", True),
+        ("($ROS_VERSION == 2 or $OTHER == x) and $ROS_VERSION == 1", False),
+        ("no condition", True),
+    ],
+)
+def test_dependency_counts_where_its_condition_holds(condition: str, counts: bool) -> None:
+    for tag in ("depend", "exec_depend", "run_depend", "build_depend"):
+        text = f'<package format="3"><{tag} condition="{condition.replace("<", "&lt;")}">tf2</{tag}></package>'
+        assert read_dependencies(text) == (("tf2",) if counts else ())
+
+
+def test_condition_is_one_of_the_sourced_ros() -> None:
+    text = '<package><depend condition="$ROS_VERSION == 2">tf2</depend></package>'
+    assert read_dependencies(text, {"ROS_VERSION": "2"}) == ("tf2",)
+
+
 def test_launch_file_names_packages_outside_of_comments() -> None:
     text = """<launch><!-- $(find old) --><node name="a" type="b" pkg="one"/><param command="$(find xacro)/xacro"/>
     <include file="$(eval find('two') + '/x')"/><node pkg="$(arg pkg)" name="c" type="d"/></launch>"""

@@ -5,14 +5,13 @@ from __future__ import annotations
 import os
 import re
 import shlex
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ur.check.links import EscapingLinks
 from ur.check.rule import BaseNames, Package
 from ur.launchfile.address import join_addresses
-from ur.launchfile.syntax.ros2 import is_ros2_name
+from ur.launchfile.syntax.ros2 import count_unread, is_ros2_name
 from ur.launchfile.world import World
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.source.diagnostic import Diagnostic, UserError, error, error_about
@@ -69,7 +68,7 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
     visited: set[str] = set()
     left_out: set[str] = set()
     found: dict[str, None] = {}
-    not_read: set[str] = set()
+    seen: set[str] = set()
     for word in join_addresses(paths, world):
         path = _locate(word, world)
         links = EscapingLinks(path)
@@ -82,7 +81,7 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
                 _add_package(file.removesuffix("/package.xml"), world, packages)
         launch.update(file for file in files if _is_launch_file(file, file == path, world))
         yaml.update(file for file in files if file.endswith(_YAML_SUFFIXES) and not is_ros2_name(file))
-        not_read.update(file for file in files if is_ros2_name(file) and file != path)
+        seen.update(files)
         folders = {f"{folder}/bin" for folder in packages}
         if world.is_file(path) and not _can_be_checked(path, launch, yaml, folders, world):
             raise UserError(
@@ -97,9 +96,8 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
     programs = _without_twins(programs, world)
     whole = tuple(packages[folder] for folder in sorted(packages) if folder in visited)
     files_of = (tuple(sorted(launch)), tuple(sorted(yaml)), tuple(sorted(programs)))
-    kinds = Counter("Python" if file.endswith(".py") else "YAML" for file in not_read - launch)
-    by_kind = {f"{kind} launch file of ROS 2": number for kind, number in sorted(kinds.items())}
-    return Targets(*files_of, packages, whole, tuple(sorted(left_out)), _sort_by_package(found, whole), by_kind)
+    unread = count_unread(seen - launch)
+    return Targets(*files_of, packages, whole, tuple(sorted(left_out)), _sort_by_package(found, whole), unread)
 
 
 def _sort_by_package(files: Iterable[str], packages: Iterable[Package]) -> Mapping[str, Sequence[str]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
@@ -13,6 +14,7 @@ from ur.get.index import read_dependencies, read_name
 from ur.get.missing import is_installed, missing_of_names, named_files, named_packages
 from ur.get.owners import addresses_of, owners_above, owners_of_manifest, owners_of_repositories, read_owners
 from ur.get.steps import Missing, Needs, SourceRepository
+from ur.launchfile.syntax.ros2 import count_unread, describe_unread
 from ur.launchfile.world.system import SystemWorld
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.files import read_text
@@ -50,13 +52,12 @@ class _Found:
     packages: dict[str, Path] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     paths: int = 0
-    read: int = 0
+    read: int = 0  # files that may name packages
+    unread: Counter[str] = field(default_factory=Counter)  # files by kind
 
 
-def folder_needs(
-    folders: Sequence[str], environment: Mapping[str, str], progress: Progress = no_progress, *, manifests: bool = True
-) -> Needs:
-    """Find the packages that all launch files, xacro files and (`manifests`) package.xml below folders need.
+def folder_needs(folders: Sequence[str], environment: Mapping[str, str], progress: Progress = no_progress) -> Needs:
+    """Find the packages that all launch files, xacro files and package.xml below folders need.
 
     Raises UserError.
 
@@ -69,10 +70,13 @@ def folder_needs(
     found, world = _Found(), SystemWorld(with_folders(folders, environment))
     for folder in folders:
         found.owners[Path(folder)] = owners_above(Path(folder).resolve())
-        _read_folder(folder, found, progress, manifests=manifests)
+        _read_folder(folder, found, environment, progress)
+    unread = describe_unread(found.unread)
     if not found.read:
-        message = f"no launch file, xacro file or package.xml in {', '.join(folders)}, expected one that names packages"
-        raise UserError(error(message, rule="no-launch-files", help="ur get --missing FOLDER"))
+        message = f"no readable launch file, xacro file or package.xml in {', '.join(folders)}, expected one"
+        raise UserError(error(message, rule="no-launch-files", help=unread or "ur get --missing FOLDER"))
+    if unread:
+        found.notes.append(unread)
     places = {name: _shorten(path, folders) for name, path in found.names.items()}
     hints = join_hints(found.hints, found.links, found.own)[:_MAX_HINTS]
     here = tuple(world.package_names())  # raises, where ROS refuses to search packages
@@ -113,14 +117,6 @@ def with_folders(folders: Sequence[str], environment: Mapping[str, str]) -> dict
     return {**environment, "ROS_PACKAGE_PATH": os.pathsep.join([*paths, environment.get("ROS_PACKAGE_PATH", "")])}
 
 
-def dependencies_of_text(text: str) -> tuple[str, ...]:
-    """Return the packages that the text of a package.xml depends on; empty for an invalid one."""
-    try:
-        return read_dependencies(text)
-    except ValueError:
-        return ()
-
-
 def text_of(path: Path) -> str:
     """Return the text of a file; "" if it cannot be read."""
     try:
@@ -129,7 +125,7 @@ def text_of(path: Path) -> str:
         return ""
 
 
-def _read_folder(folder: str, found: _Found, progress: Progress, *, manifests: bool) -> None:
+def _read_folder(folder: str, found: _Found, environment: Mapping[str, str], progress: Progress) -> None:
     characters = 0
     for count, path in enumerate(_list_texts(folder, found)):
         if count % 50 == 0:
@@ -137,21 +133,25 @@ def _read_folder(folder: str, found: _Found, progress: Progress, *, manifests: b
         if count == _MAX_FILES or characters > _MAX_READ:
             found.notes.append(f"only the first {count:,} files of {folder} were read")
             return
-        characters += _read_file(path, found, manifests=manifests)
-        found.read += 1
+        characters += _read_file(path, found, environment)
 
 
-def _read_file(path: Path, found: _Found, *, manifests: bool) -> int:
+def _read_file(path: Path, found: _Found, environment: Mapping[str, str]) -> int:
     # Returns the length of its text.
     text = text_of(path)
     names: Iterable[str] = ()
     if path.name == "package.xml":
-        names = dependencies_of_text(text) if manifests else ()
+        try:
+            names = read_dependencies(text, environment)
+            found.read += 1
+        except ValueError:
+            found.unread["package.xml file with errors"] += 1
         found.packages.setdefault(read_name(text), path.parent)
         found.links += read_links(text)
         found.owners[path.parent] = (*found.owners.get(path.parent, ()), *owners_of_manifest(text))
     elif path.name.endswith(_TEXTS):
         names = named_packages(text)
+        found.read += 1
         found.links += read_links(text)
         for name, file in named_files(text):
             found.files.setdefault(name, {}).setdefault(file, set()).add(path)
@@ -210,6 +210,7 @@ def _list_texts(folder: str, found: _Found) -> Iterator[Path]:
         if ".git" in below or ".git" in files:
             found.owners[Path(place)] = read_owners(Path(place))
             found.own.update((plain_address(url), Path(place)) for url in addresses_of(Path(place)))
+        found.unread.update(count_unread(files))
         below[:] = sorted(name for name in below if name not in _SKIPPED)
         for name in sorted(files):
             if name.endswith(_TEXTS) or name == "package.xml" or LISTS.fullmatch(name) or TEXTS.fullmatch(name):

@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from operator import eq, ge, gt, le, lt, ne
 
 from ur.get.steps import PACKAGE_NAME, SourceRepository
 from ur.source.foreign.files import MAX_MANIFEST
@@ -19,7 +20,11 @@ _URL = re.compile(r"https?://[A-Za-z0-9][\w.:@~%+-]*(/[\w.@~%+-]+)*/?")
 _WORD = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._/+-]*")
 _TAG = re.compile(r"release/([a-z]+)/")
 _NAME = re.compile(r"<name>\s*([A-Za-z][\w-]{0,99})\s*</name>")
+_PARENTHESES = re.compile(r"\(([^()]*)\)")
+_COMPARISON = re.compile(r"""\s*(\$?[\w-]+|"[^"]*"|'[^']*')\s*([=!<>]=|[<>])\s*(\$?[\w-]+|"[^"]*"|'[^']*')\s*""")
+_OPERATORS = {"==": eq, "!=": ne, "<": lt, "<=": le, ">": gt, ">=": ge}
 NEWEST = "noetic"  # the last distribution of ROS 1
+_ROS1 = {"ROS_VERSION": "1", "ROS_DISTRO": NEWEST, "ROS_PYTHON_VERSION": "3"}
 ROS2 = ("humble", "jazzy", "foxy", "rolling")  # asked last, for a package that ROS 1 has never had
 _DEPENDS = ("depend", "exec_depend", "run_depend", "build_depend", "build_export_depend", "buildtool_depend")
 
@@ -73,13 +78,39 @@ def merge_indexes(indexes: Sequence[Index]) -> Index:
     return Index(repositories, dependencies)
 
 
-def read_dependencies(text: str) -> tuple[str, ...]:
-    """Return the packages that a package.xml depends on, each once. Raises ValueError for an invalid text."""
+def read_dependencies(text: str, environment: Mapping[str, str] | None = None) -> tuple[str, ...]:
+    """Return the packages that a package.xml depends on, each once. Raises ValueError for an invalid text.
+
+    Dependencies with a condition (REP 149) count where it holds in an environment, which is that of ROS 1 by default.
+    """
     root = parse_xml(text, length=MAX_MANIFEST, elements=_MAX_ELEMENTS)
     if root.tag != "package":
         raise ValueError(f"<{root.tag}>, expected <package>")
-    names = [(each.text or "").strip() for each in root if each.tag in _DEPENDS]
+    names = [
+        (each.text or "").strip()
+        for each in root
+        if each.tag in _DEPENDS and _holds(each.get("condition", ""), {**_ROS1, **(environment or {})})
+    ]
     return tuple(dict.fromkeys(name for name in names if PACKAGE_NAME.fullmatch(name)))
+
+
+def _holds(condition: str, environment: Mapping[str, str]) -> bool:
+    # One that cannot be read holds: better a package too much in the plan.
+    while inner := _PARENTHESES.search(condition):
+        condition = inner.re.sub("1 == 1" if _holds(inner[1], environment) else "1 == 0", condition, count=1)
+    return any(
+        all(_compare(each, environment) for each in re.split(r"\band\b", part))
+        for part in re.split(r"\bor\b", condition)
+    )
+
+
+def _compare(text: str, environment: Mapping[str, str]) -> bool:
+    if not (found := _COMPARISON.fullmatch(text)):
+        return True
+    left, right = (
+        environment.get(each[1:], "") if each.startswith("$") else each.strip("\"'") for each in found.group(1, 3)
+    )
+    return bool(_OPERATORS[found[2]](left, right))
 
 
 def read_name(text: str) -> str:

@@ -10,7 +10,7 @@ from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.protocol import PackageNotFound, World
 
 _NAMED = re.compile(
-    r"""\$\(\s*find\s+([^\s()$]+)\s*\)|\bfind\(\s*['"]([^'"()$]+)['"]\s*\)|<(?:node|test)\b[^<>]{0,2000}?\bpkg\s*=\s*["']([^"'$]+)["']"""
+    r"""\$\(\s*find(?:-pkg-share|-pkg-prefix)?\s+([^\s()$]+)\s*\)|\bfind\(\s*['"]([^'"()$]+)['"]\s*\)|<(?:node|test)\b[^<>]{0,2000}?\bpkg\s*=\s*["']([^"'$]+)["']"""
 )
 
 

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ur.get.folder import SUFFIXES, dependencies_of_text, folder_needs, hints_above, text_of, with_folders
+from ur.get.folder import SUFFIXES, folder_needs, hints_above, text_of, with_folders
+from ur.get.index import read_dependencies
 from ur.get.missing import is_installed, missing_of_names, missing_of_plan
 from ur.get.owners import owners_above
 from ur.get.steps import PACKAGE_NAME, Missing, Needs, SourceRepository
@@ -40,7 +41,11 @@ def find_needs(words: Sequence[str], environment: Mapping[str, str]) -> Needs:
             raise UserError(error(message, rule="unknown-package", help="ur get --help"))
         elif is_installed(word, world):
             text = text_of(Path(world.find_package(word)) / "package.xml")
-            found.update((each.package, each) for each in missing_of_names(dependencies_of_text(text), world))
+            try:
+                needed = missing_of_names(read_dependencies(text, environment), world)
+                found.update((each.package, each) for each in needed)
+            except ValueError as problem:
+                notes = (*notes, f"the package.xml of {word} was not read: {problem}")
         else:
             found[word] = Missing(word)
     names = tuple(world.package_names())
@@ -54,8 +59,11 @@ def _file_needs(words: Sequence[str], world: SystemWorld) -> Needs:
         each for each in plan.diagnostics if each.severity is Severity.ERROR and each.rule not in
         ("unknown-package", "missing-executable")
     ]  # fmt: skip
-    notes = (f"not everything was read: {others[0].message}",) if others else ()
     file = Path(request.files.paths[0]).resolve()
+    unreadable = [each for each in others if each.rule in ("bad-xml", "wrong-ros-version")]
+    if any(each.span and Path(each.span.file.path).resolve() == file for each in unreadable):
+        raise UserError(*unreadable)
+    notes = (f"not everything was read: {others[0].message}",) if others else ()
     lacking = missing_of_plan(plan, world)
     hints = hints_above(file) if lacking else ()
     missing = tuple(replace(each, owners=owners_above(file.parent)) for each in lacking)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from textwrap import fill
 
 from ur.check.findings.installed import NotInstalled, split_not_installed
 from ur.check.run import CheckReport
+from ur.launchfile.syntax.ros2 import describe_unread
 from ur.source.diagnostic import Diagnostic, Note
 from ur.source.file import SourceFile, Span
 from ur.source.printable import printable
@@ -40,24 +40,14 @@ def summarise(report: CheckReport, *, nothing: str = "nothing found") -> str:
     warnings = len(report.findings) - report.errors
     counts = [_count(number, word) for number, word in ((report.errors, "error"), (warnings, "warning")) if number]
     hidden = f" ({_count(report.suppressed, 'finding')} hidden by comments)" if report.suppressed else ""
-    left_out = f"; {skipped}" if (skipped := describe_not_read(report.not_read)) else ""
+    left_out = f"; {skipped}" if (skipped := describe_unread(report.not_read)) else ""
     if not report.files:
         return f"nothing was checked: no launch file, YAML file or program of a package is there{left_out}"
     return f"{' and '.join(counts) or nothing} in {_count(report.files, 'file')}{hidden}{left_out}"
 
 
-def describe_not_read(not_read: Mapping[str, int]) -> str:
-    """Return `6 Python launch files of ROS 2 were not read`; empty if everything was."""
-    if not not_read:
-        return ""
-    kinds = " and ".join(_count(number, kind) for kind, number in not_read.items())
-    return f"{kinds} {'was' if sum(not_read.values()) == 1 else 'were'} not read"
-
-
 def _count(number: int, word: str) -> str:
-    if number == 1:
-        return f"1 {word}"
-    return f"{number} {word.replace(' file ', ' files ') if ' file ' in word else word + 's'}"
+    return f"{number} {word}{'' if number == 1 else 's'}"
 
 
 def shorten_paths(report: CheckReport, folder: str) -> CheckReport:

@@ -56,10 +56,10 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
         _show(found)
     else:
         from ur.check.collect import collect_targets
-        from ur.check.render.text import describe_not_read
+        from ur.launchfile.syntax.ros2 import describe_unread
 
-        not_read = describe_not_read(collect_targets(places, world).not_read)
-        where = ", ".join(places) + (f", of which {not_read}" if not_read else "")
+        unread = describe_unread(collect_targets(places, world).not_read)
+        where = ", ".join(places) + (f"; {unread}" if unread else "")
         click.echo(f"no {name!r} in {where}; use * as a wildcard: ur find '*{name}*'", err=True)
     return 0 if found else 1
 

@@ -40,8 +40,8 @@ def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
     from ur.check.collect import collect_targets
     from ur.check.computer import make_world
     from ur.check.links import describe_left_out
-    from ur.check.render.text import describe_not_read
     from ur.check.worlds import CachedWorld
+    from ur.launchfile.syntax.ros2 import describe_unread
     from ur.request.environment import add_own_package
     from ur.source.progress_line import show_progress
 
@@ -52,7 +52,7 @@ def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
         changed, broken = _format_files(targets, world, progress, check=check, diff=diff)
     if note := describe_left_out(targets.left_out):
         click.echo(note, err=True)
-    _sum_up(len(targets.launch_files), changed, broken, describe_not_read(targets.not_read), dry=check or diff)
+    _sum_up(len(targets.launch_files), changed, broken, describe_unread(targets.not_read), dry=check or diff)
     if targets.not_read and not targets.launch_files:
         return 2
     return 1 if broken or (changed and (check or diff)) else 0

@@ -115,7 +115,8 @@ def _get(words: Sequence[str], index: Sequence[str], choices: _Choices) -> int:
     for _ in range(_ROUNDS):
         plan = _find_plan(words, index, choices)
         if not plan.steps:
-            click.echo("".join(f"note: {note}\n" for note in plan.notes) + "nothing is missing")
+            scope = " of what was read" if plan.notes else ""
+            click.echo("".join(f"note: {note}\n" for note in plan.notes) + f"nothing is missing{scope}")
             return 0
         click.echo(render_plan(plan), nl=False)
         if choices.dry_run:

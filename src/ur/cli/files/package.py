@@ -19,8 +19,10 @@ def command(path: str, write: bool) -> int:
 
     Exit code: 0 when nothing is missing (or with --write), 1 when something is.
     """
+    from ur.check.collect import collect_targets
     from ur.check.computer import make_world
     from ur.cli.output import replace_file
+    from ur.launchfile.syntax.ros2 import describe_unread
     from ur.request.environment import add_own_package
     from ur.source.diagnostic import UserError, error
     from ur.source.progress_line import show_progress
@@ -33,6 +35,8 @@ def command(path: str, write: bool) -> int:
     with show_progress("finding launch files") as progress:
         world = make_world([str(folder)], add_own_package(os.environ))
         package, used = find_used_packages(str(folder), world, progress)
+    if unread := describe_unread(collect_targets([str(folder)], world).not_read):
+        click.echo(f"note: {unread}", err=True)
     manifest, cmake = folder / "package.xml", folder / "CMakeLists.txt"
     texts = {manifest: read_source(manifest).text}
     texts[cmake] = read_source(cmake).text if cmake.exists() else _start_of_cmake(package.name)

@@ -8,7 +8,7 @@ import re
 import shlex
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from ur.check.collect import Targets, collect_targets, is_script
 from ur.check.rule import BaseNames, LaunchView, Package, survey_launch_file
@@ -16,6 +16,7 @@ from ur.check.worlds import CachedWorld
 from ur.docs.repository.bases import infer_bases
 from ur.docs.repository.world import RepositoryWorld
 from ur.launchfile.syntax import LaunchFile
+from ur.launchfile.syntax.ros2 import explain_no_launch_file
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, UserError, error
 from ur.source.file import SourceFile, Span
@@ -47,6 +48,7 @@ class DocumentedRepository:
     world: CachedWorld
     findings: tuple[Diagnostic, ...]
     left_out: tuple[str, ...] = ()  # links that lead out of it
+    not_read: Mapping[str, int] = field(default_factory=dict)  # files by kind
 
 
 def collect_repository(path: str, world: World, progress: Progress = no_progress) -> DocumentedRepository:
@@ -62,7 +64,7 @@ def collect_repository(path: str, world: World, progress: Progress = no_progress
             error(
                 f"{path} holds no launch file, expected a launch repository: a package or a folder of packages",
                 rule="no-launch-files",
-                help="launch files end in .launch or .launch.xml",
+                help=explain_no_launch_file(targets.not_read),
                 subject=path,
             )
         )
@@ -80,6 +82,7 @@ def collect_repository(path: str, world: World, progress: Progress = no_progress
         sealed,
         tuple(findings),
         targets.left_out,
+        targets.not_read,
     )
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterable, Mapping
+
 from ur.launchfile.syntax.tree import Element
 from ur.source.diagnostic import Diagnostic, error
 from ur.source.file import SourceFile, Span
 
-ROS2_SUFFIXES = (".launch.py", ".launch.yaml", ".launch.yml", "_launch.py", "_launch.yaml")
+ROS2_SUFFIXES = (".launch.py", ".launch.yaml", ".launch.yml", "_launch.py", "_launch.yaml", "_launch.yml")
 _SUBSTITUTIONS = ("$(find-pkg-share", "$(find-pkg-prefix", "$(exec-in-pkg", "$(var ")
 _HELP = "start it with ROS 2: ros2 launch PACKAGE FILE; for ROS 1 a file of the package's ROS 1 branch is needed"
 
@@ -14,6 +17,25 @@ _HELP = "start it with ROS 2: ros2 launch PACKAGE FILE; for ROS 1 a file of the 
 def is_ros2_name(path: str) -> bool:
     """Return whether a file is a launch file for ROS 2 by its name."""
     return path.endswith(ROS2_SUFFIXES)
+
+
+def count_unread(paths: Iterable[str]) -> dict[str, int]:
+    """Count the launch files of ROS 2 that no command reads, by kind."""
+    kinds = Counter("Python" if path.endswith(".py") else "YAML" for path in paths if is_ros2_name(path))
+    return {f"{kind} launch file of ROS 2": number for kind, number in sorted(kinds.items())}
+
+
+def describe_unread(unread: Mapping[str, int]) -> str:
+    """Return `6 Python launch files of ROS 2 were not read`; empty if everything was."""
+    kinds = " and ".join(
+        f"{number} {kind if number == 1 else kind.replace(' file ', ' files ')}" for kind, number in unread.items()
+    )
+    return f"{kinds} {'was' if sum(unread.values()) == 1 else 'were'} not read" if kinds else ""
+
+
+def explain_no_launch_file(unread: Mapping[str, int]) -> str:
+    """Return the help of an error about a folder without launch files."""
+    return "; ".join(filter(None, ("launch files end in .launch or .launch.xml", describe_unread(unread))))
 
 
 def find_ros2(source: SourceFile, root: Element | None) -> Diagnostic | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ur.check.collect import Targets, collect_targets
+from ur.launchfile.syntax.ros2 import explain_no_launch_file
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, Severity, UserError, error_about
 from ur.source.progress import Progress, counted
@@ -36,7 +37,8 @@ def convert_all(path: str, world: World, progress: Progress, *, whole: bool = Fa
     """Convert a launch file or all of a package or folder; `whole`: packages only. Raises UserError."""
     targets = collect_targets([path], world)
     if not targets.launch_files:
-        raise UserError(error_about(path, "no launch file in it, expected one to convert", rule="missing-file"))
+        reason, help_ = "no launch file in it, expected one to convert", explain_no_launch_file(targets.not_read)
+        raise UserError(error_about(path, reason, rule="missing-file", help=help_))
     made: list[Converted] = []
     findings: list[Diagnostic] = []
     for each in counted(targets.launch_files, "converting", "launch files", progress):

@@ -12,6 +12,7 @@ from ur.check.rule import LaunchView, survey_launch_file
 from ur.check.survey import find_uses, walk_elements
 from ur.check.worlds import CachedWorld, has_marker
 from ur.launchfile.plan.specs import NodeSpec, Origin, ParamSpec, RemapStep, TraceStep
+from ur.launchfile.syntax.ros2 import explain_no_launch_file
 from ur.launchfile.world import World
 from ur.source.diagnostic import UserError, error
 from ur.source.file import SourceFile, Span
@@ -38,11 +39,8 @@ def find_name(
     targets = collect_targets(paths, cached)
     _refuse_ros2(paths, targets, cached)
     if not (targets.launch_files or targets.yaml_files or targets.programs):
-        ros2 = ", and those of ROS 2 are not read" if targets.not_read else ""
         message = f"no launch file, YAML file or program of a package in {', '.join(paths)}, expected one to search"
-        raise UserError(
-            error(message, rule="no-launch-files", help=f"launch files end in .launch or .launch.xml{ros2}")
-        )
+        raise UserError(error(message, rule="no-launch-files", help=explain_no_launch_file(targets.not_read)))
     wanted = WantedName(name)
     found: dict[tuple[object, ...], Occurrence] = {}
     for each in _everything(targets, cached, frozenset(kinds), wanted, progress):
