@@ -25,13 +25,23 @@ LAUNCH = "\n".join(
         "</launch>",
     ]
 )
-YAML = "tolerance: 1e-3\ncode: 010\nstart: 12:30\nstates: [blink, on]\nbuilt: 2026-01-02\n"
+YAML = "tolerance: 1e-3\ncode: 010\nstart: 12:30\nstates: [blink, on]\nbuilt: 2026-01-02\nmonth: 08\n"
+MAP = """image: fine.pgm
+resolution: 5e-2
+origin: ["-1e1", 010, 0]
+negate: 0
+occupied_thresh: "0.65"
+free_thresh: 0.196
+"""  # which yaml-cpp reads as numbers
 XML = {
     "dashes": "<launch>\n<!-- a -- b -->\n</launch>",
     "ampersand": "<launch>\n<param name='a' value='b & c'/></launch>",
     "less": "<launch>\n<param name='a' value='b < c'/></launch>",
     "roots": "<launch/>\n<launch/>",
     "declaration": "\n<?xml version='1.0'?>\n<launch/>",
+    "comment": "<launch>\n<group <!-- a --> ns='a'/></launch>",
+    "text": "<launch>\n<rosparam>a: b < c</rosparam></launch>",
+    "version": "<?xml version=1.0?>\n<launch/>",
     "encoding": "<?xml version='1.0' encoding='utf-16'?>\n<launch/>",
 }
 FOUND = {
@@ -40,8 +50,8 @@ FOUND = {
     *(("launch/all.launch", line, "static-transform") for line in (7, 8, 9)),
     ("launch/all.launch", 11, "two-transforms"),
     *((f"scripts/{name}", 2 if name == "two.py" else 1, "bad-script") for name in DRIVERS),
-    *(("params/all.yaml", line, "misread-value") for line in range(1, 6)),
-    *((f"launch/{name}.launch", 1 if name == "encoding" else 2, "bad-xml") for name in XML),
+    *(("params/all.yaml", line, "misread-value") for line in range(1, 7)),
+    *((f"launch/{name}.launch", 1 if name in ("encoding", "version") else 2, "bad-xml") for name in XML),
 }
 
 
@@ -50,6 +60,7 @@ def test_each_trap_is_named_once_with_file_line_and_help() -> None:
         f"{FOLDER}/package.xml": "<package><name>my_robot</name></package>",
         f"{FOLDER}/launch/all.launch": LAUNCH,
         f"{FOLDER}/params/all.yaml": YAML,
+        f"{FOLDER}/maps/fine.yaml": MAP,
         f"{FOLDER}/scripts/crlf.py": "#!/usr/bin/env python3\r\nprint(1)\r\n",
         f"{FOLDER}/scripts/python.py": "#!/usr/bin/env python\nprint(1)\n",
         f"{FOLDER}/scripts/bare.py": "print(1)\n",

@@ -249,7 +249,7 @@ def _as_number(node: yaml.Node) -> yaml.Node:
     if isinstance(node, yaml.SequenceNode):
         inner = [_as_number(each) for each in node.value]
         return yaml.SequenceNode(node.tag, inner, node.start_mark, node.end_mark)
-    if node.tag == "tag:yaml.org,2002:str" and _NUMBER.fullmatch(node.value):
+    if node.tag.endswith((":str", ":int")) and _NUMBER.fullmatch(node.value):
         return yaml.ScalarNode("tag:yaml.org,2002:float", node.value, node.start_mark, node.end_mark)
     return node
 

@@ -10,6 +10,7 @@ import yaml
 from ur.check.example_parts import make_launch
 from ur.check.rule import Example, LaunchView, Rule, RuleFinding, RuleGroup, YamlView, launch_example
 from ur.check.rules.files import compose_documents, is_plain_yaml, span_at
+from ur.check.rules.robot_files import is_map
 from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Severity
 from ur.source.file import SourceFile, Span
@@ -17,14 +18,18 @@ from ur.source.file import SourceFile, Span
 _EXPONENT = re.compile(r"([-+]?\d+)(\.\d*)?[eE]([-+]?)(\d+)")
 _INFINITE = re.compile(r"[-+]?(?:inf|nan)", re.IGNORECASE)
 _SWITCH = {"yes": "true", "on": "true", "no": "false", "off": "false"}
-# Of robot_localization and OMPL in MoveIt, which make numbers of texts themselves
-_READ_FROM_TEXT = ("initial_estimate_covariance", "process_noise_covariance", "planner_configs")
+# Of robot_localization, MoveIt's OMPL and camera_info_manager, which make numbers of texts themselves
+_READ_FROM_TEXT = re.compile(
+    r"initial_estimate_covariance|process_noise_covariance|planner_configs|(camera|rectification|projection)_matrix|"
+    r"distortion_coefficients"
+)
 _LONGEST_TEXT = 50_000  # characters of <rosparam>: reading more takes memory that a check may not take
 _LONGEST = 60  # characters of what someone may take for a number
 
 
 def _find_in_yaml(view: YamlView) -> Iterable[RuleFinding]:
-    return _find_in_text(view.source) if is_plain_yaml(view.source) else ()
+    # map_server reads numbers from texts, too
+    return _find_in_text(view.source) if is_plain_yaml(view.source) and not is_map(view) else ()
 
 
 def _find_in_text(source: SourceFile) -> Iterator[RuleFinding]:
@@ -40,7 +45,7 @@ def _find_in_text(source: SourceFile) -> Iterator[RuleFinding]:
             continue
         seen.add(id(node))
         if isinstance(node, yaml.MappingNode):
-            stack.extend((value, False) for key, value in node.value if str(key.value) not in _READ_FROM_TEXT)
+            stack.extend((value, False) for key, value in node.value if not _READ_FROM_TEXT.fullmatch(str(key.value)))
         elif isinstance(node, yaml.SequenceNode):
             texts = any(each.tag.endswith(":str") for each in node.value)
             stack.extend((each, texts) for each in node.value)
@@ -65,6 +70,8 @@ def _read_scalar(text: str, tag: str, beside_texts: bool) -> tuple[str, str] | N
         return "a text", f"for a number write {re.sub('[-+]?', lambda sign: sign[0] + '.', text.lower(), count=1)}"
     if tag == "int" and re.fullmatch(r"[-+]?0[0-7]+", text) and int(text, 8) != int(text):
         return f"{int(text, 8)}, an octal number,", f"write {int(text)}; {quoted}"
+    if tag == "str" and re.fullmatch(r"[-+]?0\d+", text):
+        return "a text", f"for a number write {int(text)}; {quoted}"
     if tag in ("int", "float") and ":" in text:
         seconds = 0.0
         for part in text.lstrip("+-").replace("_", "").split(":"):
@@ -79,12 +86,20 @@ def _read_scalar(text: str, tag: str, beside_texts: bool) -> tuple[str, str] | N
 
 def _find_in_launch(element: Element, _view: LaunchView) -> Iterable[RuleFinding]:
     named = element.attributes.get("param", "").rpartition("/")[2]
-    if element.name == "rosparam" and named not in _READ_FROM_TEXT and 0 < len(element.text.strip()) <= _LONGEST_TEXT:
+    if (
+        element.name == "rosparam"
+        and not _READ_FROM_TEXT.fullmatch(named)
+        and 0 < len(element.text.strip()) <= _LONGEST_TEXT
+    ):
         for found in _find_in_text(SourceFile("", element.text)):
             start, end = element.text_offset(found.span.start), element.text_offset(found.span.end)
             yield RuleFinding(Span(element.source, start, end), found.message, found.help, subject=found.subject)
-    value = element.attributes.get("value", "").strip()
-    if element.name != "param" or element.attributes.get("type", "auto") != "auto" or len(value) > _LONGEST:
+    value, kind = element.attributes.get("value", "").strip(), element.attributes.get("type", "auto")
+    if element.name != "param" or kind not in ("auto", "yaml") or len(value) > _LONGEST:
+        return
+    if kind == "yaml":
+        for found in _find_in_text(SourceFile("", value)):
+            yield RuleFinding(element.value_span("value"), found.message, found.help, subject=value)
         return
     help_ = ""
     # roslaunch tries float() only for a text with a point
@@ -125,6 +140,7 @@ of texts.
             _yaml_example("states: [blink, «on»]\n"),
             launch_example(make_launch('<param name="tolerance" value="«1e-3»"/>')),
             launch_example(make_launch('<param name="address" value="«0x1F»"/>')),
+            launch_example(make_launch('<param name="start" type="yaml" value="«12:30»"/>')),
             launch_example(make_launch("<rosparam>", "  tolerance: «1e-3»", "</rosparam>")),
         ),
         good=(

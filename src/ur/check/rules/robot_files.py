@@ -44,8 +44,7 @@ def _find_bad_world(view: YamlView) -> Iterable[RuleFinding]:
 
 
 def _find_bad_map(view: YamlView) -> Iterable[RuleFinding]:
-    keys = _keys(view)
-    if {"image", "resolution"} <= keys and not keys & _WORLD_KEYS:
+    if is_map(view):
         from ur.worlds.map_keys import parse_map_file
 
         def check(top: Section) -> None:
@@ -65,6 +64,12 @@ def _refuse_special(view: YamlView, top: Section) -> None:
     except OSError as problem:
         if problem.errno == errno.EINVAL:
             top.fail("image", f"{path}: {problem.strerror}, expected a picture")
+
+
+def is_map(view: YamlView) -> bool:
+    """Return whether a YAML file is a map of map_server, by its keys."""
+    keys = _keys(view)
+    return {"image", "resolution"} <= keys and not keys & _WORLD_KEYS
 
 
 def _keys(view: YamlView) -> set[str]:

@@ -31,6 +31,7 @@ _CAUSES = {
     ),
     17: ("'<?xml ...?>' after other text, expected it as the first", "remove what is before it, also blank lines"),
     19: ("the declared encoding is not the file's, which is UTF-8", 'write encoding="utf-8" or leave it out'),
+    30: ("the XML declaration is not well-formed", 'write <?xml version="1.0"?>'),
     27: ("a prefix that is not declared", "remove it, or add xmlns:PREFIX=... to <launch>"),
 }
 _LONE_AMPERSAND = re.compile(r"&(?!#?\w+;)")
@@ -241,6 +242,8 @@ def _find_cause(text: str, offset: int, code: int) -> tuple[int, int, str, str] 
     if text.startswith("\ufffd", offset):
         reason = "a character that is not UTF-8, which the file is read as"
         return offset, offset + 1, reason, "save the file as UTF-8: iconv -f latin1 -t utf-8 FILE"
+    if comment == offset and code == _INVALID_TOKEN:
+        return offset, offset + 4, "a comment inside a tag or value, expected it outside", "move it before the tag"
     if comment != -1 and (closed == -1 or offset <= closed + 2):
         if closed == -1:
             return (
@@ -258,8 +261,9 @@ def _find_cause(text: str, offset: int, code: int) -> tuple[int, int, str, str] 
     if lone := _find_lone_ampersand(text, offset):
         reason = "'&' begins a reference such as &lt;, expected &amp;"
         return lone.start(), lone.end(), reason, "write &amp; instead of &"
-    if text.startswith("<", offset) and line.strip():
-        return offset, offset + 1, "'<' inside a value, expected &lt;", "write &lt; instead of <"
+    at = offset - text.startswith("<", offset - 1)  # a '<' in a text is noticed behind it
+    if text.startswith("<", at) and line.strip():
+        return at, at + 1, "'<' inside a value, expected &lt;", "write &lt; instead of <"
     if text.startswith("<", offset):
         return offset, offset + 1, "a tag inside a value that is not closed", "close the quotes of the line above"
     return offset, offset + 1, "invalid token", "check the quotes, the '=' and the '>' around this place"
