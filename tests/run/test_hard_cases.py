@@ -54,7 +54,7 @@ def test_script_that_does_not_start_is_explained_by_its_text(world: Any, text: s
 def test_nodes_that_wait_for_a_simulated_time_are_reported_in_a_line(world: Any) -> None:
     sleeper = '<node pkg="little_nodes" type="sleeper" name="sleeper"/>'
     run = world.launch(f'<param name="/use_sim_time" value="true"/>{sleeper}')
-    run.until("no node publishes /clock for 5 s, and /use_sim_time is true")
+    run.until("no node has published /clock for 5 s, and /use_sim_time is true")
     run.process.send_signal(signal.SIGINT)
     assert run.wait() == 0
 

@@ -238,15 +238,15 @@ class _Loop:
             middleware = None if self._run.own_master else self._run.middleware
             self._master_watch = threading.Event() if middleware is None else middleware.watch(self._post_event)
             if self._run.simulated_time and self._run.middleware is not None:
-                from ur.run.startup.readiness import follow_clock  # imported late: few runs need it
+                from ur.run.startup.readiness import check_clock  # imported late: few runs need it
 
-                follow_clock(self._run.middleware.view, self._over, self._warn_later)
+                warn = lambda text: self._inbox.post(lambda: self._reporter.warn(text))  # noqa: E731
+                threading.Thread(
+                    target=check_clock, args=(self._run.middleware.view, self._over, warn), daemon=True
+                ).start()
         if running and self._call_started is not None and not self._is_starting():
             self._call_started()
             self._call_started = None
-
-    def _warn_later(self, text: str) -> None:
-        self._inbox.post(lambda: self._reporter.warn(text))
 
     def _is_starting(self) -> bool:
         return any(each.status is UnitStatus.STARTING for each in self._state.units)

@@ -125,7 +125,7 @@ def _compile(path: str, data: bytes, text: str, every: bool) -> Iterator[ScriptF
     start, end = start + len(line) - len(line.lstrip()), start + max(len(line), 1)
     if is_python_two(reason, line):
         yield ScriptFault(
-            "text", start, end, f"Python 3 does not read this, which is Python 2: {reason}", convert_help(path)
+            "text", start, end, f"Python 3 does not read this, which is Python 2: {reason}", convert_help(path, reason)
         )
     elif every:
         yield ScriptFault(
@@ -138,6 +138,9 @@ def is_python_two(reason: str, line: str) -> bool:
     return bool(_TWO_BY_MESSAGE.search(reason) or _TWO_BY_LINE.search(line))
 
 
-def convert_help(path: str) -> str:
+def convert_help(path: str, reason: str) -> str:
     """Return the commands that convert a script of Python 2."""
-    return f"2to3 -w {shlex.quote(path)} converts it (sudo apt-get install 2to3)"
+    file = shlex.quote(path)
+    if "tabs" in reason:
+        return f"indent it with spaces alone, as 'expand -i {file}' prints it"
+    return f"2to3 -w {file} converts it (sudo apt-get install 2to3)"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ur.check.example_parts import make_launch
-from ur.check.queries.executables import find_program, is_misspelt
+from ur.check.queries.executables import ExecutableLookup, find_program, is_misspelt
 from ur.check.rule import (
     Example,
     LaunchedNode,
@@ -24,11 +24,14 @@ from ur.source.script import find_script_faults
 from ur.source.suggest import did_you_mean
 
 
-def _find_missing_executable(view: LaunchedNode) -> Iterable[RuleFinding]:
+def _look_up(view: LaunchedNode) -> ExecutableLookup:
     package, name = view.node.package, view.node.type
-    if not view.local or has_marker(package) or has_marker(name):
-        return
-    verdict = find_program(package, name, view.world)
+    known = view.local and not has_marker(package) and not has_marker(name)
+    return find_program(package, name, view.world) if known else ExecutableLookup("unknown")
+
+
+def _find_missing_executable(view: LaunchedNode) -> Iterable[RuleFinding]:
+    package, name, verdict = view.node.package, view.node.type, _look_up(view)
     if verdict.kind not in ("missing", "not-executable"):
         return
     if verdict.kind == "not-executable":
@@ -80,10 +83,7 @@ add_executable(${PROJECT_NAME}_driver src/driver.cpp)
 
 
 def _find_not_installed(view: LaunchedNode) -> Iterable[RuleFinding]:
-    package, name = view.node.package, view.node.type
-    if not view.local or has_marker(package) or has_marker(name):
-        return
-    verdict = find_program(package, name, view.world)
+    package, name, verdict = view.node.package, view.node.type, _look_up(view)
     if verdict.kind == "no-package":
         near = did_you_mean(package, view.world.package_names())
         if near is None or not is_misspelt(package, near):
@@ -118,9 +118,7 @@ _MANIFEST = """
 
 def _find_unknown_package(view: LaunchedNode) -> Iterable[RuleFinding]:
     package = view.node.package
-    if not view.local or has_marker(package) or has_marker(view.node.type):
-        return
-    if find_program(package, view.node.type, view.world).kind == "no-package":
+    if _look_up(view).kind == "no-package":
         near = did_you_mean(package, view.world.package_names())
         if near and is_misspelt(package, near):
             message = f"package '{package}' is not found, expected an installed one"

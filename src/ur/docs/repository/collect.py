@@ -69,9 +69,10 @@ def collect_repository(path: str, world: World, progress: Progress = no_progress
             )
         )
     packages = _complete(targets, root, cached)
+    targets = replace(targets, packages=packages)
     sealed = CachedWorld(RepositoryWorld(cached, {each.name: each.folder for each in reversed(packages.values())}))
     findings: list[Diagnostic] = []
-    views = list(_read(targets, packages, sealed, findings, progress))
+    views = list(_read(targets, sealed, findings, progress))
     views = list(_with_bases(views, packages))
     parts = tuple(_make_parts(root, packages, targets, views, cached))
     return DocumentedRepository(
@@ -117,17 +118,10 @@ def _complete(targets: Targets, root: str, world: CachedWorld) -> dict[str, Pack
     return packages
 
 
-def _read(
-    targets: Targets,
-    packages: Mapping[str, Package],
-    world: CachedWorld,
-    findings: list[Diagnostic],
-    progress: Progress,
-) -> Iterator[LaunchView]:
+def _read(targets: Targets, world: CachedWorld, findings: list[Diagnostic], progress: Progress) -> Iterator[LaunchView]:
     for path in counted(targets.launch_files, "reading", "launch files", progress):
-        package = _package_of(path, packages)
         try:
-            view = survey_launch_file(path, package, world)
+            view = survey_launch_file(path, targets.package_of(path), world)
         except OSError as problem:
             reason = (problem.strerror or str(problem)).lower()
             place = Span(SourceFile(path, ""), 0, 0)
@@ -135,15 +129,6 @@ def _read(
             continue
         findings.extend(view.tree.diagnostics)
         yield view
-
-
-def _package_of(path: str, packages: Mapping[str, Package]) -> Package | None:
-    folder = path
-    while folder:
-        folder = folder.rpartition("/")[0]
-        if folder in packages:
-            return packages[folder]
-    return None
 
 
 def _with_bases(views: Iterable[LaunchView], packages: dict[str, Package]) -> Iterator[LaunchView]:

@@ -6,14 +6,13 @@ import math
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 
 from ur.launchfile.plan.specs import ReadyCondition
 from ur.run.middleware.protocol import TF_TOPICS, GraphView, NoGraph, ReceivedMessages, RunGraph
 
 PERIOD = 0.1  # s between two checks while a condition is unmet
 STALE = 2.0  # s without a message after which a topic counts as silent
-
-CLOCK_PATIENCE = 5.0  # s that nodes wait for /clock until that is reported
 
 Report = Callable[[str, int, tuple[str, ...]], None]
 
@@ -76,30 +75,20 @@ def _describe_topic(
     return f"topic {name} comes too slowly: {how}, expected {rate:g} Hz"
 
 
-def follow_clock(
-    make_view: Callable[[], GraphView],
-    over: threading.Event,
-    report: Callable[[str], None],
-    patience: float = CLOCK_PATIENCE,
+def check_clock(
+    make_view: Callable[[], GraphView], over: threading.Event, report: Callable[[str], None], patience: float = 5.0
 ) -> None:
-    """Report in one line, from a separate thread, that no node publishes the simulated time after `patience`."""
-
-    def examine() -> None:
-        if over.wait(patience):
-            return
-        view = make_view()
-        try:
-            if not view.look(()).publishers.get("/clock") and not over.is_set():
-                report(
-                    f"no node publishes /clock for {patience:g} s, and /use_sim_time is true: nodes wait for the time; "
-                    "start a simulator or 'rosbag play --clock FILE', or take /use_sim_time out"
-                )
-        except NoGraph:
-            return  # which is reported by itself
-        finally:
-            view.forget()
-
-    threading.Thread(target=examine, daemon=True).start()
+    """Report in one line if no node publishes the simulated time after `patience` seconds, unless the run is over."""
+    if over.wait(patience):
+        return
+    view = make_view()
+    with suppress(NoGraph):  # which is reported by itself
+        if not view.look(()).publishers.get("/clock") and not over.is_set():
+            report(
+                f"no node has published /clock for {patience:g} s, and /use_sim_time is true: nodes wait until a "
+                "simulator or 'rosbag play --clock FILE' does; for the time of this computer, remove /use_sim_time"
+            )
+    view.forget()
 
 
 class ReadinessProbe:

@@ -34,7 +34,8 @@ def advise(crash: Crash) -> str:
     text = "\n".join(re.sub("\x1b\\[[0-9;]*m", "", line) for line in crash.lines)
     syntax = _SYNTAX_ERROR.search(text)
     if syntax and is_python_two(syntax[4], syntax[3]):
-        return f"line {syntax[2]} of {syntax[1]} is Python 2, which Python 3 does not read: {convert_help(syntax[1])}"
+        help_ = convert_help(syntax[1], syntax[4])
+        return f"line {syntax[2]} of {syntax[1]} is Python 2, which Python 3 does not read: {help_}"
     for pattern, advice in _BY_TEXT:
         found = re.search(pattern, text, re.MULTILINE)
         if found:
@@ -105,7 +106,7 @@ _BY_SIGNAL: dict[int, str] = {
 }
 _BY_CODE: dict[int, str] = {
     2: "it was given something it cannot use: the last lines say what",
-    126: "it may not be executed: chmod +x, or a file system that is mounted noexec",
+    126: "a command that it calls may not be executed, and the last lines name it: chmod +x",
     127: "a command that it calls is not installed, or not on PATH: the last lines name it",
     134: _DEBUG_GDB,
     137: "it was killed; if the kernel did, for want of memory: journalctl -k | grep -i oom",
