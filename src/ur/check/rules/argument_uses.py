@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from ur.check.example_parts import speed_example
+from ur.check.example_parts import make_launch, speed_example
 from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup, launch_example, launch_examples
 from ur.check.survey import walk_elements
 from ur.launchfile.syntax import Element, SubstitutionProblem, is_eval, parse_substitutions
@@ -84,13 +84,13 @@ Every file declares the arguments it uses, before it uses them; those of the inc
 refuses the file as soon as the place takes part.
 """,
         bad=(
-            launch_example("""
-<launch>
-  <arg name="speed" default="0.3"/>
-  <param name="speed" value="$(arg speed)"/>
-  <param name="limit" value="«$(arg sped)»"/>
-</launch>
-"""),
+            launch_example(
+                make_launch(
+                    '<arg name="speed" default="0.3"/>',
+                    '<param name="speed" value="$(arg speed)"/>',
+                    '<param name="limit" value="«$(arg sped)»"/>',
+                )
+            ),
             launch_example("""
 <launch>
   <arg name="loud" default="false"/>
@@ -113,12 +113,7 @@ A user who gives the argument expects an effect. It is a warning because the fil
 everything with `pass_all_args`, or into YAML with `subst_value`, are left alone, and so are arguments that another file
 passes: roslaunch refuses a file that does not declare what it is passed.
 """,
-        bad=launch_examples("""
-<launch>
-  <arg name="«speed»" default="0.3"/>
-  <param name="limit" value="0.5"/>
-</launch>
-"""),
+        bad=launch_examples(make_launch('<arg name="«speed»" default="0.3"/>', '<param name="limit" value="0.5"/>')),
         good=launch_examples("""
 <launch>
   <arg name="speed" default="0.3"/>

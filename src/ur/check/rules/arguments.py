@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.check.example_parts import make_speed_launch, passing_example, speed_example
+from ur.check.example_parts import make_launch, make_speed_launch, passing_example, speed_example
 from ur.check.rule import Rule, RuleGroup, launch_example, launch_examples
 from ur.source.diagnostic import Severity
 
@@ -48,18 +48,12 @@ own, pass its value, or use `pass_all_args`.
 Between `$(eval ` and `)` stands a Python expression over arguments, `env()`, `find()` and the functions of
 `math`.
 """,
-        bad=launch_examples("""
-<launch>
-  <arg name="speed" default="0.5"/>
-  <param name="double" value="$(eval speed +«*» 2)"/>
-</launch>
-"""),
-        good=launch_examples("""
-<launch>
-  <arg name="speed" default="0.5"/>
-  <param name="double" value="$(eval speed * 2)"/>
-</launch>
-"""),
+        bad=launch_examples(
+            make_launch('<arg name="speed" default="0.5"/>', '<param name="double" value="$(eval speed +«*» 2)"/>')
+        ),
+        good=launch_examples(
+            make_launch('<arg name="speed" default="0.5"/>', '<param name="double" value="$(eval speed * 2)"/>')
+        ),
     ),
     Rule(
         id="bad-substitution",
@@ -71,12 +65,9 @@ Known are `$(arg NAME)`, `$(find PACKAGE)`, `$(env NAME)`, `$(optenv NAME DEFAUL
 `$(dirname)` and `$(eval EXPRESSION)`. They do not nest, and `$(eval ...)` has to be the whole value.
 """,
         bad=(
-            launch_example("""
-<launch>
-  <arg name="speed" default="0.5"/>
-  <param name="speed" value="«$(args speed)»"/>
-</launch>
-"""),
+            launch_example(
+                make_launch('<arg name="speed" default="0.5"/>', '<param name="speed" value="«$(args speed)»"/>')
+            ),
             launch_example("""
 <launch>
   <arg name="base" default="speed"/>
@@ -86,12 +77,9 @@ Known are `$(arg NAME)`, `$(find PACKAGE)`, `$(env NAME)`, `$(optenv NAME DEFAUL
 </launch>
 """),
         ),
-        good=launch_examples("""
-<launch>
-  <arg name="speed" default="0.5"/>
-  <param name="speed" value="$(arg speed)"/>
-</launch>
-"""),
+        good=launch_examples(
+            make_launch('<arg name="speed" default="0.5"/>', '<param name="speed" value="$(arg speed)"/>')
+        ),
     ),
     Rule(
         id="duplicate-arg",
@@ -102,13 +90,13 @@ Known are `$(arg NAME)`, `$(find PACKAGE)`, `$(env NAME)`, `$(optenv NAME DEFAUL
 roslaunch refuses a second `<arg>` of the same name in one file, unless `if` and `unless` leave one of them. Of options
 that are not required only the defaults are judged: other values may not be meant to be given together.
 """,
-        bad=launch_examples("""
-<launch>
-  <arg name="speed" default="0.3"/>
-  <arg name="«speed»" default="0.5"/>
-  <param name="speed" value="$(arg speed)"/>
-</launch>
-"""),
+        bad=launch_examples(
+            make_launch(
+                '<arg name="speed" default="0.3"/>',
+                '<arg name="«speed»" default="0.5"/>',
+                '<param name="speed" value="$(arg speed)"/>',
+            )
+        ),
         good=launch_examples("""
 <launch>
   <arg name="fast" default="false"/>

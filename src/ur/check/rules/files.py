@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 
 import yaml
 
+from ur.check.example_parts import make_launch
 from ur.check.rule import Example, Rule, RuleFinding, RuleGroup, YamlView, launch_example, launch_examples
 from ur.launchfile.plan.values.yaml_values import MAX_VALUES
 from ur.source.diagnostic import Note, Severity
@@ -90,13 +91,7 @@ are left alone.
 """,
         bad=(
             Example({"params/magni.yaml": "speed: [0.3, 0.5\nradius«:» 0.1\n"}),
-            launch_example("""
-<launch>
-  <rosparam>
-    speed: [0.3, 0.5
-  «<»/rosparam>
-</launch>
-"""),
+            launch_example(make_launch("<rosparam>", "  speed: [0.3, 0.5", "«<»/rosparam>")),
         ),
         good=(Example({"params/magni.yaml": "speed: [0.3, 0.5]\nradius: 0.1\n"}),),
         yaml_file=_find_bad_yaml,
@@ -190,11 +185,7 @@ here.
   <node name="talker" pkg="demo_nodes" type="talker"/>
 </launch>
 """),
-        good=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker"/>
-</launch>
-"""),
+        good=launch_examples(make_launch('<node name="talker" pkg="demo_nodes" type="talker"/>')),
     ),
     Rule(
         id="include-cycle",
@@ -204,11 +195,7 @@ here.
         explanation="""
 roslaunch goes on until Python gives up. A condition that becomes false ends the circle.
 """,
-        bad=launch_examples("""
-<launch>
-  <include file="«$(find my_robot)/launch/example.launch»"/>
-</launch>
-"""),
+        bad=launch_examples(make_launch('<include file="«$(find my_robot)/launch/example.launch»"/>')),
         good=launch_examples("""
 <launch>
   <arg name="again" default="true"/>

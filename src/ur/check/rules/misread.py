@@ -85,16 +85,12 @@ def _read_scalar(text: str, tag: str, beside_texts: bool) -> tuple[str, str] | N
 
 
 def _find_in_launch(element: Element, _view: LaunchView) -> Iterable[RuleFinding]:
+    value, kind = element.attributes.get("value", "").strip(), element.attributes.get("type", "auto")
     named = element.attributes.get("param", "").rpartition("/")[2]
-    if (
-        element.name == "rosparam"
-        and not _READ_FROM_TEXT.fullmatch(named)
-        and 0 < len(element.text.strip()) <= _LONGEST_TEXT
-    ):
+    if element.name == "rosparam" and not _READ_FROM_TEXT.fullmatch(named) and len(element.text) <= _LONGEST_TEXT:
         for found in _find_in_text(SourceFile("", element.text)):
             start, end = element.text_offset(found.span.start), element.text_offset(found.span.end)
             yield RuleFinding(Span(element.source, start, end), found.message, found.help, subject=found.subject)
-    value, kind = element.attributes.get("value", "").strip(), element.attributes.get("type", "auto")
     if element.name != "param" or kind not in ("auto", "yaml") or len(value) > _LONGEST:
         return
     if kind == "yaml":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.check.example_parts import group_example
+from ur.check.example_parts import group_example, make_launch
 from ur.check.rule import Rule, RuleGroup, launch_examples
 from ur.source.diagnostic import Severity
 
@@ -27,16 +27,8 @@ RULES = (
 Names begin with a letter and go on with letters, digits and `_`. The name of a node holds no `/`; its namespace
 goes into `ns`.
 """,
-        bad=launch_examples("""
-<launch>
-  <node name="«left/talker»" pkg="demo_nodes" type="talker"/>
-</launch>
-"""),
-        good=launch_examples("""
-<launch>
-  <node name="talker_1" pkg="demo_nodes" type="talker" ns="left"/>
-</launch>
-"""),
+        bad=launch_examples(make_launch('<node name="«left/talker»" pkg="demo_nodes" type="talker"/>')),
+        good=launch_examples(make_launch('<node name="talker_1" pkg="demo_nodes" type="talker" ns="left"/>')),
     ),
     Rule(
         id="bad-remap",
@@ -46,20 +38,20 @@ goes into `ns`.
         explanation="""
 `from` and `to` are names of topics or services: letters, digits, `_` and `/`.
 """,
-        bad=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker">
-    <remap from="chatter" to="«my chatter»"/>
-  </node>
-</launch>
-"""),
-        good=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker">
-    <remap from="chatter" to="/left/chatter"/>
-  </node>
-</launch>
-"""),
+        bad=launch_examples(
+            make_launch(
+                '<node name="talker" pkg="demo_nodes" type="talker">',
+                '  <remap from="chatter" to="«my chatter»"/>',
+                "</node>",
+            )
+        ),
+        good=launch_examples(
+            make_launch(
+                '<node name="talker" pkg="demo_nodes" type="talker">',
+                '  <remap from="chatter" to="/left/chatter"/>',
+                "</node>",
+            )
+        ),
     ),
     Rule(
         id="duplicate-machine",
@@ -69,18 +61,12 @@ goes into `ns`.
         explanation="""
 A machine may be defined again with equal attributes, for instance by two included files, and not with others.
 """,
-        bad=launch_examples("""
-<launch>
-  <machine name="robot" address="robot.local"/>
-  <machine name="«robot»" address="10.0.0.2"/>
-</launch>
-"""),
-        good=launch_examples("""
-<launch>
-  <machine name="robot" address="robot.local"/>
-  <machine name="other" address="10.0.0.2"/>
-</launch>
-"""),
+        bad=launch_examples(
+            make_launch('<machine name="robot" address="robot.local"/>', '<machine name="«robot»" address="10.0.0.2"/>')
+        ),
+        good=launch_examples(
+            make_launch('<machine name="robot" address="robot.local"/>', '<machine name="other" address="10.0.0.2"/>')
+        ),
     ),
     Rule(
         id="duplicate-node",
@@ -91,18 +77,18 @@ A machine may be defined again with equal attributes, for instance by two includ
 A name belongs to one node at a time: the ROS master ends the first when the second starts, so roslaunch refuses
 the file.
 """,
-        bad=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker"/>
-  <node name="«talker»" pkg="demo_nodes" type="listener"/>
-</launch>
-"""),
-        good=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker"/>
-  <node name="talker" pkg="demo_nodes" type="talker" ns="left"/>
-</launch>
-"""),
+        bad=launch_examples(
+            make_launch(
+                '<node name="talker" pkg="demo_nodes" type="talker"/>',
+                '<node name="«talker»" pkg="demo_nodes" type="listener"/>',
+            )
+        ),
+        good=launch_examples(
+            make_launch(
+                '<node name="talker" pkg="demo_nodes" type="talker"/>',
+                '<node name="talker" pkg="demo_nodes" type="talker" ns="left"/>',
+            )
+        ),
     ),
     Rule(
         id="empty-namespace",
@@ -124,16 +110,8 @@ roslaunch refuses `ns=''`. Leave the attribute away, or write `/` for the root.
 `ros-root`, `ros-package-path`, `ros-ip`, `ros-hostname` and `<env>` inside `<machine>` were removed: `env-loader`
 names a script that sets the environment.
 """,
-        bad=launch_examples("""
-<launch>
-  <machine name="robot" address="robot.local" «ros-root»="/opt/ros"/>
-</launch>
-"""),
-        good=launch_examples("""
-<launch>
-  <machine name="robot" address="robot.local" env-loader="/opt/ros/env.sh"/>
-</launch>
-"""),
+        bad=launch_examples(make_launch('<machine name="robot" address="robot.local" «ros-root»="/opt/ros"/>')),
+        good=launch_examples(make_launch('<machine name="robot" address="robot.local" env-loader="/opt/ros/env.sh"/>')),
     ),
     Rule(
         id="unknown-machine",
@@ -144,17 +122,17 @@ names a script that sets the environment.
 `machine` names a `<machine>` of the same run; `localhost` has to be defined, too. A file that others include is judged
 where they include it, and a file that includes one that cannot be found here is left alone.
 """,
-        bad=launch_examples("""
-<launch>
-  <machine name="robot" address="robot.local"/>
-  <node name="talker" pkg="demo_nodes" type="talker" machine="«robto»"/>
-</launch>
-"""),
-        good=launch_examples("""
-<launch>
-  <machine name="robot" address="robot.local"/>
-  <node name="talker" pkg="demo_nodes" type="talker" machine="robot"/>
-</launch>
-"""),
+        bad=launch_examples(
+            make_launch(
+                '<machine name="robot" address="robot.local"/>',
+                '<node name="talker" pkg="demo_nodes" type="talker" machine="«robto»"/>',
+            )
+        ),
+        good=launch_examples(
+            make_launch(
+                '<machine name="robot" address="robot.local"/>',
+                '<node name="talker" pkg="demo_nodes" type="talker" machine="robot"/>',
+            )
+        ),
     ),
 )

@@ -158,11 +158,7 @@ roslaunch looks for an executable file of this name in the package and where the
 CMakeLists.txt builds or installs count as there, and nodes of other computers are left alone.
 """,
         bad=(
-            launch_example("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="«tlker»"/>
-</launch>
-"""),
+            launch_example(make_launch('<node name="talker" pkg="demo_nodes" type="«tlker»"/>')),
             launch_example(
                 """
 <launch>
@@ -214,18 +210,14 @@ packages in one paragraph after the other findings.
 """,
                 {"package.xml": _MANIFEST},
             ),
-            launch_example("""
-<launch>
-  <arg name="simulate" default="false"/>
-  <include file="«$(find far_away)»/launch/world.launch" if="$(arg simulate)"/>
-</launch>
-"""),
+            launch_example(
+                make_launch(
+                    '<arg name="simulate" default="false"/>',
+                    '<include file="«$(find far_away)»/launch/world.launch" if="$(arg simulate)"/>',
+                )
+            ),
         ),
-        good=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker"/>
-</launch>
-"""),
+        good=launch_examples(make_launch('<node name="talker" pkg="demo_nodes" type="talker"/>')),
         node=_find_not_installed,
     ),
     Rule(
@@ -239,16 +231,8 @@ are found, too. Only a name that is nearly that of another package is an error; 
 reported as `package-not-installed` instead, a warning.
 """,
         bad=(
-            launch_example("""
-<launch>
-  <rosparam command="load" file="«$(find my_robto)»/params/speed.yaml"/>
-</launch>
-"""),
-            launch_example("""
-<launch>
-  <node name="talker" pkg="«demo_node»" type="talker"/>
-</launch>
-"""),
+            launch_example(make_launch('<rosparam command="load" file="«$(find my_robto)»/params/speed.yaml"/>')),
+            launch_example(make_launch('<node name="talker" pkg="«demo_node»" type="talker"/>')),
         ),
         good=launch_examples("""
 <launch>

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ur.check.example_parts import group_example
+from ur.check.example_parts import group_example, make_launch
 from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup, TextEdit, launch_example, launch_examples
 from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Diagnostic, Severity
@@ -55,18 +55,10 @@ RULES = (
 `subst_value` only `true` and `false`. `--fix` writes `true` for 1, yes and on, `false` for 0, no and off.
 """,
         bad=(
-            launch_example("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker" respawn="«1»"/>
-</launch>
-"""),
-            launch_example("""
-<launch>
-  <group if="«yes»">
-    <node name="talker" pkg="demo_nodes" type="talker"/>
-  </group>
-</launch>
-"""),
+            launch_example(make_launch('<node name="talker" pkg="demo_nodes" type="talker" respawn="«1»"/>')),
+            launch_example(
+                make_launch('<group if="«yes»">', '  <node name="talker" pkg="demo_nodes" type="talker"/>', "</group>")
+            ),
         ),
         good=launch_examples("""
 <launch>
@@ -88,16 +80,8 @@ RULES = (
 `output` is `log` or `screen`, `cwd` is `ROS_HOME` or `node`, `command` of `<rosparam>` is `load`, `dump` or
 `delete`.
 """,
-        bad=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker" output="«sceen»"/>
-</launch>
-"""),
-        good=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker" output="screen"/>
-</launch>
-"""),
+        bad=launch_examples(make_launch('<node name="talker" pkg="demo_nodes" type="talker" output="«sceen»"/>')),
+        good=launch_examples(make_launch('<node name="talker" pkg="demo_nodes" type="talker" output="screen"/>')),
     ),
     Rule(
         id="bad-condition",
@@ -107,20 +91,20 @@ RULES = (
         explanation="""
 A tag takes one condition. Two of them are one expression: an `if` with `$(eval ...)`.
 """,
-        bad=launch_examples("""
-<launch>
-  <arg name="a" default="true"/>
-  <arg name="b" default="true"/>
-  <node name="talker" pkg="demo_nodes" type="talker" if="$(arg a)" «unless»="$(arg b)"/>
-</launch>
-"""),
-        good=launch_examples("""
-<launch>
-  <arg name="a" default="true"/>
-  <arg name="b" default="true"/>
-  <node name="talker" pkg="demo_nodes" type="talker" if="$(eval a and not b)"/>
-</launch>
-"""),
+        bad=launch_examples(
+            make_launch(
+                '<arg name="a" default="true"/>',
+                '<arg name="b" default="true"/>',
+                '<node name="talker" pkg="demo_nodes" type="talker" if="$(arg a)" «unless»="$(arg b)"/>',
+            )
+        ),
+        good=launch_examples(
+            make_launch(
+                '<arg name="a" default="true"/>',
+                '<arg name="b" default="true"/>',
+                '<node name="talker" pkg="demo_nodes" type="talker" if="$(eval a and not b)"/>',
+            )
+        ),
     ),
     Rule(
         id="bad-number",
@@ -130,16 +114,12 @@ A tag takes one condition. Two of them are one expression: an `if` with `$(eval 
         explanation="""
 `respawn_delay`, `timeout`, `ssh-port`, `time-limit` and `retry` are numbers; times are in seconds.
 """,
-        bad=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker" respawn="true" respawn_delay="«5s»"/>
-</launch>
-"""),
-        good=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker" respawn="true" respawn_delay="5"/>
-</launch>
-"""),
+        bad=launch_examples(
+            make_launch('<node name="talker" pkg="demo_nodes" type="talker" respawn="true" respawn_delay="«5s»"/>')
+        ),
+        good=launch_examples(
+            make_launch('<node name="talker" pkg="demo_nodes" type="talker" respawn="true" respawn_delay="5"/>')
+        ),
     ),
     Rule(
         id="bad-ready",
@@ -150,20 +130,18 @@ A tag takes one condition. Two of them are one expression: an `if` with `$(eval 
 `ur launch` reads `<!--ready: ...-->` inside a node as what has to be there before the node is up, and `ur wait` waits
 for it. A part that it does not understand is left out, so nothing would wait for it. roslaunch ignores the comment.
 """,
-        bad=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker">
-    «<!--ready: topics chatter-->»
-  </node>
-</launch>
-"""),
-        good=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker">
-    <!--ready: topic chatter 5 Hz; service ~set_logger_level-->
-  </node>
-</launch>
-"""),
+        bad=launch_examples(
+            make_launch(
+                '<node name="talker" pkg="demo_nodes" type="talker">', "  «<!--ready: topics chatter-->»", "</node>"
+            )
+        ),
+        good=launch_examples(
+            make_launch(
+                '<node name="talker" pkg="demo_nodes" type="talker">',
+                "  <!--ready: topic chatter 5 Hz; service ~set_logger_level-->",
+                "</node>",
+            )
+        ),
     ),
     Rule(
         id="empty-attribute",
@@ -173,16 +151,8 @@ for it. A part that it does not understand is left out, so nothing would wait fo
         explanation="""
 `pkg` and `type` of a node and `name` of an environment variable cannot be empty.
 """,
-        bad=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" «type»=""/>
-</launch>
-"""),
-        good=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker"/>
-</launch>
-"""),
+        bad=launch_examples(make_launch('<node name="talker" pkg="demo_nodes" «type»=""/>')),
+        good=launch_examples(make_launch('<node name="talker" pkg="demo_nodes" type="talker"/>')),
     ),
     Rule(
         id="misplaced-attribute",
@@ -192,16 +162,8 @@ for it. A part that it does not understand is left out, so nothing would wait fo
         explanation="""
 A test ends by itself: it is not respawned, and its output goes to the results.
 """,
-        bad=launch_examples("""
-<launch>
-  <test test-name="hears" pkg="demo_nodes" type="talker" «respawn»="true"/>
-</launch>
-"""),
-        good=launch_examples("""
-<launch>
-  <test test-name="hears" pkg="demo_nodes" type="talker" time-limit="20"/>
-</launch>
-"""),
+        bad=launch_examples(make_launch('<test test-name="hears" pkg="demo_nodes" type="talker" «respawn»="true"/>')),
+        good=launch_examples(make_launch('<test test-name="hears" pkg="demo_nodes" type="talker" time-limit="20"/>')),
     ),
     Rule(
         id="required-and-respawn",
@@ -211,16 +173,10 @@ A test ends by itself: it is not respawned, and its output goes to the results.
         explanation="""
 `required` ends everything when the node ends, `respawn` starts it again: a node can be one of the two.
 """,
-        bad=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker" «required»="true" respawn="true"/>
-</launch>
-"""),
-        good=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker" required="true"/>
-</launch>
-"""),
+        bad=launch_examples(
+            make_launch('<node name="talker" pkg="demo_nodes" type="talker" «required»="true" respawn="true"/>')
+        ),
+        good=launch_examples(make_launch('<node name="talker" pkg="demo_nodes" type="talker" required="true"/>')),
     ),
     Rule(
         id="useless-condition",

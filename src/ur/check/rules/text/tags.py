@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from ur.check.example_parts import group_example
+from ur.check.example_parts import group_example, make_launch
 from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup, launch_example, launch_examples
 from ur.check.survey import is_switched_off
 from ur.launchfile.plan.tags.body import TAGS
@@ -68,16 +68,8 @@ RULES = (
 roslaunch prints a warning among many other lines and goes on without the attribute: a node with `respaen="true"`
 is not started again.
 """,
-        bad=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker" «respaen»="true"/>
-</launch>
-"""),
-        good=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker" respawn="true"/>
-</launch>
-"""),
+        bad=launch_examples(make_launch('<node name="talker" pkg="demo_nodes" type="talker" «respaen»="true"/>')),
+        good=launch_examples(make_launch('<node name="talker" pkg="demo_nodes" type="talker" respawn="true"/>')),
         element=_find_unknown_attributes,
     ),
     Rule(
@@ -89,13 +81,9 @@ is not started again.
 roslaunch prints a warning among many other lines, ignores the tag with everything inside it, and starts the rest.
 """,
         bad=(
-            launch_example("""
-<launch>
-  «<gruop» ns="left">
-    <node name="talker" pkg="demo_nodes" type="talker"/>
-  </gruop>
-</launch>
-"""),
+            launch_example(
+                make_launch('«<gruop» ns="left">', '  <node name="talker" pkg="demo_nodes" type="talker"/>', "</gruop>")
+            ),
             launch_example("""
 <launch>
   <arg name="loud" default="false"/>

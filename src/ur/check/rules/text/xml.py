@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.check.example_parts import speed_example
+from ur.check.example_parts import make_launch, speed_example
 from ur.check.rule import Rule, RuleGroup, launch_example, launch_examples
 from ur.source.diagnostic import Severity
 
@@ -35,11 +35,7 @@ and `&amp;`. roslaunch refuses the whole file, and every file that includes it.
     <node name="talker" pkg="demo_nodes" type="talker"/>
 «</launch>»
 """),
-            launch_example("""
-<launch>
-  <param name="question" value="black «&» white"/>
-</launch>
-"""),
+            launch_example(make_launch('<param name="question" value="black «&» white"/>')),
         ),
         good=launch_examples("""
 <launch>
@@ -95,11 +91,7 @@ Everything in a launch file stands inside one `<launch>` element, which is the o
   <param name="speed" value="0.3"/>
 </robot>
 """),
-        good=launch_examples("""
-<launch>
-  <param name="speed" value="0.3"/>
-</launch>
-"""),
+        good=launch_examples(make_launch('<param name="speed" value="0.3"/>')),
     ),
     Rule(
         id="missing-attribute",
@@ -109,16 +101,8 @@ Everything in a launch file stands inside one `<launch>` element, which is the o
         explanation="""
 `<node>` needs `name`, `pkg` and `type`, `<include>` needs `file`, `<remap>` needs `from` and `to`, and so on.
 """,
-        bad=launch_examples("""
-<launch>
-  «<node» name="talker" type="talker"/>
-</launch>
-"""),
-        good=launch_examples("""
-<launch>
-  <node name="talker" pkg="demo_nodes" type="talker"/>
-</launch>
-"""),
+        bad=launch_examples(make_launch('«<node» name="talker" type="talker"/>')),
+        good=launch_examples(make_launch('<node name="talker" pkg="demo_nodes" type="talker"/>')),
     ),
     Rule(
         id="nested-too-deep",
@@ -141,15 +125,7 @@ keeps `ur` from hanging, so there is no example here.
 `<let>`, `<node exec=...>` and `$(find-pkg-share ...)` belong to the launch language of ROS 2, which roslaunch does not
 read. Nothing else is reported about such a file. Files named `*.launch.py` and `*.launch.yaml` are for ROS 2, too.
 """,
-        bad=launch_examples("""
-<launch>
-  «<let» name="speed" value="0.3"/>
-</launch>
-"""),
-        good=launch_examples("""
-<launch>
-  <param name="speed" value="0.3"/>
-</launch>
-"""),
+        bad=launch_examples(make_launch('«<let» name="speed" value="0.3"/>')),
+        good=launch_examples(make_launch('<param name="speed" value="0.3"/>')),
     ),
 )
