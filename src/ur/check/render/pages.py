@@ -22,6 +22,7 @@ _PROGRAMS = {
     "rplidar_ros": ("rplidarNode",),
 }
 _PACKAGES = {"my_robot": FOLDER, **{name: f"/opt/{name}" for name in _PROGRAMS}}
+_ONLY = "launch/example.launch"  # the output names it
 _EXECUTABLES = tuple(f"/opt/{name}/bin/{program}" for name, programs in _PROGRAMS.items() for program in programs)
 _OTHERS = {
     **{f"/opt/{name}/package.xml": f"<package><name>{name}</name></package>" for name in _PROGRAMS},
@@ -62,7 +63,8 @@ def _show_files(example: Example) -> str:
     for path, text in example.files.items():
         kind = kinds.get(path.rpartition(".")[2], "bash")
         shown = strip_marks(text).strip().replace("\r", "␍")
-        parts.append(f"`{path}`\n\n```{kind}\n{shown}\n```\n")
+        caption = "" if [*example.files] == [_ONLY] else f"`{path}`\n\n"
+        parts.append(f"{caption}```{kind}\n{shown}\n```\n")
     return "\n".join(parts)
 
 

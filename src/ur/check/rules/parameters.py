@@ -83,8 +83,8 @@ Names of parameters are texts. YAML reads `1`, `yes` and `on` as something else,
         summary="Nodes wait for a simulated time that no node publishes.",
         explanation="""
 With `/use_sim_time` every node waits for `/clock`, which a simulator or `rosbag play --clock` publishes. Reported are
-files that start a driver of real hardware, or play a file without `--clock`, and nothing that may be a simulator; what
-you start elsewhere is not known here. `ur launch` reports after 5 s that nodes wait.
+files that start a driver or play a file without `--clock`, and nothing that may be a simulator. `ur launch` reports
+after 5 s that nodes wait.
 """,
         bad=launch_examples(
             make_launch(
