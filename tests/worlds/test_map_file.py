@@ -36,6 +36,15 @@ def test_load_map_takes_resolution_and_origin(tmp_path: Path) -> None:
     assert (grid.resolution, grid.origin) == (0.05, Pose2(1.0, -2.5, 0.25))
 
 
+def test_load_map_reads_numbers_from_texts_as_map_server_does(tmp_path: Path) -> None:
+    file = write_map(tmp_path, [[0, 255]])
+    text = file.read_text().replace("0.05", "5e-2").replace("[1, -2.5, 0.25]", '["1", -010, 25e-2]')
+    file.write_text(text.replace("negate: 0", 'negate: "0"').replace("0.65", '"0.65"'))
+    grid = load_map(file)
+    assert (grid.resolution, grid.origin) == (0.05, Pose2(1.0, -10.0, 0.25))
+    assert grid.values.tolist() == [[100, 0]]
+
+
 def test_load_map_follows_a_world_file_to_its_floor_plan(tmp_path: Path) -> None:
     (tmp_path / "maps").mkdir()
     write_map(tmp_path / "maps", [[0, 255]])
