@@ -21,6 +21,7 @@ LAUNCH = "\n".join(
         f'  <node name="eight" pkg="tf" type="{TF}" args="0 0 0 0 0 0 base eight"/>',
         f'  <node name="laser" pkg="tf2_ros" type="{TF}" args="0 0 0 0 0 0 base laser"/>',
         f'  <node name="again" pkg="tf2_ros" type="{TF}" args="0 0 1 0 0 0 mast laser"/>',
+        '  <rosparam file="$(find my_robot)/params/all.yaml"/>',
         *(f'  <node name="{name[:-3]}" pkg="my_robot" type="{name}"/>' for name in DRIVERS),
         "</launch>",
     ]
@@ -61,6 +62,8 @@ def test_each_trap_is_named_once_with_file_line_and_help() -> None:
         f"{FOLDER}/launch/all.launch": LAUNCH,
         f"{FOLDER}/params/all.yaml": YAML,
         f"{FOLDER}/maps/fine.yaml": MAP,
+        f"{FOLDER}/params/not_loaded.yaml": YAML,
+        f"{FOLDER}/params/ros2.yaml": "/**: {ros__parameters: {tolerance: 1e-3}}\n",
         f"{FOLDER}/scripts/crlf.py": "#!/usr/bin/env python3\r\nprint(1)\r\n",
         f"{FOLDER}/scripts/python.py": "#!/usr/bin/env python\nprint(1)\n",
         f"{FOLDER}/scripts/bare.py": "print(1)\n",

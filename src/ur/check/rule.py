@@ -194,6 +194,7 @@ class Rule:
     plan: Callable[[PlanView], Iterable[RuleFinding]] | None = None
     param: Callable[[ParamView], Iterable[RuleFinding]] | None = None
     fix: Callable[[Diagnostic], tuple[TextEdit, ...]] | None = None
+    only_parameters: bool = False  # not in YAML files that no launch file loads, where launch files are checked
 
 
 def launch_example(

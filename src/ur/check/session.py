@@ -265,7 +265,13 @@ class CheckSession:
 
     def findings_of(self, path: str) -> tuple[list[Diagnostic], int]:
         """Return the findings in one file, sorted by position, and the number of hidden ones."""
-        return self._index.findings_of(path, self._check_arguments() if path == _COMMAND_LINE else ())
+        found, hidden = self._index.findings_of(path, self._check_arguments() if path == _COMMAND_LINE else ())
+        if path in self.sources.targets.yaml_files and self.sources.views and not self._is_loaded(path):
+            found = [each for each in found if not self.rules[each.rule].only_parameters]
+        return found, hidden
+
+    def _is_loaded(self, path: str) -> bool:
+        return any(unit[0] == _LAUNCH for unit in self._index.units_that_asked({("read_bytes", path)}))
 
     @property
     def paths(self) -> list[str]:

@@ -28,8 +28,9 @@ _LONGEST = 60  # characters of what someone may take for a number
 
 
 def _find_in_yaml(view: YamlView) -> Iterable[RuleFinding]:
-    # map_server reads numbers from texts, too
-    return _find_in_text(view.source) if is_plain_yaml(view.source) and not is_map(view) else ()
+    # map_server and ROS 2 read numbers from texts, too
+    elsewhere = is_map(view) or "ros__parameters" in view.source.text
+    return _find_in_text(view.source) if is_plain_yaml(view.source) and not elsewhere else ()
 
 
 def _find_in_text(source: SourceFile) -> Iterator[RuleFinding]:
@@ -127,6 +128,7 @@ YAML 1.1 needs a point and a sign in `1.0e-3`; `1e-3` is a text, and a node that
 `010` is 8, `12:30` is 750, `2026-01-02` is a date, and `on`, `off`, `yes` and `no` are true or false, also in a list
 of texts.
 `<param value=...>` without `type` has rules of its own: `1e-3`, `0x1F`, `inf`, `on` and `yes` are texts.
+Beside launch files, only YAML files that one of them loads are examined.
 """,
         bad=(
             _yaml_example("tolerance: «1e-3»\n"),
@@ -146,6 +148,7 @@ of texts.
             launch_example(make_launch('<param name="tolerance" type="double" value="1e-3"/>')),
         ),
         yaml_file=_find_in_yaml,
+        only_parameters=True,
         element=_find_in_launch,
     ),
 )

@@ -123,9 +123,8 @@ RULES = (
         severity=Severity.ERROR,
         summary="The arguments of static_transform_publisher do not fit.",
         explanation=f"""
-Angles are in radians, in the order yaw, pitch, roll. tf takes `{_ORDER} PERIOD`, with the period in milliseconds;
-tf2_ros takes the same without a period, and reads a ninth argument as part of a quaternion, so that the names of the
-frames move by one.
+Angles are in radians, in the order yaw, pitch, roll. tf takes `{_ORDER} PERIOD`, in milliseconds; tf2_ros takes the
+same without a period, and reads a ninth argument as part of a quaternion.
 """,
         bad=launch_examples(
             make_launch(_node("«0.1 0 0 180 0 0 base_link laser»")),

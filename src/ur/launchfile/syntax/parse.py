@@ -24,7 +24,10 @@ _UNCLOSED_TOKEN = 5
 _CAUSES = {
     _DUPLICATE_ATTRIBUTE: ("duplicate attribute", "keep one of the two"),
     2: ("text before the first tag, expected <launch>", "remove it, or make it a comment: <!-- ... -->"),
-    9: ("something after the end of <launch>, expected one root element", "move it into <launch>, before </launch>"),
+    9: (
+        "something after the end of the first element, expected one root element",
+        "move it into <launch>, before </launch>",
+    ),
     11: (
         "an entity that XML does not know",
         "write the character itself: only &lt; &gt; &amp; &quot; &apos; are known",
