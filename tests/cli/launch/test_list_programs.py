@@ -93,3 +93,10 @@ def test_programs_are_listed_as_json_with_their_arguments(capsys: pytest.Capture
     assert [each["text"] for each in arguments["world"]["values"]] == ["maze", "office"]
     assert [each["text"] for each in arguments["bring_up"]["values"]] == ["true", "false"]
     assert arguments["x"]["doc"]
+
+
+def test_summaries_and_arguments_hold_on_the_page_as_in_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list", "--json"]) == 0
+    programs = json.loads(capsys.readouterr().out)
+    texts = [text for each in programs for text in (each["summary"], *(one["doc"] for one in each["arguments"]))]
+    assert [text for text in texts if "terminal" in text.lower()] == []

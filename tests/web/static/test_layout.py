@@ -184,7 +184,7 @@ def test_panel_that_was_just_opened_gets_the_room_that_it_needs_and_older_ones_s
     assert browser.run("page.panels.shown") == ["places", "layers"]
     (old, _), (height, needed) = browser.run(HEIGHTS)
     assert height == needed or old <= title + 2
-    browser.run("document.querySelector('#places-panel h2').click(); 0")
+    browser.run("document.querySelector('#places-panel h2 button').click(); 0")
     assert browser.run("page.panels.shown") == ["layers", "places"]
     browser.run("page.panels.show([]); 0")
 

@@ -127,8 +127,16 @@ def test_page_drops_what_it_knew_when_nothing_runs_and_names_another_selection(
     robot: PlayedRobot, panel: Chromium
 ) -> None:
     show_map(robot, panel, "", saves=True)
+    zone = {"name": "stairs", "percent": 0, "corners": [[0, 0], [1, 0], [1, 1]]}
+    robot.show(Kind.ZONES, {"served": True, "zones": [zone], "problem": ""})
+    walls = {"name": "flat", "restorable": True, "why": ""}
+    robot.show(Kind.STATE, STATE | {"limit": 40, "map": {"name": "", "saves": True, "walls": walls}})
     robot.show(Kind.PLACES, {"named": True, "places": {"desk": [0, 0, 0]}, "problem": ""})
     wait(lambda: panel.run("Object.keys(page.map.places)") == ["desk"])
+    known = """[page.walls.state.name, document.querySelector("#speed-limit").value,
+      document.querySelector("#speed-limit").disabled, document.querySelectorAll("#zones-panel li").length,
+      document.querySelector("#zones-panel form").hidden]"""
+    assert panel.run(known) == ["flat", "40", False, 1, False]
     panel.run("page.runs.state = { runs: [], ended: [] }; 0")
     with robot.ended():
         wait(
@@ -136,6 +144,8 @@ def test_page_drops_what_it_knew_when_nothing_runs_and_names_another_selection(
         )
         assert panel.run("[page.state, page.map.pose, page.mapList.state.saves]") == [None, None, False]
         assert panel.run("page.map.places") == {}
+        assert panel.run(known) == ["", "100", True, 0, True]
+        assert "known when the robot is connected" in panel.run("document.querySelector('#speed-panel').textContent")
         assert not panel.run("document.getElementById('map-save').checkVisibility()")
         press(panel, "Drive on this map: flat")
         wait(lambda: panel.run("started.length") == 1)

@@ -1,7 +1,7 @@
 // @ts-check
 /** Arguments of a launch file as a form: an empty field keeps the default. */
 
-import { make } from "./elements.js";
+import { make, sentence } from "./elements.js";
 import { TEXTS } from "./texts.js";
 
 /** @typedef {{name: string, doc: string, default: string | null, values: {text: string, help: string}[]}} Argument */
@@ -30,7 +30,7 @@ export function readForm(form) {
 /** @param {Argument} argument @param {string} id */
 function makeField(argument, id) {
   const box = make("div", "", "field");
-  const label = make("label", argument.name);
+  const label = make("label", TEXTS.argumentNames[argument.name] ?? sentence(argument.name.replaceAll("_", " ")));
   const truth = argument.values.length === 2 && argument.values.every(({ text }) => text === "true" || text === "false");
   const field = truth ? makeChoice(argument) : makeInput(argument, `${id}-${argument.name}-values`, box);
   field.id = `${id}-${argument.name}`;

@@ -3,7 +3,7 @@
 
 import { make, makeButton, makeNote } from "./elements.js";
 import { TEXTS } from "./texts.js";
-import { HEAD, KIND, readJson } from "./wire.js";
+import { HEAD, KIND } from "./wire.js";
 
 const STAMP = 8; // bytes: seconds since 1970
 const PAUSE = 1000; // ms before another connection is tried
@@ -18,7 +18,7 @@ export const CAMERA_PANEL = {
   make: (box, page) => {
     const camera = new CameraPanel(box, page);
     page.camera = camera;
-    page.frames.on(KIND.STATE, (frame) => camera.list(readJson(frame).cameras ?? { topic: "", topics: [] }));
+    page.frames.onJson(KIND.STATE, ({ cameras }) => camera.list(cameras ?? { topic: "", topics: [] }), {});
     return { show: (open) => camera.show(open), leave: () => camera.spread(false) };
   },
 };

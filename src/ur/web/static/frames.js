@@ -1,7 +1,7 @@
 // @ts-check
 /** Frames of the server by their kind: each part of the page takes those that it shows. */
 
-import { KIND, LAYER, readGrid, readPoints, readTile } from "./wire.js";
+import { KIND, LAYER, readGrid, readJson, readPoints, readTile } from "./wire.js";
 
 /** @typedef {(frame: import("./wire.js").Frame) => void} FrameHandler */
 
@@ -9,11 +9,21 @@ export class FrameHandlers {
   constructor() {
     /** @type {Map<number, FrameHandler[]>} */
     this.handlers = new Map();
+    /** Have parts of the page show that nothing runs. @type {(() => void)[]} */
+    this.forgets = [];
   }
 
   /** Have a function called with each frame of a kind. @param {number} kind @param {FrameHandler} handler */
   on(kind, handler) {
     this.handlers.set(kind, [...(this.handlers.get(kind) ?? []), handler]);
+  }
+
+  /** Have a function called with each value of a kind, and with `nothing` while nothing runs. @param {number} kind @param {(value: any) => void} handler @param {any} [nothing] */
+  onJson(kind, handler, nothing) {
+    this.on(kind, (frame) => handler(readJson(frame)));
+    if (!nothing) return;
+    this.forgets.push(() => handler(nothing));
+    handler(nothing);
   }
 
   /** @param {import("./wire.js").Frame} frame */

@@ -17,8 +17,9 @@ import { Status } from "./status.js";
 import { Stick } from "./stick.js";
 import { TEXTS } from "./texts.js";
 import { ViewSocket } from "./view_socket.js";
-import { KIND, readJson, readPose } from "./wire.js";
+import { KIND, readPose } from "./wire.js";
 
+const BESIDE_STICK = 36; // pixels between the robot and the stick
 const STOP_PULSE = 200; // ms that a phone vibrates
 
 /** @typedef {"look" | "goal" | "drive" | "pose"} Mode */
@@ -52,8 +53,8 @@ export class Page {
       () => this.drive?.letGo(),
     );
     this.frames = new FrameHandlers();
-    this.frames.on(KIND.SERVER, (frame) => this.showServer(readJson(frame)));
-    this.frames.on(KIND.STATE, (frame) => this.showState(readJson(frame)));
+    this.frames.onJson(KIND.SERVER, (server) => this.showServer(server));
+    this.frames.onJson(KIND.STATE, (state) => this.showState(state));
     this.frames.on(KIND.POSE, (frame) => this.showPose(readPose(frame)));
     showOnMap(this.frames, this.map);
     this.overlays = new Overlays(this.frames, this.map);
@@ -74,8 +75,6 @@ export class Page {
     this.camera = null;
     /** @type {import("./gamepad.js").Gamepads | null} */
     this.gamepads = null;
-    /** @type {import("./places.js").PlacePanel | null} */
-    this.places = null;
     /** @type {import("./map_list.js").MapList | null} */
     this.mapList = null;
     /** @type {import("./data/recording_panel.js").RecordingPanel | null} */
@@ -102,7 +101,16 @@ export class Page {
     this.pose = pose;
     this.poseAt = performance.now();
     this.map.setPose(pose);
+    this.clearStick();
     this.overlays.follow(pose);
+  }
+
+  /** Move the map until the robot is not below the stick. */
+  clearStick() {
+    const { left, top, right, bottom } = element("stick").getBoundingClientRect();
+    const [x, y] = this.map.pose ? this.map.view.toScreen(this.map.pose.x, this.map.pose.y) : [0, 0];
+    const [dx, dy] = [left - BESIDE_STICK - x, top - BESIDE_STICK - y];
+    if (dx < 0 && dy < 0 && x < right && y < bottom) this.map.view.pan(dx > dy ? dx : 0, dx > dy ? 0 : dy);
   }
 
   /** @param {any} server */
@@ -116,9 +124,7 @@ export class Page {
     this.state = null;
     this.pose = undefined;
     this.poseAt = -Infinity;
-    this.mapList?.take(null);
-    this.places?.show({ named: false, places: {}, problem: "" });
-    this.places?.patrol.show(null);
+    for (const forget of this.frames.forgets) forget();
     this.overlays.found.clear();
     this.overlays.trail = [];
     this.map.forget();
@@ -130,8 +136,6 @@ export class Page {
     this.state = state;
     this.map.outline = state.robot.outline;
     this.status.show(state);
-    const place = element("goal").hidden ? null : state.goal.place;
-    this.map.goal = place ? { x: place[0], y: place[1], yaw: place[2] } : null;
     this.map.request();
   }
 
@@ -182,6 +186,7 @@ export class Page {
   push(forward, turn) {
     const [speed, rate] = this.state?.robot.limits ?? [0, 0];
     this.drive?.move(forward * speed, turn * rate);
+    element("hint").textContent = ""; // it was understood
   }
 
   showStick() {

@@ -5,7 +5,7 @@ import { make, makeButton, makeNote, makeSureButton, replaceRows } from "./eleme
 import { offerToEndRun, startProgram } from "./program_panel.js";
 import { RUNS } from "./run_socket.js";
 import { TEXTS } from "./texts.js";
-import { KIND, readJson } from "./wire.js";
+import { KIND } from "./wire.js";
 
 /**
  * `width`, `height` in m; `changed` in seconds since 1970, 0: unknown; `picture`: lines of " " (unknown), "." (free), "#" (wall).
@@ -14,6 +14,7 @@ import { KIND, readJson } from "./wire.js";
  * @typedef {{name: string, saves: boolean}} MapState the stored map in use, and whether one is being made that can be saved
  */
 
+const NO_MAP = /** @type {MapState} */ ({ name: "", saves: false });
 const PROGRAM = "keyboard_navigate";
 const MAPPER = "/slam_gmapping";
 const NAME = /^[A-Za-z][A-Za-z0-9_.-]{0,63}$/; // see ur.maps.names
@@ -27,7 +28,7 @@ export const MAP_LIST_PANEL = {
   make: (box, page) => {
     const panel = new MapList(box, page);
     page.mapList = panel;
-    page.frames.on(KIND.STATE, (frame) => panel.take(readJson(frame).map ?? null));
+    page.frames.onJson(KIND.STATE, ({ map }) => panel.take(map ?? NO_MAP), {});
     return { show: (open) => panel.show(open) };
   },
 };
@@ -37,8 +38,7 @@ export class MapList {
   constructor(box, page) {
     this.page = page;
     this.open = false;
-    /** @type {MapState} */
-    this.state = { name: "", saves: false };
+    this.state = NO_MAP;
     /** @type {StoredMap[]} */
     this.maps = [];
     /** What the list shows. */
@@ -67,9 +67,8 @@ export class MapList {
     else this.renamed = "";
   }
 
-  /** @param {MapState | null} state */
-  take(state) {
-    const { name, saves } = state ?? { name: "", saves: false };
+  /** @param {MapState} state */
+  take({ name, saves }) {
     if (name === this.state.name && saves === this.state.saves) return;
     this.state = { name, saves };
     this.saving.hidden = !saves || !this.page.mayDrive;

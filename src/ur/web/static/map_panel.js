@@ -2,9 +2,10 @@
 /** Tools of the map: measure distances on it, turn it, and change its walls. */
 
 import { make, makeButton, makeNote } from "./elements.js";
+import { drawLabel } from "./overlays.js";
 import { TEXTS } from "./texts.js";
-import { WallTool } from "./walls.js";
-import { KIND, readJson } from "./wire.js";
+import { NO_WALLS, WallTool } from "./walls.js";
+import { KIND } from "./wire.js";
 
 /** @type {import("./panels.js").Panel} */
 export const MAP_PANEL = {
@@ -14,7 +15,7 @@ export const MAP_PANEL = {
   make: (box, page) => {
     const panel = new MapPanel(box, page);
     page.walls = panel.walls;
-    page.frames.on(KIND.STATE, (frame) => panel.walls.take(readJson(frame).map?.walls));
+    page.frames.onJson(KIND.STATE, ({ map }) => panel.walls.take(map?.walls ?? NO_WALLS), {});
     return { show: (open) => !open && (panel.end(), panel.walls.pause()) };
   },
 };
@@ -39,7 +40,6 @@ export class MapPanel {
     this.walls = new WallTool(box, page, () => this.refresh());
     row.append(this.measure, this.undo, this.done, this.turn, this.walls.begin, this.walls.restore);
     page.map.painters.push((context, view, colours) => this.paint(context, view, colours));
-    this.walls.changed();
   }
 
   begin() {
@@ -97,11 +97,8 @@ export class MapPanel {
       context.strokeStyle = colour;
       context.stroke();
     }
-    context.font = "600 13px system-ui, sans-serif";
     context.textAlign = "center";
     context.fillStyle = colours.wall;
-    context.lineWidth = 4;
-    context.strokeStyle = colours["robot-edge"];
     for (const [index, [x, y]] of seen.entries()) {
       context.beginPath();
       context.arc(x, y, 5, 0, 2 * Math.PI);
@@ -109,8 +106,7 @@ export class MapPanel {
       if (!index) continue;
       const text = TEXTS.metres(lengthOf(points.slice(index - 1, index + 1)));
       const [atX, atY] = [(x + seen[index - 1][0]) / 2, (y + seen[index - 1][1]) / 2 - 8];
-      context.strokeText(text, atX, atY);
-      context.fillText(text, atX, atY);
+      drawLabel(context, colours, text, colours.wall, atX, atY);
     }
     context.textAlign = "start";
   }

@@ -4,13 +4,15 @@
 import { MapTiles } from "./map_tiles.js";
 import { View } from "./view.js";
 import { SWITCHES } from "./link_state.js";
+import { drawLabel } from "./overlays.js";
 import { LAYER } from "./wire.js";
 
 /** Of `style.css`, beside those of the layers. */
-const COLOURS = ["unknown", "free", "wall", "goal", "place", "keep-out", "slow", "robot", "robot-edge"];
+const COLOURS = ["unknown", "free", "wall", "goal", "place", "keep-out", "slow", "robot", "robot-edge", "given-up"];
 
 /** `dragged`: the user has drawn the heading. @typedef {{x: number, y: number, yaw: number | null, dragged?: boolean}} Place */
 
+const LABEL = 16; // pixels of its height
 const LONGEST_LABEL = 24; // characters of a name on the map
 
 export class MapView {
@@ -182,7 +184,7 @@ export class MapView {
   drawPlaces() {
     const { context, view, colours } = this;
     context.font = "600 13px system-ui, sans-serif";
-    context.lineJoin = "round";
+    const taken = Object.values(this.places).map(([px, py]) => view.toScreen(px, py)).map(([x, y]) => [x - 7, y, 14]);
     for (const [name, [px, py, yaw]] of Object.entries(this.places)) {
       const [x, y] = view.toScreen(px, py);
       if (x < -200 || y < -20 || x > view.width + 20 || y > view.height + 20) continue;
@@ -196,12 +198,9 @@ export class MapView {
         context.lineTo(x + 12 * along, y + 12 * across);
         context.stroke();
       }
-      context.strokeStyle = colours["robot-edge"];
-      context.lineWidth = 4;
       const text = name.length > LONGEST_LABEL ? `${name.slice(0, LONGEST_LABEL - 1)}\u2026` : name;
-      context.strokeText(text, x + 15, y + 4);
-      context.fillStyle = colours.place;
-      context.fillText(text, x + 15, y + 4);
+      const [left, middle] = placeLabel(x, y, context.measureText(text).width, taken);
+      drawLabel(context, colours, text, colours.place, left, middle + 4);
     }
   }
 
@@ -258,4 +257,12 @@ export class MapView {
     }
     context.restore();
   }
+}
+
+/** Left end and middle of a label beside a point, where it lies on nothing that is `taken`, if it can. @param {number} x @param {number} y @param {number} width @param {number[][]} taken left, middle and width of each */
+export function placeLabel(x, y, width, taken) {
+  const spots = [[x + 15, y], [x - 15 - width, y], [x - width / 2, y - 20], [x - width / 2, y + 20]];
+  const free = spots.find(([left, middle]) => !taken.some(([l, m, w]) => left < l + w && l < left + width && Math.abs(m - middle) < LABEL));
+  taken.push([...(free ?? spots[0]), width]);
+  return free ?? spots[0];
 }

@@ -128,7 +128,7 @@ function drawFiducials(context, view, colours, marks) {
     context.lineWidth = 2;
     context.fillRect(x - size / 2, y - size / 2, size, size);
     context.strokeRect(x - size / 2, y - size / 2, size, size);
-    label(context, colours, String(id), colours.fiducials, x + size / 2 + 3, y + 4);
+    drawLabel(context, colours, String(id), colours.fiducials, x + size / 2 + 3, y + 4);
   }
 }
 
@@ -136,7 +136,7 @@ function drawFiducials(context, view, colours, marks) {
 function drawFrontiers(context, view, colours, frontiers) {
   const size = Math.max(4, 0.08 * view.scale);
   for (const [blocked, ...points] of frontiers) {
-    context.fillStyle = blocked ? colours.scan : colours.frontiers;
+    context.fillStyle = colours[blocked ? "given-up" : "frontiers"];
     for (let index = 0; index < points.length; index += 2) {
       const [x, y] = view.toScreen(points[index], points[index + 1]);
       context.fillRect(x - size / 2, y - size / 2, size, size);
@@ -161,13 +161,13 @@ function drawRobots(context, view, colours, robots) {
     context.fill();
     context.stroke();
     context.restore();
-    label(context, colours, name, colours.robots, x + size + 4, y + 4);
+    drawLabel(context, colours, name, colours.robots, x + size + 4, y + 4);
   }
 }
 
-/** @param {Context} context @param {Colours} colours @param {string} text @param {string} colour @param {number} x @param {number} y */
-function label(context, colours, text, colour, x, y) {
-  context.font = "600 12px system-ui, sans-serif";
+/** Write on the map. @param {Context} context @param {Colours} colours @param {string} text @param {string} colour @param {number} x @param {number} y */
+export function drawLabel(context, colours, text, colour, x, y) {
+  context.font = "600 13px system-ui, sans-serif";
   context.lineJoin = "round";
   context.lineWidth = 4;
   context.strokeStyle = colours["robot-edge"];

@@ -92,8 +92,8 @@ export class Panels {
     const head = make("div", "", "row head");
     const close = makeButton("\u00d7", () => this.close(panel.name), TEXTS.closePanel(panel.label));
     close.className = "close";
-    const title = make("h2", panel.label);
-    title.addEventListener("click", () => this.show([...this.shown, panel.name]));
+    const title = make("h2");
+    title.append(makeButton(panel.label, () => this.show([...this.shown, panel.name])));
     head.append(title, close);
     return head;
   }
@@ -128,8 +128,9 @@ export class Panels {
       const changes = box.hidden === open;
       box.hidden = !open;
       box.style.order = String(this.shown.indexOf(name)); // the newest is the lowest
-      box.style.flexShrink = String(1000 ** (this.shown.length - 1 - this.shown.indexOf(name))); // the oldest gives room first
+      box.style.flexShrink = String(100_000 ** (this.shown.length - 1 - this.shown.indexOf(name))); // the oldest gives room first
       button.setAttribute("aria-expanded", String(open));
+      box.querySelector("h2 button")?.setAttribute("aria-expanded", String(name === this.open)); // older ones shrink to it
       if (changes) part.show?.(open);
     }
     document.body.dataset.panel = this.open;

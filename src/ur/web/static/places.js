@@ -5,9 +5,10 @@ import { checkName, make, makeButton, makeNote, makeSureButton, replaceRows, sen
 import { PatrolBox } from "./patrol.js";
 import { PlaceEditor } from "./place_editor.js";
 import { TEXTS } from "./texts.js";
-import { KIND, readJson } from "./wire.js";
+import { KIND } from "./wire.js";
 
 /** @typedef {{named: boolean, places: Record<string, [number, number, number]>, problem: string}} PlaceList */
+const NO_PLACES = /** @type {PlaceList} */ ({ named: false, places: {}, problem: "" });
 
 /** @type {import("./panels.js").Panel} */
 export const PLACE_PANEL = {
@@ -23,14 +24,12 @@ export const PLACE_PANEL = {
       (text) => page.say(text),
       (help, take) => page.pick(help, take),
     );
-    page.frames.on(KIND.STATE, (frame) => places.patrol.show(readJson(frame).patrol ?? null));
-    page.places = places;
-    page.frames.on(KIND.PLACES, (frame) => {
-      const found = readJson(frame);
+    page.frames.onJson(KIND.STATE, ({ patrol }) => places.patrol.show(patrol ?? null), {});
+    page.frames.onJson(KIND.PLACES, (/** @type {PlaceList} */ found) => {
       places.show(found);
       page.map.places = found.places;
       page.map.request();
-    });
+    }, NO_PLACES);
   },
 };
 
@@ -53,8 +52,7 @@ export class PlacePanel {
     this.patrol = new PatrolBox(mayDrive, send);
     /** The name of a place that is moved when its name is given again. */
     this.sureOf = "";
-    /** @type {PlaceList} */
-    this.found = { named: false, places: {}, problem: "" };
+    this.found = NO_PLACES;
     /** @type {string[]} */
     this.names = [];
     this.note = makeNote();
@@ -74,7 +72,6 @@ export class PlacePanel {
     this.form.append(this.input, button, onMap);
     this.form.addEventListener("submit", (event) => (event.preventDefault(), this.name(false)));
     box.append(this.note, this.list, this.patrol.box, this.form);
-    this.show({ named: false, places: {}, problem: "" });
   }
 
   /** @param {PlaceList} found */

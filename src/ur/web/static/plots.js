@@ -6,7 +6,7 @@ import { keepLink } from "./link_state.js";
 import { drawPlot } from "./plot_drawing.js";
 import { Series, shortNumber } from "./plot_series.js";
 import { TEXTS } from "./texts.js";
-import { KIND, readJson } from "./wire.js";
+import { KIND } from "./wire.js";
 
 const MOST = 8; // plots; see ur.web.wire.plots
 const PERIOD = 200; // ms between two drawings
@@ -28,8 +28,8 @@ export const PLOT_PANEL = {
   wide: true,
   make: (box, page) => {
     const panel = new PlotPanel(box, page);
-    page.frames.on(KIND.FIELDS, (frame) => panel.offer(readJson(frame).fields));
-    page.frames.on(KIND.VALUES, (frame) => panel.take(readJson(frame)));
+    page.frames.onJson(KIND.FIELDS, ({ fields }) => panel.offer(fields));
+    page.frames.onJson(KIND.VALUES, (values) => panel.take(values));
     return { show: (open) => panel.show(open) };
   },
 };

@@ -4,7 +4,7 @@
 import { make, makeButton, makeNote, sentence } from "./elements.js";
 import { isOn } from "./patrol.js";
 import { TEXTS } from "./texts.js";
-import { KIND, readJson } from "./wire.js";
+import { KIND } from "./wire.js";
 
 /**
  * `name` is "" for a point of the map. `next`: the robot drives there.
@@ -21,7 +21,7 @@ export const ROUTE_PANEL = {
   icon: "M3 19a2 2 0 1 0 4 0a2 2 0 1 0-4 0M17 5a2 2 0 1 0 4 0a2 2 0 1 0-4 0M7 19h8a3.5 3.5 0 0 0 0-7H9a3.5 3.5 0 0 1 0-7h8",
   make: (box, page) => {
     const panel = new RoutePanel(box, page);
-    page.frames.on(KIND.STATE, (frame) => panel.show(readJson(frame).patrol ?? null));
+    page.frames.onJson(KIND.STATE, ({ patrol }) => panel.show(patrol ?? null), {});
     return { show: (open) => !open && panel.cancel() };
   },
 };

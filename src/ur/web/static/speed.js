@@ -4,7 +4,7 @@
 import { make } from "./elements.js";
 import { Gamepads } from "./gamepad.js";
 import { TEXTS } from "./texts.js";
-import { KIND, readJson } from "./wire.js";
+import { KIND } from "./wire.js";
 
 const LEAST = 10; // percent
 
@@ -35,20 +35,15 @@ export const SPEED_PANEL = {
     slider.addEventListener("change", () => {
       if (!page.drive?.send({ t: "limit", percent: Number(slider.value) })) page.sayNotSent();
     });
-    slider.disabled = true;
-    slider.value = "100";
-    note.textContent = TEXTS.speedLimit.unknown;
-    sources.hidden = true;
-    page.frames.on(KIND.STATE, (frame) => {
-      const { limit, sources: names, mux } = readJson(frame);
+    page.frames.onJson(KIND.STATE, ({ limit, sources: names, mux }) => {
       const word = (/** @type {string} */ name) => TEXTS.sources[name] ?? name;
       sources.textContent = names?.length ? TEXTS.commandSources(names.map(word), word(mux.active)) : "";
       sources.hidden = !names?.length;
-      slider.disabled = !page.mayDrive || limit === null;
-      note.textContent = limit === null ? TEXTS.speedLimit.none : TEXTS.speedLimit.help;
+      slider.disabled = !page.mayDrive || typeof limit !== "number";
+      note.textContent = TEXTS.speedLimit[limit === null ? "none" : limit === undefined ? "unknown" : "help"];
       if (document.activeElement !== slider || slider.disabled) slider.value = String(limit ?? 100);
       if (document.activeElement !== slider) show(limit ?? 100);
-    });
+    }, {});
     if (page.drive === null) return;
     const { drive } = page;
     page.gamepads = new Gamepads(

@@ -48,16 +48,18 @@ export class Status {
     if (state.mux.stopped && this.note.text === TEXTS.stopFailed) this.note.until = 0; // it arrived by the other connection
     const goal = state.goal;
     const over = OVER.includes(goal.state);
+    const others = state.exploring?.state === "exploring" && state.lease?.client !== this.page.drive?.client; // the banner tells of it
     const refused = this.goalKnown !== null && this.goalKnown !== goal.number; // at once: it was never seen to drive
     this.goalKnown = goal.number;
-    if (over && goal.state !== "none" && (refused || this.goalSeen === `${goal.number}`)) {
+    if (!others && over && goal.state !== "none" && (refused || this.goalSeen === `${goal.number}`)) {
       this.say([TEXTS.goalStates[/** @type {"reached"} */ (goal.state)], goal.text].filter(Boolean).join(": "));
     }
     this.goalSeen = over ? "" : `${goal.number}`;
-    const heard = over ? "" : `${goal.number} ${goal.state}`;
+    const heard = over || others ? "" : `${goal.number} ${goal.state}`;
     if (heard && heard !== this.goalHeard) announce(TEXTS.goalStates[/** @type {"driving"} */ (goal.state)]);
     this.goalHeard = heard;
-    element("goal").hidden = over;
+    element("goal").hidden = over || others;
+    this.page.map.goal = over || !goal.place ? null : { x: goal.place[0], y: goal.place[1], yaw: goal.place[2] };
     const left = goal.left === null ? "" : TEXTS.left(goal.left);
     const words = [TEXTS.goalStates[/** @type {"driving"} */ (goal.state)], goal.text || left];
     element("goal-text").textContent = words.filter(Boolean).join(", ");

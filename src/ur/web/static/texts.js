@@ -349,6 +349,7 @@ export const TEXTS = {
   /** @param {string} value */
   byDefault: (value) => (value ? `${value} (default)` : "default"),
   required: "required",
+  argumentNames: /** @type {Record<string, string>} */ ({ bring_up: "Start the base", simulate: "Simulate the robot" }),
   nodes: "Nodes",
   nodeColumns: ["Node", "State", "Use", ""],
   run: "Run",

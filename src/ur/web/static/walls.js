@@ -16,6 +16,8 @@ const MOST_STROKES = 100; // as the server takes them
 const LONGEST = 4000; // characters of a request
 const PATIENCE = 15_000; // ms for an answer
 
+export const NO_WALLS = /** @type {WallState} */ ({ name: "", restorable: false, why: "no server" });
+
 export class WallTool {
   /** @param {HTMLElement} box @param {import("./main.js").Page} page @param {() => void} onChange */
   constructor(box, page, onChange) {
@@ -24,8 +26,7 @@ export class WallTool {
     /** Takes what is drawn on the map. */
     this.active = false;
     this.waiting = 0; // the timer of a request
-    /** @type {WallState} */
-    this.state = { name: "", restorable: false, why: "no server" };
+    this.state = NO_WALLS;
     /** The map that the strokes belong to. */
     this.map = "";
     /** @type {Stroke[]} */
@@ -68,9 +69,8 @@ export class WallTool {
     page.map.painters.push((context, view, colours) => this.paint(context, view, colours));
   }
 
-  /** @param {WallState | undefined} state */
+  /** @param {WallState} state */
   take(state) {
-    if (!state) return;
     this.state = state;
     if (state.name && state.name !== this.map && this.strokes.length) {
       this.strokes = [];

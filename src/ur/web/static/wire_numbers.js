@@ -16,6 +16,6 @@ export const LAYERS = {
   "sonars": "Sonars",
   "fiducials": "Fiducials",
   "robots": "Other robots",
-  "frontiers": "Frontiers of an exploration"
+  "frontiers": "Frontiers (grey: given up)"
 };
 export const SHOWN_AT_FIRST = ["scan", "plan", "frontiers"];

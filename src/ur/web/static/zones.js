@@ -2,9 +2,10 @@
 /** Zones of the map: areas to keep out of, and areas to drive slowly in. Shown, drawn corner by corner, deleted. */
 
 import { checkName, make, makeButton, makeNote, makeSureButton, replaceRows, sentence } from "./elements.js";
+import { drawLabel } from "./overlays.js";
 import { Rectangle } from "./rectangle.js";
 import { TEXTS } from "./texts.js";
-import { KIND, readJson } from "./wire.js";
+import { KIND } from "./wire.js";
 
 /**
  * `percent` of the highest speed, 0: keep out; corners in m.
@@ -12,6 +13,7 @@ import { KIND, readJson } from "./wire.js";
  * @typedef {{served: boolean, zones: Zone[], problem: string}} ZoneList
  */
 
+const NO_ZONES = /** @type {ZoneList} */ ({ served: false, zones: [], problem: "" });
 const MOST_CORNERS = 32;
 const NEAR = 24; // pixels from the first corner at which a tap closes the area
 
@@ -22,7 +24,7 @@ export const ZONE_PANEL = {
   icon: "M4 8l8-4 8 5-2 10-11 1zM7 12l9 5M6 16l6 3M9 8l9 5",
   make: (box, page) => {
     const panel = new ZonePanel(box, page);
-    page.frames.on(KIND.ZONES, (frame) => panel.take(readJson(frame)));
+    page.frames.onJson(KIND.ZONES, (found) => panel.take(found), NO_ZONES);
     return { show: (open) => !open && panel.cancel() };
   },
 };
@@ -32,8 +34,7 @@ export class ZonePanel {
   constructor(box, page) {
     this.box = box;
     this.page = page;
-    /** @type {ZoneList} */
-    this.found = { served: false, zones: [], problem: "" };
+    this.found = NO_ZONES;
     /** Corners of the zone that is being drawn. @type {[number, number][] | null} */
     this.corners = null;
     this.typed = false;
@@ -73,7 +74,6 @@ export class ZonePanel {
     this.form.addEventListener("submit", (event) => (event.preventDefault(), this.finish()));
     box.append(this.note, this.list, this.form);
     page.map.painters.push((context, view, colours) => this.paint(context, view, colours));
-    this.refresh();
   }
 
   /** @param {ZoneList} found */
@@ -211,15 +211,8 @@ export class ZonePanel {
       const count = zone.corners.length;
       const middle = [0, 1].map((axis) => zone.corners.reduce((sum, corner) => sum + corner[axis], 0) / count);
       const [x, y] = view.toScreen(middle[0], middle[1]);
-      context.font = "600 12px system-ui, sans-serif";
       context.textAlign = "center";
-      context.lineJoin = "round";
-      context.lineWidth = 4;
-      context.strokeStyle = colours["robot-edge"];
-      const text = TEXTS.zones.label(zone.name, zone.percent);
-      context.strokeText(text, x, y + 4);
-      context.fillStyle = colour;
-      context.fillText(text, x, y + 4);
+      drawLabel(context, colours, TEXTS.zones.label(zone.name, zone.percent), colour, x, y + 4);
       context.textAlign = "start";
     }
     if (this.corners?.length) {

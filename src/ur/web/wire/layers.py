@@ -60,7 +60,7 @@ SHOWN = (
     MapLayer(Layer.SONARS, "Sonars", "#5c940d", "#a9e34b"),
     MapLayer(Layer.FIDUCIALS, "Fiducials", "#5c3d00", "#f2c14e"),
     MapLayer(Layer.ROBOTS, "Other robots", "#8a2be2", "#d2a8ff"),
-    MapLayer(Layer.FRONTIERS, "Frontiers of an exploration", "#0969da", "#79c0ff", at_first=True),
+    MapLayer(Layer.FRONTIERS, "Frontiers (grey: given up)", "#0969da", "#79c0ff", at_first=True),
 )
 """In the order of the page's list. The robot's end makes each of them in `ur_nodes.web.layers`."""
 

@@ -2,7 +2,7 @@
 /** Panels with data of the robot. The script of each is loaded when it is opened first. */
 
 import { make } from "../elements.js";
-import { KIND, readJson } from "../wire.js";
+import { KIND } from "../wire.js";
 import { BATTERY } from "./battery_history.js";
 import { DATA_TEXTS } from "./texts.js";
 
@@ -49,7 +49,7 @@ export const STATUS_PANEL = makeLazy(
   DATA_TEXTS.status,
   "M4 5h16v10H4zM9 19h6M12 15v4M7 10h2l2-3 2 5 1-2h3",
   async () => (await import("./status_panel.js")).makeStatusPanel,
-  (page) => page.frames.on(KIND.STATE, (frame) => BATTERY.take(readJson(frame).battery, Date.now())),
+  (page) => page.frames.onJson(KIND.STATE, ({ battery }) => BATTERY.take(battery ?? null, Date.now()), {}),
 );
 export const SCENE_PANEL = makeLazy("scene", DATA_TEXTS.scene, "M12 3l8 4.5v9L12 21l-8-4.5v-9zM4 7.5l8 4.5 8-4.5M12 12v9", async () => (await import("./scene_panel.js")).makeScenePanel);
 export const RECORDING_PANEL = makeLazy("recordings", DATA_TEXTS.recordings, "M12 4a8 8 0 1 0 0 16a8 8 0 1 0 0-16M12 9a3 3 0 1 0 0 6a3 3 0 1 0 0-6", async () => (await import("./recording_panel.js")).makeRecordingPanel);
