@@ -14,8 +14,12 @@ from functools import partial
 
 from ur.source.foreign.json_values import read_json
 from ur.web.wire.frames import LENGTH
+from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node
 from ur_nodes.run import run
+
+_SERVED = re.compile(r"/(web(_data|_viewers)?|assistant|ur_graph)_\w+_\d+|/rosout|(/\w+)*/_\w+", re.ASCII)
+"""Nodes of `run_for_server`, of the master, and the hidden ones of ROS 2's tools."""
 
 _ENDED = "the server has ended"
 _RUN_EVERY = 2.0  # s
@@ -35,6 +39,11 @@ def run_for_server(name: str, start: Callable[..., object]) -> int:
         return start(node, *connections)
 
     return run(f"{name}_{host}_{os.getpid()}", begin, own_terminal=True)
+
+
+def is_alone(graph: Graph, own: str) -> bool:
+    """Return whether a graph holds only the node `own`, and others that serve pages and tools."""
+    return all(each == own or _SERVED.fullmatch(each) for each in graph.nodes)
 
 
 def end_with_run(node: Node) -> None:

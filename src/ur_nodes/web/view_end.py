@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ur.web.wire.frames import Kind, Layer, PoseSample, json_frame, points_frame, pose_frame
+from ur.web.wire.frames import NOTHING_RUNS, Kind, Layer, PoseSample, json_frame, points_frame, pose_frame
 from ur_nodes.client.exploration import ExplorationStatus
 from ur_nodes.client.mux import MuxLink
 from ur_nodes.client.navigation import NavigationTopics
@@ -32,6 +32,7 @@ from ur_nodes.web.maps.map_link import MapLink
 from ur_nodes.web.maps.place_file import PlaceFile
 from ur_nodes.web.maps.zone_link import ZoneLink
 from ur_nodes.web.robot_facts import RobotFacts
+from ur_nodes.web.server_link import is_alone
 from ur_nodes.web.view_state import (
     describe_battery,
     describe_exploration,
@@ -46,6 +47,7 @@ _PERIOD = 1.0 / 15.0  # s between two poses
 _SCAN_EVERY = 2  # poses to a scan
 _IDLE_PERIOD = 0.5  # s, while no page is open
 _GRAPH_EVERY = 2.0  # s
+_ALONE = 2  # graphs in a row without a node of a robot, after which nothing runs
 _MOST_POINTS = 2000
 
 
@@ -78,6 +80,7 @@ class ViewerSession:
         self._plots = PlotFeed(node, self._add, self._published)
         self._map = GridFrames(Layer.MAP)  # for what is called beside the node
         self._graph, self._graph_every, self._asking = Graph(), Every(_GRAPH_EVERY), False
+        self._alone, self._met = 0, False  # graphs without a node of a robot; whether there was one before
         self._sources: list[str] = []
         self._sent: dict[Kind, dict[str, object]] = {}
         self._viewers = self._count = 0
@@ -107,10 +110,10 @@ class ViewerSession:
 
     def _beat(self) -> None:
         now = self._node.steady()
-        if self._viewers and not self._asking and self._graph_every.due(now):
+        if not self._asking and self._graph_every.due(now):
             self._asking = True
             self._node.read_graph(self._take_graph)
-        if not self._sender.busy:
+        if not self._sender.busy and self._alone < _ALONE:
             self._step(now)
         self._due = max(self._due + _PERIOD, now) if self._viewers else now + _IDLE_PERIOD
         self._timer = self._node.after(max(0.0, self._due - self._node.steady()), self._beat, steady=True)
@@ -187,6 +190,19 @@ class ViewerSession:
             self._graph = graph
             self._overlays.take_topics(graph.published())
             self._camera.take_topics(graph.published())
+            self._note_company(is_alone(graph, self._node.name))
+
+    def _note_company(self, alone: bool) -> None:
+        """Report that nothing runs, and send nothing then: pages drop what they know. What comes next is another robot."""
+        if alone:
+            self._alone += 1
+            if self._alone == _ALONE:
+                self._sent.clear()
+                self._sender.put(lambda: (NOTHING_RUNS,))
+        elif self._alone >= _ALONE and self._met:
+            self._node.end("another robot has started")
+        else:
+            self._alone, self._met = 0, True
 
     def _take_limit(self, percent: float) -> None:
         self._limit = round(percent) if 0.0 < percent <= 100.0 else None

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from tests.ur_nodes.web.robot_world import DrivingPage, Outlet, RobotWorld
 
-from ur.web.wire.frames import Kind, Layer, key_of
+from ur.web.wire.frames import NOTHING_RUNS, Kind, Layer, key_of
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.memory.bus import Bus
 from ur_nodes.memory.stores import MemoryParameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Battery, Map, PoseEstimate, Range, Scan, Transform
@@ -141,6 +142,32 @@ def test_state_is_sent_when_it_has_changed(world: RobotWorld) -> None:
     batteries.send(Battery(0, float("nan"), -1.0, 1.0, 2.0, float("nan"), charging=True))
     assert keys(world, 1.0).count((Kind.STATE, 0)) == 1
     assert world.view.newest(Kind.STATE)["battery"] == {"share": None, "volts": None, "charging": True}
+
+
+def test_robot_whose_nodes_have_ended_is_reported_once_and_the_next_one_gets_a_page_that_knows_nothing() -> None:
+    bus, frames = Bus(), Outlet()
+    node = bus.node("web_vm_17")
+    bus.node("web_data_vm_18"), bus.node("rosout"), bus.node("_ros2cli_daemon_0")
+    end = RobotSession(node, frames, Outlet())
+    end.take_view({"viewers": 1})
+    bus.run(1.0)
+    assert NOTHING_RUNS not in frames.frames, "one look is not enough: nodes are discovered one after the other"
+    bus.run(2.0)
+    assert frames.frames.pop() == NOTHING_RUNS
+    before = len(frames.frames)
+    bus.run(6.0)
+    assert len(frames.frames) == before
+    robot = bus.node("web_server")  # a user's
+    bus.run(3.0)
+    assert [each for each in frames.frames[before:] if key_of(each)[0] == Kind.STATE], "it is sent again"
+    end.take_view({"viewers": 0})
+    robot.end("the program ended")
+    bus.run(6.0)
+    assert frames.frames.pop() == NOTHING_RUNS
+    assert node.ended is None
+    bus.node("robot")
+    bus.run(3.0)
+    assert node.ended == "another robot has started"
 
 
 def test_layers_that_pages_show_are_found_by_the_types_of_their_topics(world: RobotWorld) -> None:

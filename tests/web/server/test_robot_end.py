@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -50,10 +51,15 @@ def test_page_shows_why_the_node_ends(problem: str, shown: str) -> None:
 
 
 @pytest.mark.ros
-async def test_node_of_the_page_ends_with_its_master(tmp_path: Path) -> None:
+async def test_nothing_runs_without_a_node_of_a_robot_and_the_node_of_the_page_ends_with_its_master(
+    tmp_path: Path,
+) -> None:
     session = RosSession(tmp_path)
     states: asyncio.Queue[str] = asyncio.Queue()
     environment = session.env | {"XDG_STATE_HOME": str(tmp_path)}
+
+    async def next_states(count: int) -> list[str]:
+        return [await asyncio.wait_for(states.get(), 60) for _ in range(count)]
 
     def note() -> None:
         states.put_nowait(end.state)
@@ -61,9 +67,15 @@ async def test_node_of_the_page_ends_with_its_master(tmp_path: Path) -> None:
     end = RobotProcess(environment, lambda _: None, lambda _: None, lambda: None, note, lambda _: None)
     running = asyncio.create_task(end.run())
     try:
-        assert [await asyncio.wait_for(states.get(), 60) for _ in range(2)] == ["starting", "up"]
+        assert await next_states(3) == ["starting", "up", "no master"]
+        robot = session.start(sys.executable, "-c", "import rospy; rospy.init_node('robot'); rospy.spin()")
+        assert await next_states(1) == ["up"]
+        robot.terminate()
+        assert await next_states(1) == ["no master"]
+        session.start(sys.executable, "-c", "import rospy; rospy.init_node('other'); rospy.spin()")
+        assert await next_states(2) == ["starting", "up"], "a node that knows nothing of the robot before"
         session.close()
-        assert [await asyncio.wait_for(states.get(), 60) for _ in range(2)] == ["starting", "no master"]
+        assert await next_states(2) == ["starting", "no master"]
     finally:
         running.cancel()
         await asyncio.gather(running, return_exceptions=True)

@@ -20,9 +20,10 @@ from ur.source.printable import one_line
 from ur.source.run_users import PAGE, forget_user, note_user
 from ur.system.child_processes import start_node
 from ur.system.ros import NONE, graph_address, read_domain, viewer_socket
-from ur.web.wire.frames import LENGTH, LONGEST
+from ur.web.wire.frames import LENGTH, LONGEST, NOTHING_RUNS
 
 State = Literal["no master", "starting", "up"]
+"""`no master`: nothing runs, whether there is a master or not."""
 _MODULE = "ur_nodes.web.robot_end_node"
 _MASTER_LIMIT = 2.0  # s
 _PAUSE = 1.0  # s
@@ -147,8 +148,9 @@ class RobotProcess:
     async def _take_frames(self, reader: asyncio.StreamReader) -> None:
         async for frame in read_frames(reader):
             self.problem = ""
-            self._enter("up")
-            self._on_frame(frame)
+            self._enter("no master" if frame == NOTHING_RUNS else "up")
+            if frame != NOTHING_RUNS:
+                self._on_frame(frame)
 
     async def _read_messages(self, reader: asyncio.StreamReader) -> None:
         with suppress(ConnectionError, ValueError):

@@ -25,6 +25,9 @@ _GENERATION = struct.Struct("<I")
 LENGTH = struct.Struct("<I")
 """The length of the frame that follows, where frames follow one another in a stream."""
 
+NOTHING_RUNS = b""
+"""In place of a frame of the robot's process: the graph holds only nodes of pages."""
+
 TILE = 256
 """Cells along each side of a tile."""
 
