@@ -193,7 +193,7 @@ class ViewerSession:
             self._note_company(is_alone(graph, self._node.name))
 
     def _note_company(self, alone: bool) -> None:
-        """Report that nothing runs, and send nothing then: pages drop what they know. What comes next is another robot."""
+        """Report that nothing runs, and send nothing from then on; a robot that starts later gets another node."""
         if alone:
             self._alone += 1
             if self._alone == _ALONE:

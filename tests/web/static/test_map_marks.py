@@ -90,12 +90,12 @@ def test_robot_is_moved_from_below_the_stick_and_the_hint_leaves_when_it_drives(
     set_size(page, size)
     page.run("page.setMode('drive'); 0")
     assert page.run("document.getElementById('hint').checkVisibility()")
-    middle = "(({ left, top, width, height }) => [left + width / 2, top + height / 2])(document.getElementById('stick').getBoundingClientRect())"
-    page.run(f"""(() => {{
-      const {{ map }} = page, [x, y] = {middle}, [rx, ry] = map.view.toScreen(map.pose.x, map.pose.y);
+    page.run("""(() => {
+      const { left, top, width, height } = document.getElementById("stick").getBoundingClientRect();
+      const { map } = page, [x, y] = [left + width / 2, top + height / 2], [rx, ry] = map.view.toScreen(map.pose.x, map.pose.y);
       map.whole = false;
       map.view.pan(x - rx, y - ry);
-    }})()""")
+    })()""")
     wait(
         lambda: (
             page.run("document.elementFromPoint(...page.map.view.toScreen(page.map.pose.x, page.map.pose.y)).id")
