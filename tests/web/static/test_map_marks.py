@@ -92,9 +92,9 @@ def test_robot_is_moved_from_below_the_stick_and_the_hint_leaves_when_it_drives(
     assert page.run("document.getElementById('hint').checkVisibility()")
     page.run("""(() => {
       const { left, top, width, height } = document.getElementById("stick").getBoundingClientRect();
-      const { map } = page, [x, y] = [left + width / 2, top + height / 2], [rx, ry] = map.view.toScreen(map.pose.x, map.pose.y);
+      const { map } = page, [rx, ry] = map.view.toScreen(map.pose.x, map.pose.y);
       map.whole = false;
-      map.view.pan(x - rx, y - ry);
+      map.view.pan(left + width / 2 - rx, top + height / 2 - ry);
     })()""")
     wait(
         lambda: (
