@@ -21,7 +21,7 @@ from pathlib import Path
 
 from ur.robot.boot.units import command_line, guard_units, program_unit
 from ur.source.project import project_folder
-from ur_nodes.drivers.boards import BOARDS
+from ur_nodes.drivers.registry import BOARDS
 
 VICTIMS = ("host", "driver", "guard", "ur", "cgroup", "unit")
 WITH_DRIVER = {"driver", "cgroup", "unit"}

@@ -93,14 +93,19 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.motion.wheel_drive",
         "ur_nodes.ports",
         "ur_nodes.run",
+        "ur_nodes.simulator.devices.plant",
     ),
-    "ur_nodes.drivers.boards": ("ur.source", "ur.robot.base", "ur_nodes.drivers.frames", "ur_nodes.drivers.readings"),
+    "ur_nodes.drivers.boards": (
+        *("ur.source", "ur.robot.base", "ur_nodes.drivers.frames", "ur_nodes.drivers.lidars.turning_head"),
+        *("ur_nodes.drivers.readings", "ur_nodes.simulator.devices.plant"),
+    ),
     "ur_nodes.drivers.lidars": (
         "ur.source",
         "ur.robot.base",
         "ur_nodes.ports.values",
         "ur_nodes.drivers.frames",
         "ur_nodes.drivers.readings",
+        "ur_nodes.simulator.devices.plant",
     ),
     "ur_nodes.simulator": (
         "ur.source",
@@ -114,6 +119,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.simulator.devices": (
         "ur.source",
         "ur.robot.base",
+        "ur_nodes.drivers.registry",
         "ur_nodes.simulator.sensors",
         "ur_nodes.simulator.simulation",
     ),

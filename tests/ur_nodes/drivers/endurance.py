@@ -18,13 +18,11 @@ from tests.ur_nodes.drivers.mutations import StillPlant
 from tests.ur_nodes.drivers.rig import Cable, MemoryLine
 
 from ur_nodes.drivers.base_driver import BaseDriver
-from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.lidar_driver import LidarDriver
-from ur_nodes.drivers.lidars import LIDARS
 from ur_nodes.drivers.readings import Counts, MeasuredBeams
+from ur_nodes.drivers.registry import BOARDS, FIRMWARES, LIDARS
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.values import Twist
-from ur_nodes.simulator.devices.bench import FIRMWARES
 
 TICK = 0.01  # s
 MINUTES = 30.0

@@ -19,8 +19,7 @@ from tests.ur_nodes.drivers import test_base_driver, test_lidar_driver
 from tests.ur_nodes.drivers.rig import Cable, DriverRig, MemoryLine
 from tests.ur_nodes.drivers.test_base_driver import REST
 
-from ur_nodes.drivers.boards import BOARDS
-from ur_nodes.drivers.lidars import LIDARS
+from ur_nodes.drivers.registry import BOARDS, LIDARS
 from ur_nodes.ports.values import Scan
 
 LIMIT = 0.3  # s

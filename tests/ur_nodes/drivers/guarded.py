@@ -19,9 +19,8 @@ from typing import Any
 from tests.ur_nodes.drivers.mutations import StillPlant
 
 from ur.run.host.cgroup import Cgroup
-from ur_nodes.drivers.boards import BOARDS
-from ur_nodes.simulator.devices import arduino, magni
-from ur_nodes.simulator.devices.bench import FIRMWARES
+from ur_nodes.drivers.boards import arduino, magni
+from ur_nodes.drivers.registry import BOARDS, FIRMWARES
 from ur_nodes.simulator.devices.terminal import DeviceTerminal
 
 LONGEST = 30.0  # s
@@ -30,7 +29,7 @@ PROGRAM = """
 import sys, time
 from tests.base_contract import load
 from tests.ur_nodes.drivers.threads import ThreadedNode
-from ur_nodes.drivers.boards import BOARDS
+from ur_nodes.drivers.registry import BOARDS
 from ur_nodes.drivers.lines.line import LineSettings, LineUser
 from ur_nodes.drivers.lines.serial_line import SerialLine
 board = BOARDS[sys.argv[1]](load("create2", ""))

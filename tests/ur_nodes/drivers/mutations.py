@@ -15,11 +15,9 @@ from typing import Any
 import numpy as np
 from tests.base_contract import load
 
-from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.frames import FrameReader
-from ur_nodes.drivers.lidars import LIDARS
 from ur_nodes.drivers.readings import Counts, MeasuredBeams, Reply
-from ur_nodes.simulator.devices.bench import FIRMWARES
+from ur_nodes.drivers.registry import BOARDS, FIRMWARES, LIDARS
 
 GROWTH = 10_000  # bytes that a parser may keep
 BATCH = 64

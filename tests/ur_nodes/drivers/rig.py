@@ -17,11 +17,10 @@ from tests.ur_nodes.first_drive.stage import DrivenStage
 from ur.robot.base import Base
 from ur.worlds.world_file import read_world
 from ur_nodes.drivers.base_driver import BaseDriver
-from ur_nodes.drivers.boards import make_board
 from ur_nodes.drivers.health import Report
 from ur_nodes.drivers.lidar_driver import LidarDriver
-from ur_nodes.drivers.lidars import LIDARS
 from ur_nodes.drivers.lines.line import DeviceLine, LineSettings, LineUser
+from ur_nodes.drivers.registry import LIDARS, make_board
 from ur_nodes.memory.node import MemoryNode
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.simulator import simulator_node

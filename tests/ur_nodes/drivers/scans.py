@@ -19,15 +19,15 @@ from numpy.typing import NDArray
 from tests.ur_nodes.drivers.mutations import StillPlant
 
 from ur_nodes.drivers.lidar_driver import LidarDriver
-from ur_nodes.drivers.lidars import LIDARS
+from ur_nodes.drivers.lidars.ldrobot import remove_eye, squint
+from ur_nodes.drivers.lidars.turning_head import TurningHead
+from ur_nodes.drivers.lidars.ydlidar import _correction
 from ur_nodes.drivers.lines.line import LineSettings, LineUser
 from ur_nodes.drivers.readings import MeasuredBeams, Reading
+from ur_nodes.drivers.registry import FIRMWARES, LIDARS
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.node import SECOND
 from ur_nodes.ports.values import Scan
-from ur_nodes.simulator.devices.bench import FIRMWARES
-from ur_nodes.simulator.devices.lds import remove_eye, squint
-from ur_nodes.simulator.devices.lidars import TurningHead, _correction
 
 _Floats = NDArray[np.float64]
 MINUTES = 10.0

@@ -14,12 +14,12 @@ from tests.ur_nodes.drivers.rig import DriverRig
 
 from ur.robot.base import Base
 from ur.robot.base.own_drivers import OWN_DRIVERS
-from ur_nodes.drivers.boards import BOARDS
+from ur_nodes.drivers.boards.create2 import Create2Firmware
 from ur_nodes.drivers.health import Report
+from ur_nodes.drivers.registry import BOARDS
 from ur_nodes.ports.node import SECOND
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Battery, Joints, Odometry, Transform
-from ur_nodes.simulator.devices.create2 import Create2Firmware
 
 BOARD_NAMES = sorted(BOARDS)
 REST = 0.02  # m/s

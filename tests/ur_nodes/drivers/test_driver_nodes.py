@@ -77,7 +77,7 @@ def test_parameters_name_another_device_board_and_kind_of_lidar(tmp_path: Path) 
         (
             LIDAR,
             {"base": "create2", "variant": "lidar", "lidar": "sick"},
-            "expected one of rplidar, rplidar_express, ld06",
+            "expected one of rplidar, rplidar_express, hokuyo",
         ),
     ],
 )

@@ -3,8 +3,7 @@ from __future__ import annotations
 import pytest
 from tests.ur_nodes.drivers.endurance import endure
 
-from ur_nodes.drivers.boards import BOARDS
-from ur_nodes.drivers.lidars import LIDARS
+from ur_nodes.drivers.registry import BOARDS, LIDARS
 
 
 @pytest.mark.parametrize("name", sorted({*BOARDS, *LIDARS}))

@@ -21,11 +21,11 @@ from tests.ur_nodes.drivers.threads import ThreadedNode
 from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.run.host.cgroup import Cgroup, make_cgroup
 from ur.run.host.descendants import MOTOR_GUARD
-from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.lines import guard_program
 from ur_nodes.drivers.lines.line import LineSettings, LineUser
 from ur_nodes.drivers.lines.motor_guard import MotorGuard
 from ur_nodes.drivers.lines.serial_line import SerialLine
+from ur_nodes.drivers.registry import BOARDS
 from ur_nodes.simulator.devices.terminal import DeviceTerminal
 
 

@@ -20,8 +20,8 @@ from ur.robot.base.own_drivers import NO_WATCHDOG
 from ur.robot.doctor.rules import diagnose_alone
 from ur.robot.doctor.rules.drivers import describe_driver
 from ur.source.foreign.json_values import write_json
-from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.health import PERIOD, HealthMeter, report_to_file
+from ur_nodes.drivers.registry import BOARDS
 from ur_nodes.memory.bus import Bus
 
 

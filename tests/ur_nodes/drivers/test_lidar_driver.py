@@ -14,7 +14,7 @@ from tests.ur_nodes.drivers.scans import ANGLE, TIME, compare
 
 from ur.robot.base import Base
 from ur.robot.base.own_drivers import OWN_DRIVERS
-from ur_nodes.drivers.lidars import LIDARS
+from ur_nodes.drivers.registry import LIDARS
 from ur_nodes.ports.node import SECOND
 from ur_nodes.ports.values import Scan
 

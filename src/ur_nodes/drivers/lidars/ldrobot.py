@@ -8,13 +8,16 @@ beam is corrected by its distance, as transform.cpp of Robotis' ld08_driver does
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import struct
+from collections.abc import Iterator, Sequence
 
 import numpy as np
+import numpy.typing as npt
 from numpy.typing import NDArray
 
 from ur_nodes.drivers.frames import FrameReader, fixed
 from ur_nodes.drivers.lidars.lidar import SendingLidar, join_frames, time_on_line
+from ur_nodes.drivers.lidars.turning_head import PacketHead
 from ur_nodes.drivers.readings import MeasuredBeams, Reading
 
 _Floats = NDArray[np.float64]
@@ -95,3 +98,56 @@ def check(data: bytes) -> int:
     for byte in data:
         value = _TABLE[value ^ byte]
     return value
+
+
+# Stand-in: the tables of LDROBOT's manual, and an LDS-02 as ld08_driver reads it.
+
+# ld08_driver, transform.cpp: where the eye of an LDS-02 is, and how it squints, in mm.
+_EYE_AHEAD, _EYE_SLOPE, _EYE_ASIDE = 5.9, 0.11923, -20.14
+
+
+class LdRobotFirmware(PacketHead):
+    """An LD06."""
+
+    size = 12
+
+    def packet(self, points: Sequence[tuple[int, float]]) -> bytes:
+        head = struct.pack("<BBHH", 0x54, 0x2C, round(self._lidar.rate * 360), points[0][0] % 360 * 100)
+        body = b"".join(struct.pack("<HB", round(mm), 200) for _, mm in points)
+        frame = head + body + struct.pack("<HH", points[-1][0] % 360 * 100, round(self._plant.time * 1000) % 30000)
+        return frame + bytes((_crc8(frame),))
+
+
+def _crc8(data: bytes) -> int:
+    value = 0
+    for byte in data:
+        value ^= byte
+        for _ in range(8):
+            value = (value * 2) ^ (0x14D if value & 0x80 else 0)
+    return value
+
+
+class Lds02Firmware(LdRobotFirmware):
+    """An LDS-02: the frames of an LD06, with the distances from an eye beside the axis."""
+
+    def measure(self, beams: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]:
+        """See TurningHead. The eye sees what is where the host puts it."""
+        raw = np.radians(beams % 360)
+        seen = self.look(raw)
+        for _ in range(3):
+            seen = self.look(raw - squint(remove_eye(seen)))
+        return remove_eye(seen)
+
+
+def squint(distances: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return by which angles (rad, counter-clockwise) the host turns beams of these distances from the sensor, mm."""
+    angles = np.arctan2(_EYE_SLOPE * distances + _EYE_ASIDE, distances + _EYE_AHEAD)
+    return np.where(distances > 0.0, angles, 0.0)
+
+
+def remove_eye(distances: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Convert distances from the rotation axis to distances from the sensor, mm: the inverse of the host's formula."""
+    square, linear = 1.0 + _EYE_SLOPE**2, _EYE_AHEAD + _EYE_SLOPE * _EYE_ASIDE
+    rest = _EYE_AHEAD**2 + _EYE_ASIDE**2 - distances**2
+    solved = (-linear + np.sqrt(np.maximum(0.0, linear**2 - square * rest))) / square
+    return np.where(distances > 0.0, solved, 0.0)

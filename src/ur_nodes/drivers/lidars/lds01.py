@@ -8,13 +8,19 @@ the driver of Robotis puts the first one a degree clockwise of straight ahead.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import struct
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ur_nodes.drivers.frames import FrameReader, fixed
 from ur_nodes.drivers.lidars.lidar import SendingLidar, join_frames, time_on_line
+from ur_nodes.drivers.lidars.turning_head import PacketHead
 from ur_nodes.drivers.readings import MeasuredBeams, Reading
+
+if TYPE_CHECKING:
+    from ur_nodes.simulator.devices.plant import Plant
 
 _PACKETS, _BEAMS = 60, 6
 _SAMPLE = [("strength", "<u2"), ("distance", "<u2"), ("reserved", "<u2")]
@@ -59,3 +65,31 @@ class Lds01(SendingLidar):
 
 def _is_valid(frame: bytes) -> bool:
     return 0xA0 <= frame[1] < 0xA0 + _PACKETS and frame[-1] == frame[-2]
+
+
+# Stand-in: the packets as the data sheet describes them.
+
+
+class Lds01Firmware(PacketHead):
+    """An LDS-01: 60 packets of 6 beams in a turn, after the command to start."""
+
+    size = 6
+
+    def __init__(self, plant: Plant) -> None:
+        super().__init__(plant)
+        self._beam = 1  # its first one is a degree from straight ahead
+        self._scans = False
+
+    def take(self, data: bytes) -> bytes:
+        for byte in data:
+            if byte in b"be":
+                self._scans = byte == ord("b")
+        return b""
+
+    def packet(self, points: Sequence[tuple[int, float]]) -> bytes:
+        if not self._scans:
+            return b""
+        number = (points[0][0] - 1) % 360 // 6
+        packet = struct.pack("<BBH", 0xFA, 0xA0 + number, round(self._lidar.rate * 600))
+        packet += b"".join(struct.pack("<HHH", 900, round(mm) if mm < 65536 else 0, 0) for _, mm in points)
+        return packet + bytes((255 - sum(packet) % 256,)) * 2

@@ -13,16 +13,23 @@ these bits a sign; Slamtec's own SDK, with which its lidars are used, subtracts 
 from __future__ import annotations
 
 import math
+import struct
 from collections.abc import Iterator
 from functools import reduce
 from operator import xor
+from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 from numpy.typing import NDArray
 
 from ur_nodes.drivers.frames import FrameReader, fixed
 from ur_nodes.drivers.lidars.lidar import time_on_line
+from ur_nodes.drivers.lidars.turning_head import TurningHead
 from ur_nodes.drivers.readings import DeviceIdentity, MeasuredBeams, Reading
+
+if TYPE_CHECKING:
+    from ur_nodes.simulator.devices.plant import Plant
 
 _STOP, _SCAN, _INFO, _HEALTH = b"\xa5\x25", b"\xa5\x20", b"\xa5\x50", b"\xa5\x52"
 _EXPRESS = b"\xa5\x82\x05\x00\x00\x00\x00\x00\x22"
@@ -160,3 +167,74 @@ def _is_packet(packet: bytes) -> bool:
     if packet[0] >> 4 != 0xA or packet[1] >> 4 != 0x5:
         return False
     return reduce(xor, packet[2:]) == (packet[0] & 15 | packet[1] << 4 & 0xF0)
+
+
+# Stand-in: the figures 4-4 and following of Slamtec's "Interface Protocol", A1M8.
+
+
+class RplidarFirmware(TurningHead):
+    """An A1: standard and express scans."""
+
+    def __init__(self, plant: Plant) -> None:
+        super().__init__(plant)
+        self._scan = ""
+        self._data = b""
+        self._waiting: list[tuple[int, float]] = []
+        self._first = True
+        self.requests = b""
+
+    def take(self, data: bytes) -> bytes:
+        self.requests = (self.requests + data)[-1000:]
+        self._data += data
+        answer = b""
+        while (at := self._data.find(b"\xa5")) >= 0 and len(self._data) > at + 1:
+            command = self._data[at + 1]
+            size = 2
+            if command >= 0x80:
+                if len(self._data) < at + 3:
+                    break
+                size = 4 + self._data[at + 2]
+            if len(self._data) < at + size:
+                break
+            self._data = self._data[at + size :]
+            answer += self._answer(command)
+        return answer
+
+    def pack(self, beams: npt.NDArray[np.int64], millimetres: npt.NDArray[np.float64]) -> bytes:
+        if self._scan == "standard":
+            return b"".join(
+                struct.pack("<BHH", 60 | (2 - (n % 360 == 0)), (n % 360 * 64) * 2 + 1, round(mm * 4))
+                for n, mm in zip(beams.tolist(), millimetres.tolist(), strict=True)
+            )
+        if self._scan != "express":
+            return b""
+        self._waiting += zip(beams.tolist(), millimetres.tolist(), strict=True)
+        sent = b""
+        while len(self._waiting) >= 32:
+            sent += self._capsule(self._waiting[:32])
+            del self._waiting[:32]
+        return sent
+
+    def _capsule(self, beams: list[tuple[int, float]]) -> bytes:
+        start = beams[0][0] % 360 * 64 | (0x8000 if self._first else 0)
+        self._first = False
+        body = struct.pack("<H", start)
+        for (_, one), (_, other) in zip(beams[::2], beams[1::2], strict=True):
+            body += struct.pack("<HHB", round(one) << 2, round(other) << 2, 0)
+        total = 0
+        for byte in body:
+            total ^= byte
+        return bytes((0xA0 | total & 15, 0x50 | total >> 4)) + body
+
+    def _answer(self, command: int) -> bytes:
+        if command in (0x20, 0x82):
+            self._scan, self._first, self._waiting = ("standard" if command == 0x20 else "express"), True, []
+            return bytes.fromhex("a55a0500004081" if command == 0x20 else "a55a5400004082")
+        if command == 0x25:
+            self._scan = ""
+        if command == 0x50:
+            return bytes.fromhex("a55a1400000004") + bytes((0x18, 29, 1, 7)) + bytes(range(16))
+        return bytes.fromhex("a55a0300000006000000") if command == 0x52 else b""
+
+
+RplidarStandardFirmware = RplidarExpressFirmware = RplidarFirmware

@@ -8,12 +8,13 @@ are little-endian; the beams turn counter-clockwise, a degree apart.
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from ur_nodes.drivers.frames import FrameReader, fixed
 from ur_nodes.drivers.lidars.lidar import SendingLidar, join_frames, time_on_line
+from ur_nodes.drivers.lidars.turning_head import PacketHead
 from ur_nodes.drivers.readings import MeasuredBeams, Reading
 
 _SIZE = 22
@@ -62,3 +63,22 @@ def check(words: tuple[int, ...]) -> int:
 
 def _is_valid(frame: bytes) -> bool:
     return 0xA0 <= frame[1] < 0xFA and check(_WORDS.unpack_from(frame)) == int.from_bytes(frame[20:], "little")
+
+
+# Stand-in: the packet of 22 bytes of the Neato hacking wiki.
+
+
+class Xv11Firmware(PacketHead):
+    """The lidar of an XV-11 on a controller that turns it."""
+
+    clockwise = False
+    size = 4
+
+    def packet(self, points: Sequence[tuple[int, float]]) -> bytes:
+        packet = struct.pack("<BBH", 0xFA, 0xA0 + points[0][0] % 360 // 4, round(self._lidar.rate * 60 * 64))
+        for _, mm in points:
+            packet += struct.pack("<HH", round(mm) if 0 < mm < 16384 else 0x8035, 300)
+        total = 0
+        for (word,) in struct.iter_unpack("<H", packet):
+            total = total * 2 + word
+        return packet + struct.pack("<H", (total % 32768 + total // 32768) % 32768)

@@ -9,13 +9,19 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 from numpy.typing import NDArray
 
 from ur_nodes.drivers.frames import MORE, NONE, FrameReader
 from ur_nodes.drivers.lidars.lidar import time_on_line
+from ur_nodes.drivers.lidars.turning_head import TurningHead
 from ur_nodes.drivers.readings import MeasuredBeams, Reading
+
+if TYPE_CHECKING:
+    from ur_nodes.simulator.devices.plant import Plant
 
 _HEAD = struct.Struct("<HBBHHH")
 _MOST = 255  # samples of a packet
@@ -71,3 +77,55 @@ def _is_valid(frame: bytes) -> bool:
     """The exclusive or of all words, but the checksum itself, is the checksum."""
     words = np.frombuffer(frame, "<u2")
     return int(np.bitwise_xor.reduce(words)) == 0
+
+
+# Stand-in: the tables of the X4's "Development Manual".
+
+
+class YdlidarFirmware(TurningHead):
+    """An X4: packets of at most 40 samples, and one of a single sample at its zero."""
+
+    def __init__(self, plant: Plant) -> None:
+        super().__init__(plant)
+        self._scans = False
+
+    def take(self, data: bytes) -> bytes:
+        if b"\xa5\x65" in data:
+            self._scans = False
+        if b"\xa5\x60" in data:
+            self._scans = True
+            return bytes.fromhex("a55a0500004081")
+        return b""
+
+    def pack(self, beams: npt.NDArray[np.int64], millimetres: npt.NDArray[np.float64]) -> bytes:
+        sent, packet = b"", list[tuple[int, float]]()
+        for n, mm in zip(beams.tolist(), millimetres.tolist(), strict=True):
+            if packet and (n % 360 == 0 or len(packet) == 40 or packet[0][0] % 360 == 0):
+                sent += self._packet(packet)
+                packet = []
+            packet.append((n, mm))
+        return sent + self._packet(packet) if self._scans and packet else sent if self._scans else b""
+
+    def measure(self, beams: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]:
+        """See TurningHead. The head sees what is where the host puts it, which corrects the angle by the distance."""
+        raw = np.radians(beams % 360)
+        distances = self.look(raw)
+        for _ in range(3):
+            distances = self.look(raw + _correction(distances))
+        return distances
+
+    @staticmethod
+    def _packet(points: list[tuple[int, float]]) -> bytes:
+        first, last = (points[k][0] % 360 * 64 * 2 + 1 for k in (0, -1))
+        kind = 1 if points[0][0] % 360 == 0 else 0
+        words = [0x55AA, kind | len(points) << 8, first, last, *(round(mm * 4) for _, mm in points)]
+        total = 0
+        for word in words:
+            total ^= word
+        return struct.pack(f"<{len(words) + 1}H", *words[:4], total, *words[4:])
+
+
+def _correction(distances: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """The manual's correction of the angles (rad) of distances (mm); 0 where nothing was measured."""
+    d = np.maximum(distances, 1.0)
+    return np.where(distances > 0.0, np.arctan(21.8 * (155.3 - d) / (155.3 * d)), 0.0)

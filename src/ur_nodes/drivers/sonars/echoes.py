@@ -80,3 +80,9 @@ def find_echo(edges: Iterable[PinEdge], pin: int, triggered: int) -> Echo | None
                 return Echo((edge.time - risen) / 1e9 * SPEED_OF_SOUND / 2.0, (edge.time + risen) // 2)
             risen = None
     return None
+
+
+def magni_pins() -> tuple[SonarPins, ...]:
+    """Return the sonars of a Magni, `sonar_0` to `sonar_4` of pi_sonar.cpp: pins of the BCM chip."""
+    pins = ((20, 21), (12, 16), (23, 24), (27, 22), (19, 26))
+    return tuple(SonarPins(trigger, echo) for trigger, echo in pins)

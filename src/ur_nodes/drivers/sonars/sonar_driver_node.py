@@ -7,8 +7,8 @@ from functools import partial
 
 from ur.source.diagnostic import UserError, error
 from ur_nodes.drivers.health import report_to_file
+from ur_nodes.drivers.registry import SONARS
 from ur_nodes.drivers.settings import find_device, read_base
-from ur_nodes.drivers.sonars import SONARS
 from ur_nodes.drivers.sonars.gpio_pins import open_gpio
 from ur_nodes.drivers.sonars.sonar_driver import SonarDriver
 from ur_nodes.ports.node import Node
@@ -22,7 +22,7 @@ def start(node: Node) -> None:
     kind = node.parameters.text("sonars", "") or (driver.protocol if driver else "")
     if kind not in SONARS:
         node.parameters.fail("sonars", kind, f"one of {', '.join(SONARS)}", SONARS)
-    pins = SONARS[kind]
+    pins = SONARS[kind]()
     if base.sonars is None or len(base.sonars.at) != len(pins):
         there = len(base.sonars.at) if base.sonars else 0
         text = f"base {base.name!r} has {there} sonars, expected the {len(pins)} of {kind}"

@@ -20,11 +20,11 @@ from ur.robot.base import Base, load_base
 from ur.robot.base.wiring import write_wiring
 from ur.source.diagnostic import UserError, error
 from ur.source.render import render_human, shows_colour
-from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.boards.board import MotorBoard
 from ur_nodes.drivers.lines.line import LineSettings
 from ur_nodes.drivers.lines.motor_guard import MotorGuard, start_guard
 from ur_nodes.drivers.lines.serial_line import open_port
+from ur_nodes.drivers.registry import BOARDS
 from ur_nodes.drivers.wheels.session import WheelSession
 from ur_nodes.drivers.wheels.verdict import MOTIONS, SIDES, WheelObservation, WheelVerdict, judge
 

@@ -2,54 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
 from ur.robot.base import Base
 from ur.source.diagnostic import UserError, error
-from ur_nodes.simulator.devices.arduino import ArduinoFirmware
-from ur_nodes.simulator.devices.create2 import Create2Firmware
-from ur_nodes.simulator.devices.hokuyo import HokuyoFirmware
-from ur_nodes.simulator.devices.lds import Lds01Firmware, Lds02Firmware
-from ur_nodes.simulator.devices.lidars import LdRobotFirmware, RplidarFirmware, Xv11Firmware, YdlidarFirmware
-from ur_nodes.simulator.devices.loki import LokiFirmware
-from ur_nodes.simulator.devices.magni import MagniFirmware
-from ur_nodes.simulator.devices.neato import NeatoFirmware
-from ur_nodes.simulator.devices.opencr import OpenCrFirmware
+from ur_nodes.drivers.registry import FIRMWARES
 from ur_nodes.simulator.devices.plant import Plant
 from ur_nodes.simulator.devices.terminal import DeviceTerminal
 from ur_nodes.simulator.simulation import Simulation
-
-
-class Firmware(Protocol):
-    """The behaviour of a device at the end of a line; `covers` are the keys of sensors that it reports."""
-
-    covers: frozenset[str]
-
-    def take(self, data: bytes) -> bytes:
-        """Take bytes of the driver, and return the answers. No bytes make it raise."""
-
-    def tick(self) -> bytes:
-        """Return what the device sends by itself until now."""
-
-
-FIRMWARES: Mapping[str, Callable[[Plant], Firmware]] = {
-    "arduino": ArduinoFirmware,
-    "create2": Create2Firmware,
-    "loki": LokiFirmware,
-    "magni": MagniFirmware,
-    "neato": NeatoFirmware,
-    "turtlebot3": OpenCrFirmware,
-    "rplidar": RplidarFirmware,
-    "rplidar_express": RplidarFirmware,
-    "ld06": LdRobotFirmware,
-    "lds01": Lds01Firmware,
-    "lds02": Lds02Firmware,
-    "hokuyo": HokuyoFirmware,
-    "xv11": Xv11Firmware,
-    "ydlidar": YdlidarFirmware,
-}
 
 
 class Wire(Protocol):

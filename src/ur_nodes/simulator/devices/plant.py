@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -75,3 +76,15 @@ class Plant:
     def ranges(self) -> npt.NDArray[np.float64]:
         """Return the ranges of the lidar now (m), from its `angle_min` on; see LidarBeams.cast."""
         return self._simulation.scan(self._robot)
+
+
+class Firmware(Protocol):
+    """The behaviour of a device at the end of a line; `covers` are the keys of sensors that it reports."""
+
+    covers: frozenset[str]
+
+    def take(self, data: bytes) -> bytes:
+        """Take bytes of the driver, and return the answers. No bytes make it raise."""
+
+    def tick(self) -> bytes:
+        """Return what the device sends by itself until now."""

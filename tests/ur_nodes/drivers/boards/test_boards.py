@@ -11,15 +11,14 @@ from tests.ur_nodes.drivers.mutations import StillPlant
 
 from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.robot.base.wiring import Wiring
-from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.boards.arduino import make_line
 from ur_nodes.drivers.boards.board import RewiredBoard
 from ur_nodes.drivers.boards.create2 import check
-from ur_nodes.drivers.boards.magni import make_packet
+from ur_nodes.drivers.boards.magni import MagniFirmware, make_packet
+from ur_nodes.drivers.boards.opencr import OpenCrFirmware
 from ur_nodes.drivers.boards.opencr import make_packet as opencr_packet
 from ur_nodes.drivers.readings import NOT_MEASURED, Contacts, Counts, DeviceIdentity, MeasuredBeams, Motors, Power
-from ur_nodes.simulator.devices.magni import MagniFirmware
-from ur_nodes.simulator.devices.opencr import OpenCrFirmware
+from ur_nodes.drivers.registry import BOARDS
 
 
 def make(name: str) -> Any:

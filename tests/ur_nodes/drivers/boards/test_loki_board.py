@@ -12,11 +12,11 @@ from tests.base_contract import load
 from tests.ur_nodes.drivers.mutations import StillPlant
 from tests.ur_nodes.drivers.rig import DriverRig
 
-from ur_nodes.drivers.boards import BOARDS
+from ur_nodes.drivers.boards.loki import LokiFirmware
 from ur_nodes.drivers.readings import Counts, DeviceIdentity, SonarEcho
+from ur_nodes.drivers.registry import BOARDS
 from ur_nodes.ports.node import SECOND
 from ur_nodes.ports.values import Battery, Odometry, Range
-from ur_nodes.simulator.devices.loki import LokiFirmware
 
 
 def make() -> Any:

@@ -12,10 +12,10 @@ from tests.base_contract import load
 from tests.ur_nodes.drivers.imus.units import BoschUnit, InvenSenseUnit, Unit
 
 from ur.devices.driver_health import DriverHealth
-from ur_nodes.drivers.imus import IMUS
 from ur_nodes.drivers.imus.bno055 import Bno055
 from ur_nodes.drivers.imus.imu_driver import ImuDriver
 from ur_nodes.drivers.imus.mpu6050 import Mpu6050
+from ur_nodes.drivers.registry import IMUS
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.values import Imu
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from tests.base_contract import load
 
-from ur_nodes.drivers.lidars import LIDARS
 from ur_nodes.drivers.lidars.ldrobot import check
 from ur_nodes.drivers.lidars.scip import Scip, decode
 from ur_nodes.drivers.lidars.scip import check as scip_check
 from ur_nodes.drivers.lidars.turns import TurnCollector
 from ur_nodes.drivers.lidars.ydlidar import correction
 from ur_nodes.drivers.readings import DeviceIdentity, MeasuredBeams, Reply
+from ur_nodes.drivers.registry import LIDARS
 
 # The worked example of the LD06's manual.
 LD06 = bytes.fromhex("542c6808ab7ee000e4dc00e2d900e5d500e3d300e4d000e9cd00e4ca00e2c700e9c500e5c200e5c000e5be823a1a50")

@@ -11,14 +11,14 @@ from tests.base_contract import load
 from tests.ur_nodes.drivers.sonars.echo_board import EchoBoard, distances
 
 from ur.devices.driver_health import DriverHealth
-from ur_nodes.drivers.sonars import SONARS
+from ur_nodes.drivers.registry import SONARS
 from ur_nodes.drivers.sonars.echoes import PinEdge, find_echo
 from ur_nodes.drivers.sonars.sonar_driver import SonarDriver
 from ur_nodes.memory.bus import Bus
 from ur_nodes.memory.node import MemoryNode
 from ur_nodes.ports.values import Range
 
-PINS = SONARS["magni_sonars"]
+PINS = SONARS["magni_sonars"]()
 DEVICE = "/dev/gpiochip0"
 AT = dict(zip((each.echo for each in PINS), (0.5, 1.0, 2.0, 3.0, 0.03), strict=True))
 

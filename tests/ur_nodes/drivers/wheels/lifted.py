@@ -7,7 +7,7 @@ from typing import Any
 from tests.ur_nodes.drivers.mutations import StillPlant
 
 from ur.robot.base.wiring import Wiring
-from ur_nodes.simulator.devices.bench import FIRMWARES
+from ur_nodes.drivers.registry import FIRMWARES
 
 TICK = 0.01  # s
 

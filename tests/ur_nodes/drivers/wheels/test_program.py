@@ -15,7 +15,7 @@ from tests.ur_nodes.drivers.wheels.wired_board import WiredBoard
 from ur.robot.base import load_base
 from ur.robot.base.wiring import Wiring
 from ur.source.diagnostic import UserError
-from ur_nodes.drivers.boards import BOARDS
+from ur_nodes.drivers.registry import BOARDS
 from ur_nodes.drivers.wheels.program import GuardedLine, main, report, run
 from ur_nodes.drivers.wheels.verdict import WheelVerdict
 

@@ -17,12 +17,11 @@ from tests.ur_nodes.drivers.wheels.lifted import CountedLine, LiftedPlant
 from ur.robot.base import load_base
 from ur.robot.base.wiring import WIRING_NAMES, Wiring, put_wiring
 from ur.source.diagnostic import UserError
-from ur_nodes.drivers.boards import BOARDS, make_board
 from ur_nodes.drivers.boards.board import RewiredBoard
+from ur_nodes.drivers.registry import BOARDS, FIRMWARES, make_board
 from ur_nodes.drivers.wheels.program import main, report, run_test
 from ur_nodes.drivers.wheels.session import WheelSession
 from ur_nodes.drivers.wheels.verdict import MOTIONS, WheelObservation, WheelVerdict, judge
-from ur_nodes.simulator.devices.bench import FIRMWARES
 from ur_nodes.simulator.devices.terminal import DeviceTerminal
 
 BASE = load("create2", "")

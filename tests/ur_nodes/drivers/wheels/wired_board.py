@@ -13,8 +13,7 @@ from tests.ur_nodes.drivers.pipes import open_pipe, read_rest
 from tests.ur_nodes.drivers.wheels.lifted import TICK, LiftedPlant
 
 from ur.robot.base.wiring import Wiring
-from ur_nodes.drivers.boards import BOARDS
-from ur_nodes.simulator.devices.bench import FIRMWARES
+from ur_nodes.drivers.registry import BOARDS, FIRMWARES
 from ur_nodes.simulator.devices.terminal import DeviceTerminal
 
 PROGRAM = "ur_nodes.drivers.wheels.program"

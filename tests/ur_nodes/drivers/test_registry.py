@@ -1,0 +1,44 @@
+"""The rows of `OWN_DRIVERS`: each names a driver with the baud rate of its row, and boards and lidars a stand-in."""
+
+from __future__ import annotations
+
+import ast
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from ur.robot.base.own_drivers import OWN_DRIVERS
+
+SERIAL = [name for name, row in OWN_DRIVERS.items() if row.sensor in ("", "lidar")]
+SIGNPOST = "\n# Stand-in: "
+
+
+@pytest.mark.parametrize("name", OWN_DRIVERS)
+def test_row_names_a_driver_of_its_baud_rate(name: str) -> None:
+    module, _, attribute = OWN_DRIVERS[name].entry_point.partition(":")
+    driver = getattr(import_module(f"ur_nodes.drivers.{module}"), attribute)
+    assert getattr(driver, "baud", 0) == OWN_DRIVERS[name].baud
+
+
+@pytest.mark.parametrize("name", SERIAL)
+def test_stand_in_is_a_second_reading_of_the_document_and_shares_no_code_with_the_driver(name: str) -> None:
+    module, _, attribute = OWN_DRIVERS[name].entry_point.partition(":")
+    found = import_module(f"ur_nodes.drivers.{module}")
+    text = Path(str(found.__file__)).read_text(encoding="utf-8")
+    driver, signpost, stand_in = text.partition(SIGNPOST)
+    assert signpost, f"{module}: write '{SIGNPOST.strip()}' and its document between the driver and its stand-in"
+    assert f"{attribute}Firmware" in stand_in
+    own = {
+        each
+        for node in ast.parse(driver).body
+        if not isinstance(node, ast.Import | ast.ImportFrom | ast.If)
+        for each in _named(node)
+    }
+    assert own & {node.id for node in ast.walk(ast.parse(f"# {stand_in}")) if isinstance(node, ast.Name)} == set()
+
+
+def _named(node: ast.stmt) -> set[str]:
+    if isinstance(node, ast.ClassDef | ast.FunctionDef):
+        return {node.name}
+    return {each.id for each in ast.walk(node) if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)}
