@@ -69,7 +69,7 @@ def main(folder: Path, notes: TextIO) -> None:
         for plant, firmware, wire in zip(plants, firmwares, wires, strict=True):
             plant.update()
             data = wire.read()
-            wire.write((firmware.take(data) if data else b"") + firmware.tick())
+            wire.write((firmware.receive(data) if data else b"") + firmware.tick())
         time.sleep(0.002)
 
 

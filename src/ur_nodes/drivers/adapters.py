@@ -26,7 +26,7 @@ def adapt_odometry(node: Node, base: Base, *, publish_tf: bool) -> None:
     joints = node.publish("joint_states", Joints)
     frames = node.publish("/tf", tuple, Quality.EVERY) if publish_tf else None
 
-    def take(odometry: DriverOdometry) -> None:
+    def on_odometry(odometry: DriverOdometry) -> None:
         time = seconds_of(odometry.stamp)
         if not wheels.update(odometry.forward, odometry.turn, time):
             node.log.warn(f"{node.resolve('odom')}: {_BAD_ODOMETRY}", every=_WARN_EVERY)
@@ -36,7 +36,7 @@ def adapt_odometry(node: Node, base: Base, *, publish_tf: bool) -> None:
             frames.send((Transform(odometry.stamp, "odom", "base_footprint", pose),))
         joints.send(Joints(odometry.stamp, WHEEL_JOINTS, wheels.angles, wheels.speeds))
 
-    node.subscribe("odom", DriverOdometry, take, Quality.EVERY)
+    node.subscribe("odom", DriverOdometry, on_odometry, Quality.EVERY)
 
 
 def adapt_scan(node: Node, lidar: Lidar) -> None:
@@ -57,11 +57,11 @@ def adapt_bumpers(node: Node, topic: str, names: dict[str, str], known: list[str
         for name, pressed in states.changes(seconds_of(node.now())).items():
             topics[name].send(pressed)
 
-    def take(fields: tuple[object, ...]) -> None:
+    def on_bumper(fields: tuple[object, ...]) -> None:
         name, value = fields
         if value and name in names:
             states.press(names[name], seconds_of(node.now()))
             publish()
 
-    node.subscribe_fields("driver/bumpers", type_name, ("name", "value"), take)
+    node.subscribe_fields("driver/bumpers", type_name, ("name", "value"), on_bumper)
     node.every(1.0 / _LOOK_RATE, publish)

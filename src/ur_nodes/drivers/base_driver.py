@@ -27,7 +27,7 @@ from ur_nodes.ports.values import Twist
 
 COMMAND_AGE = 0.15  # s after the last command, at which the motors stop, without a ramp
 BLIND = 0.4  # s without counts, after which the base does not drive
-_ASK_AGAIN = 1.0  # s without an answer, after which the board is greeted again
+_ASK_AGAIN = 1.0  # s without an answer, after which the board gets the handshake again
 _BAD, _TOO_BAD, _WORST = 3, 6, 15  # an implausible reading adds to what a plausible one takes 1 from; the motors stop
 
 
@@ -49,7 +49,7 @@ class BaseDriver:
         self._radius = base.wheels.radius
         self._odometer = CounterOdometry(base, board.counts_per_turn)
         self._topics = BaseTopics(node, base, self._odometer)
-        self._commanded = self._counted = self._answered = self._greeted = -math.inf
+        self._commanded = self._counted = self._answered = self._handshaken = -math.inf
         self._open = self._known = False
         self._bad_counts = 0
         self._problem = ""  # why it does not drive now
@@ -60,7 +60,7 @@ class BaseDriver:
         user = LineUser(self._opened, self._received, self._lost)
         self._empty = base.battery.voltage_empty if base.battery else 0.0
         self._rejected = board.rejected
-        self._line = connect(user, LineSettings(board.baud, board.stop(), leave=board.leave()))
+        self._line = connect(user, LineSettings(board.baud, board.stop(), shutdown=board.shutdown()))
         self._health = HealthMeter(node, self._line.name, board.name, report)
 
     def _command(self, command: Twist) -> None:
@@ -72,9 +72,9 @@ class BaseDriver:
         now = self._node.steady()
         if not self._open:
             return
-        if now - max(self._answered, self._greeted) > _ASK_AGAIN:
+        if now - max(self._answered, self._handshaken) > _ASK_AGAIN:
             self._report_silence()
-            self._greet(now)
+            self._handshake(now)
         speeds = self._drive.update(now)
         reason = self._obstacle(now)
         if now - self._commanded > COMMAND_AGE or reason:
@@ -103,11 +103,11 @@ class BaseDriver:
         self._node.log.info(f"{self._line.name} is open, expecting {self._board.name}")
         self._health.note(open=True, reason="", problem="", held="", voltage=0.0)
         self._line.write(self._board.stop())
-        self._greet(self._node.steady())
+        self._handshake(self._node.steady())
 
-    def _greet(self, now: float) -> None:
-        self._greeted = now
-        self._line.write(self._board.greet())
+    def _handshake(self, now: float) -> None:
+        self._handshaken = now
+        self._line.write(self._board.handshake())
 
     def _lost(self, reason: str) -> None:
         self._open = False
@@ -123,7 +123,7 @@ class BaseDriver:
     def _received(self, data: bytes, stamp: int) -> None:
         late = (self._node.now() - stamp) / SECOND
         frames = 0
-        for reading in self._board.take(data):
+        for reading in self._board.receive(data):
             self._take(reading, stamp, self._node.steady() - late)
             frames += isinstance(reading, Counts)
         self._health.count(frames, self._board.rejected - self._rejected)
@@ -131,7 +131,7 @@ class BaseDriver:
 
     def _take(self, reading: Reading, stamp: int, time: float) -> None:
         if isinstance(reading, Counts):
-            self._take_counts(reading, stamp, time)
+            self._on_counts(reading, stamp, time)
         elif isinstance(reading, Power):
             self._topics.battery = reading
             self._health.note(voltage=_amount(reading.voltage), empty=reading.voltage < self._empty)
@@ -142,12 +142,12 @@ class BaseDriver:
         elif isinstance(reading, SonarEcho):
             self._topics.send_echo(reading, stamp)
         elif isinstance(reading, Motors):
-            self._take_motors(reading)
+            self._on_motors(reading)
         elif isinstance(reading, DeviceIdentity):
-            self._take_identity(reading)
+            self._on_identity(reading)
         self._answered = time
 
-    def _take_counts(self, counts: Counts, stamp: int, time: float) -> None:
+    def _on_counts(self, counts: Counts, stamp: int, time: float) -> None:
         first = not self._odometer.begun
         motion = self._odometer.update(counts, time)
         if motion is not None:
@@ -159,7 +159,7 @@ class BaseDriver:
             self._node.log.warn(f"{self._line.name}: {text}", every=REPORT)
         self._counted = time
 
-    def _take_motors(self, motors: Motors) -> None:
+    def _on_motors(self, motors: Motors) -> None:
         reason = "" if motors.ready else motors.reason
         if reason and reason != self._problem:
             self._drive.halt()
@@ -169,7 +169,7 @@ class BaseDriver:
         self._problem = reason
         self._health.note(held=reason)
 
-    def _take_identity(self, identity: DeviceIdentity) -> None:
+    def _on_identity(self, identity: DeviceIdentity) -> None:
         if identity.problem:
             self._unfit = identity.problem
             self._health.note(problem=identity.problem)
@@ -182,7 +182,7 @@ class BaseDriver:
     def _end(self) -> None:
         self._open = False
         self._line.write(self._board.stop())
-        self._line.write(self._board.leave())
+        self._line.write(self._board.shutdown())
         self._line.close()
 
 

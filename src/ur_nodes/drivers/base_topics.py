@@ -75,7 +75,7 @@ class BaseTopics:
     def send_beams(self, beams: MeasuredBeams, stamp: int) -> None:
         """Send the scans that beams complete, where the base has a lidar without a driver of its own."""
         if self._scans and self._turns:
-            for scan in self._turns.take(beams, stamp):
+            for scan in self._turns.add(beams, stamp):
                 self._scans.send(scan)
 
     def send_echo(self, echo: SonarEcho, stamp: int) -> None:

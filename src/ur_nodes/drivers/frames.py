@@ -26,7 +26,7 @@ class FrameReader:
         self._buffer = b""
         self.rejected = 0
 
-    def take(self, data: bytes) -> list[bytes]:
+    def receive(self, data: bytes) -> list[bytes]:
         """Take bytes as they arrive, and return the frames that they complete."""
         buffer, at, frames = self._buffer + data, 0, []
         while (at := self._find(buffer, at)) < len(buffer):

@@ -55,9 +55,9 @@ def report_to_file(node: Node, *, drives_on: bool = False) -> Report:
     node.on_end(lambda: path.unlink(missing_ok=True))
 
     def report(health: DriverHealth) -> None:
-        node.work(partial(write_health, path, replace(health, drives_on=drives_on)), take, "health")
+        node.work(partial(write_health, path, replace(health, drives_on=drives_on)), on_written, "health")
 
-    def take(problem: str) -> None:
+    def on_written(problem: str) -> None:
         if problem:
             node.log.warn(f"{path} cannot be written ({problem}); ur doctor does not see this driver", every=600.0)
 

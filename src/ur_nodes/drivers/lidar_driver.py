@@ -15,11 +15,11 @@ from ur_nodes.ports.values import Scan
 
 _LOOK = 0.5  # s
 _BATCH = 0.02  # s; a turn takes 0.1 to 0.2 s
-_ASK_AGAIN = 3.0  # s without beams, after which the lidar is greeted again: its motor needs a while
+_ASK_AGAIN = 3.0  # s without beams, after which the lidar gets the handshake again: its motor needs a while
 
 
 class LidarDriver:
-    """Publishes a scan for each turn; greets the lidar again when it measures nothing."""
+    """Publishes a scan for each turn; repeats the handshake when it measures nothing."""
 
     def __init__(
         self,
@@ -36,7 +36,7 @@ class LidarDriver:
         self._scans = node.publish(lidar.topic, Scan)
         self._open = False
         self._known = ""
-        self._measured = self._greeted = -math.inf
+        self._measured = self._handshaken = -math.inf
         node.every(_LOOK, self._look, steady=True)
         node.on_end(self._end)
         settings = LineSettings(protocol.baud, dtr=protocol.dtr, batch=_BATCH)
@@ -46,10 +46,10 @@ class LidarDriver:
 
     def _look(self) -> None:
         now = self._node.steady()
-        if self._open and now - max(self._measured, self._greeted) > _ASK_AGAIN:
+        if self._open and now - max(self._measured, self._handshaken) > _ASK_AGAIN:
             text = f"no beams of {self._protocol.name}; does it turn, and is this its device (ur devices --probe)?"
             self._node.log.warn(f"{self._line.name}: {text}", every=REPORT)
-            self._greet()
+            self._handshake()
 
     def _opened(self) -> None:
         self._open, self._known = True, ""
@@ -57,11 +57,11 @@ class LidarDriver:
         self._sweep.forget()
         self._node.log.info(f"{self._line.name} is open, expecting {self._protocol.name}")
         self._health.note(open=True, reason="", problem="")
-        self._greet()
+        self._handshake()
 
-    def _greet(self) -> None:
-        self._greeted = self._node.steady()
-        self._line.write(self._protocol.greet())
+    def _handshake(self) -> None:
+        self._handshaken = self._node.steady()
+        self._line.write(self._protocol.handshake())
 
     def _lost(self, reason: str) -> None:
         self._open = False
@@ -70,20 +70,20 @@ class LidarDriver:
 
     def _received(self, data: bytes, stamp: int) -> None:
         frames = 0
-        for reading in self._protocol.take(data):
+        for reading in self._protocol.receive(data):
             if isinstance(reading, MeasuredBeams):
                 frames += reading.frames
                 self._measured = self._node.steady()
-                for scan in self._sweep.take(reading, stamp):
+                for scan in self._sweep.add(reading, stamp):
                     self._scans.send(scan)
             elif isinstance(reading, DeviceIdentity):
-                self._take_identity(reading)
+                self._on_identity(reading)
             elif isinstance(reading, Reply):
                 self._line.write(reading.data)
         self._health.count(frames, self._protocol.rejected - self._rejected)
         self._rejected = self._protocol.rejected
 
-    def _take_identity(self, identity: DeviceIdentity) -> None:
+    def _on_identity(self, identity: DeviceIdentity) -> None:
         if identity.problem:
             self._health.note(problem=identity.problem)
             self._node.log.error(f"{self._line.name}: {self._protocol.name}: {identity.problem}", every=REPORT)
@@ -94,5 +94,5 @@ class LidarDriver:
 
     def _end(self) -> None:
         self._open = False
-        self._line.write(self._protocol.leave())
+        self._line.write(self._protocol.shutdown())
         self._line.close()

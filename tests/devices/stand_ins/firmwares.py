@@ -19,7 +19,7 @@ class RplidarA1:
         self.scans, self.requests = False, b""
         self._degrees = 0
 
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         self.requests += data
         answer = b""
         while (at := data.find(b"\xa5")) >= 0 and at + 1 < len(data):
@@ -57,7 +57,7 @@ class Xv11Lidar:
     def __init__(self, *, old: bool = False) -> None:
         self._old, self._index = old, 0
 
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         return data[:0]  # it listens to nothing
 
     def tick(self) -> bytes:
@@ -90,7 +90,7 @@ class MagniMotors:
         self.writes = 0
         self._data = b""
 
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         self._data += data
         answer = b""
         while (at := self._data.find(b"\x7e")) >= 0 and len(self._data) >= at + 8:

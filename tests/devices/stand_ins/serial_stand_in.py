@@ -18,7 +18,7 @@ _SPEEDS = {getattr(termios, name): int(name[1:]) for name in dir(termios) if nam
 class Firmware(Protocol):
     """The behaviour of a device. Called in one thread."""
 
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         """The answer to what has come."""
 
     def tick(self) -> bytes:
@@ -72,7 +72,7 @@ class SerialStandIn:
                 data = os.read(self._ours, 256)
             except BlockingIOError:
                 data = b""
-            answer = self._firmware.take(self._garble(data)) if data else b""
+            answer = self._firmware.receive(self._garble(data)) if data else b""
             self._send((self.noise + answer if answer else b"") + self._firmware.tick())
 
     def _send(self, data: bytes) -> None:

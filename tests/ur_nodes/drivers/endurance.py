@@ -56,7 +56,7 @@ def endure(name: str, minutes: float) -> tuple[int, int, int]:
     world, node = bus.node("world"), bus.node("driver")
     parser: Any = BOARDS[name](base) if name in BOARDS else LIDARS[name]()
     kind, read = (Counts if name in BOARDS else MeasuredBeams), list[Any]()
-    take = parser.take
+    take = parser.receive
 
     def listen(data: bytes) -> Iterator[Any]:
         for reading in take(data):
@@ -64,11 +64,11 @@ def endure(name: str, minutes: float) -> tuple[int, int, int]:
                 read.extend([reading] * _count(reading))
             yield reading
 
-    parser.take = listen
+    parser.receive = listen
 
     def advance() -> None:
         plant.time += TICK
-        cable.write(firmware.take(cable.read()) + firmware.tick())
+        cable.write(firmware.receive(cable.read()) + firmware.tick())
 
     ticks = world.every(TICK, advance)
     commands = world.publish("cmd_vel", Twist)
@@ -89,7 +89,7 @@ def endure(name: str, minutes: float) -> tuple[int, int, int]:
     cable.flush()
     bus.run(0.1)
     again: Any = BOARDS[name](base) if name in BOARDS else LIDARS[name]()
-    sent = sum(_count(each) for piece in cable.sent_bytes for each in again.take(piece) if isinstance(each, kind))
+    sent = sum(_count(each) for piece in cable.sent_bytes for each in again.receive(piece) if isinstance(each, kind))
     return sent, len(read), parser.rejected
 
 

@@ -83,10 +83,10 @@ def _clear(faulty: Faulty) -> None:
 def _replace(faulty: Faulty, _: random.Random) -> None:
     """Another device answers."""
     firmware = faulty.firmware
-    firmware.kept = (firmware.take, firmware.tick)
+    firmware.kept = (firmware.receive, firmware.tick)
     if faulty.rig.base.lidar is None:
         faulty.rig.bench.plant.turn_wheels(0.0, 0.0)  # the board itself is away
-    firmware.take = lambda data: b"AT+OK\r\n" if data else b""
+    firmware.receive = lambda data: b"AT+OK\r\n" if data else b""
     firmware.tick = lambda: b"$GPGGA,noise*00\r\n"
     faulty.cable.plugged = False
     faulty.rig.bus.run(0.05)
@@ -94,7 +94,7 @@ def _replace(faulty: Faulty, _: random.Random) -> None:
 
 
 def _restore(faulty: Faulty) -> None:
-    faulty.firmware.take, faulty.firmware.tick = faulty.firmware.kept
+    faulty.firmware.receive, faulty.firmware.tick = faulty.firmware.kept
     faulty.cable.plugged = False
     faulty.rig.bus.run(0.1)
     faulty.cable.plugged = True

@@ -34,9 +34,9 @@ from ur_nodes.drivers.lines.line import LineSettings, LineUser
 from ur_nodes.drivers.lines.serial_line import SerialLine
 board = BOARDS[sys.argv[1]](load("create2", ""))
 user = LineUser(lambda: None, lambda data, stamp: None, lambda reason: None)
-line = SerialLine(ThreadedNode(), sys.argv[2], user, LineSettings(board.baud, board.stop(), leave=board.leave()))
+line = SerialLine(ThreadedNode(), sys.argv[2], user, LineSettings(board.baud, board.stop(), shutdown=board.shutdown()))
 for _ in range(50):
-    line.write(board.greet())
+    line.write(board.handshake())
     time.sleep(0.01)
 while True:
     line.write(board.drive(0.2, 0.2), moving=True)
@@ -80,7 +80,7 @@ class GuardedBoard(StillPlant):
         end = time.monotonic() + LONGEST
         while not condition():
             assert time.monotonic() < end, self.turned[-5:]
-            self._terminal.write(self.firmware.take(self._terminal.read()))
+            self._terminal.write(self.firmware.receive(self._terminal.read()))
             time.sleep(0.002)
 
 

@@ -64,11 +64,11 @@ def stream(name: str, seconds: float = 6.0) -> list[bytes]:
     plant = StillPlant()
     firmware = FIRMWARES[name](plant)  # type: ignore[arg-type]
     parser = parsers()[name]()
-    pieces = [firmware.take(parser.greet())]
-    pieces += [firmware.take(each.data) for each in parser.take(pieces[0]) if isinstance(each, Reply)]
+    pieces = [firmware.receive(parser.handshake())]
+    pieces += [firmware.receive(each.data) for each in parser.receive(pieces[0]) if isinstance(each, Reply)]
     while plant.time < seconds:
         plant.time += 0.02
-        asked = firmware.take(parser.drive(0.1, 0.2)) if name in BOARDS else b""
+        asked = firmware.receive(parser.drive(0.1, 0.2)) if name in BOARDS else b""
         pieces.append(asked + firmware.tick())
     return [each for each in pieces if each]
 
@@ -97,15 +97,15 @@ def attack(name: str, count: int, seed: int) -> None:
     """Give a parser so many mutated pieces; AssertionError where it misbehaves, and what it raises."""
     source = random.Random(f"{name} {seed}")
     pieces, parser = stream(name), parsers()[name]()
-    list(parser.take(pieces[0]))  # a Hokuyo answers with its parameters
+    list(parser.receive(pieces[0]))  # a Hokuyo answers with its parameters
     counts, most = Counts if name in BOARDS else MeasuredBeams, 0
     damaged = mutate(pieces, source)
     for number in range(count):
-        list(parser.take(next(damaged)))
+        list(parser.receive(next(damaged)))
         if number % BATCH == 0:
             most = max(most, count_kept(parser))
             at = source.randrange(len(pieces) - 20)
-            again = [reading for piece in pieces[at : at + 20] for reading in parser.take(piece)]
+            again = [reading for piece in pieces[at : at + 20] for reading in parser.receive(piece)]
             assert any(isinstance(each, counts) for each in again), f"{name}: nothing is read after damage {number}"
     assert most < GROWTH, f"{name} keeps {most} bytes"
 

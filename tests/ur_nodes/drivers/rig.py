@@ -80,7 +80,7 @@ class MemoryLine:
     def __init__(self, node: Node, cable: Cable, user: LineUser, settings: LineSettings) -> None:
         self.name = "/dev/test"
         self._node, self._cable, self._user, self._stop = node, cable, user, settings.stop
-        self._leave = settings.leave
+        self._leave = settings.shutdown
         self._open = False
         self._moving = -1.0
         self.dead = False  # the driver's process was killed

@@ -52,7 +52,7 @@ class PacedLine:
 
     def write(self, data: bytes, *, moving: bool = False) -> None:
         assert not moving
-        self._send(self._firmware.take(data), 0.0)
+        self._send(self._firmware.receive(data), 0.0)
 
     def close(self) -> None: ...
 
@@ -100,7 +100,7 @@ def record(name: str, minutes: float) -> LidarRecord:
     seen = LidarRecord(plant.time, lidar.rate, firmware.clockwise)
     client.subscribe(lidar.topic, Scan, seen.scans.append)
     protocol: Any = LIDARS[name]()
-    take = protocol.take
+    take = protocol.receive
 
     def compare_beams(data: bytes) -> Iterator[Reading]:
         for reading in take(data):
@@ -109,7 +109,7 @@ def record(name: str, minutes: float) -> LidarRecord:
                 seen.angle = max(seen.angle, find_error(np.degrees(reading.phases), exact))
             yield reading
 
-    protocol.take = compare_beams
+    protocol.receive = compare_beams
     lines: list[PacedLine] = []
 
     def connect(user: LineUser, settings: LineSettings) -> PacedLine:

@@ -152,7 +152,7 @@ def test_board_that_answers_late_does_not_drive_blind(name: str) -> None:
 @pytest.mark.parametrize("name", BOARD_NAMES)
 def test_wrong_device_is_reported_with_the_device_and_what_to_do(name: str) -> None:
     rig = make_rig(name)
-    rig.firmware.take = lambda data: b"AT+OK\r\n" if data else b""
+    rig.firmware.receive = lambda data: b"AT+OK\r\n" if data else b""
     rig.firmware.tick = lambda: b"$GPGGA,noise*00\r\n"
     rig.drive(0.2, 0.0, 2.0)
     assert rig.truth.pose.x == pytest.approx(0.0, abs=0.01)

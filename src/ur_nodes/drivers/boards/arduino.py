@@ -45,7 +45,7 @@ class Arduino:
         self._buffer = b""
         self.rejected = 0
 
-    def greet(self) -> bytes:
+    def handshake(self) -> bytes:
         """Ask for its name."""
         return make_line("?")
 
@@ -57,11 +57,11 @@ class Arduino:
         """See MotorBoard. The empty line ends one that was cut off."""
         return b"\n" + make_line("v 0 0")
 
-    def leave(self) -> bytes:
+    def shutdown(self) -> bytes:
         """Nothing: it is left as it was found."""
         return b""
 
-    def take(self, data: bytes) -> Iterator[Reading]:
+    def receive(self, data: bytes) -> Iterator[Reading]:
         *lines, self._buffer = (self._buffer + data).split(b"\n")
         self._buffer = self._buffer[-LONGEST:]
         for line in lines:
@@ -117,7 +117,7 @@ class ArduinoFirmware:
         self._sent = plant.time
         self.power = True
 
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         answer = b""
         self._line += data
         while b"\n" in self._line:

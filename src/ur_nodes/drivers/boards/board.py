@@ -19,7 +19,7 @@ class RewiredBoard:
         self._board, self._wiring = board, wiring
         self.name, self.baud, self.period = board.name, board.baud, board.period
         self.counts_per_turn = board.counts_per_turn
-        self.greet, self.stop, self.leave = board.greet, board.stop, board.leave
+        self.handshake, self.stop, self.shutdown = board.handshake, board.stop, board.shutdown
 
     @property
     def rejected(self) -> int:
@@ -28,8 +28,8 @@ class RewiredBoard:
     def drive(self, left: float, right: float) -> bytes:
         return self._board.drive(*self._wiring.command(left, right))
 
-    def take(self, data: bytes) -> Iterator[Reading]:
-        for reading in self._board.take(data):
+    def receive(self, data: bytes) -> Iterator[Reading]:
+        for reading in self._board.receive(data):
             if isinstance(reading, Counts):
                 left, right = self._wiring.counted(reading.left, reading.right)
                 yield replace(reading, left=left, right=right)
@@ -52,7 +52,7 @@ class MotorBoard(Protocol):
     def rejected(self) -> int:
         """Pieces that began as a frame and were none since the start: damaged ones, and noise."""
 
-    def greet(self) -> bytes:
+    def handshake(self) -> bytes:
         """Return what is sent once the line is open, and again while the device does not answer."""
 
     def drive(self, left: float, right: float) -> bytes:
@@ -61,11 +61,11 @@ class MotorBoard(Protocol):
     def stop(self) -> bytes:
         """Return what stops the motors at once, also after half a command."""
 
-    def leave(self) -> bytes:
+    def shutdown(self) -> bytes:
         """Return what is sent at the end, after `stop`: the device is left as it was found."""
 
-    def take(self, data: bytes) -> Iterable[Reading]:
-        """Take bytes as they arrive, and return the readings that they complete. No bytes make it raise."""
+    def receive(self, data: bytes) -> Iterable[Reading]:
+        """Receive bytes as they arrive, and return the readings that they complete. No bytes make it raise."""
 
 
 @dataclass(frozen=True, slots=True)

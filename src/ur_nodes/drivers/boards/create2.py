@@ -53,7 +53,7 @@ class Create2:
     def rejected(self) -> int:
         return self._frames.rejected
 
-    def greet(self) -> bytes:
+    def handshake(self) -> bytes:
         """Start, Safe, and the stream of its sensors."""
         self._driving, self._state = None, ()
         return bytes((START, SAFE, STREAM, len(_PACKETS), *_PACKETS))
@@ -69,12 +69,12 @@ class Create2:
         """See MotorBoard. Zeros first: they end a command that was cut off."""
         return bytes(4) + struct.pack(">Bhh", DRIVE_DIRECT, 0, 0)
 
-    def leave(self) -> bytes:
+    def shutdown(self) -> bytes:
         """Pause the stream and stop the interface: its buttons work again."""
         return bytes((PAUSE_STREAM, 0, STOP))
 
-    def take(self, data: bytes) -> Iterator[Reading]:
-        for frame in self._frames.take(data):
+    def receive(self, data: bytes) -> Iterator[Reading]:
+        for frame in self._frames.receive(data):
             yield from self._read(frame)
 
     def _read(self, frame: bytes) -> Iterator[Reading]:
@@ -136,7 +136,7 @@ class Create2Firmware:
         self.mode = OFF
         self.lifted = False
 
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         self._bytes += data
         answer = b""
         while self._bytes:

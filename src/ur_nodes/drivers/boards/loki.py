@@ -60,7 +60,7 @@ class Loki:
         self._echoed: dict[int, int] = {}
         self.rejected = 0
 
-    def greet(self) -> bytes:
+    def handshake(self) -> bytes:
         """End a command that was cut off, and ask who it is."""
         return b"\rb\r" + GAINS
 
@@ -80,11 +80,11 @@ class Loki:
         """See MotorBoard. The return before it ends a command that was cut off."""
         return b"\r" + self._speeds(0.0, 0.0)
 
-    def leave(self) -> bytes:
+    def shutdown(self) -> bytes:
         """Nothing: it is left as it was found."""
         return b""
 
-    def take(self, data: bytes) -> Iterator[Reading]:
+    def receive(self, data: bytes) -> Iterator[Reading]:
         *lines, self._buffer = (self._buffer + data).split(b"\n")
         self._buffer = self._buffer[-LONGEST:]
         for line in lines:
@@ -94,13 +94,13 @@ class Loki:
         if line == b"115200":
             yield DeviceIdentity("firmware bus_server")
         elif counts := _COUNTS.fullmatch(line):
-            yield from self._take_counts((int(counts[1]), int(counts[2])))
+            yield from self._on_counts((int(counts[1]), int(counts[2])))
         elif len(line) <= LONGEST and (queue := _QUEUE.fullmatch(line)):
-            yield from self._take_queue(int(queue[1]), queue[2].split())
+            yield from self._on_queue(int(queue[1]), queue[2].split())
         elif line not in _OK:
             self.rejected += 1
 
-    def _take_counts(self, counts: tuple[int, int]) -> Iterator[Reading]:
+    def _on_counts(self, counts: tuple[int, int]) -> Iterator[Reading]:
         """Believe what the wheels can have turned since the last one, or twice in a row: nothing else checks a line."""
         near = self._last is None or self._is_near(counts, self._last)
         if not near and (self._doubted is None or not self._is_near(counts, self._doubted)):
@@ -114,7 +114,7 @@ class Loki:
         most = self._most * (2 + self._beats - self._believed)
         return all(abs(each - other) <= most for each, other in zip(counts, others, strict=True))
 
-    def _take_queue(self, passed: int, values: list[bytes]) -> Iterator[Reading]:
+    def _on_queue(self, passed: int, values: list[bytes]) -> Iterator[Reading]:
         """The firmware reports the distance of a sonar's echo before the one that it reports the time of."""
         self._time += passed
         for value in values:
@@ -157,7 +157,7 @@ class LokiFirmware:
         self._news: dict[int, tuple[float, int]] = {}
         self.gains: tuple[int, ...] = (30, 7, 25, 600, 100)
 
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         return b"".join(self._receive(chr(byte)) for byte in data)
 
     def tick(self) -> bytes:

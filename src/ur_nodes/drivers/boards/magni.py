@@ -55,7 +55,7 @@ class Magni:
     def rejected(self) -> int:
         return self._frames.rejected
 
-    def greet(self) -> bytes:
+    def handshake(self) -> bytes:
         """Start its dead-man timer, and ask for the firmware's version and the options of the board."""
         watchdog = make_packet(_WRITE, _DEAD_MAN, _DEAD_MAN_TICKS)
         return watchdog + make_packet(_READ, _FIRMWARE) + make_packet(_READ, _OPTIONS)
@@ -84,12 +84,12 @@ class Magni:
         """See MotorBoard. Twice: the first one may complete a packet that was cut off."""
         return make_packet(_WRITE, _SPEEDS) * 2
 
-    def leave(self) -> bytes:
+    def shutdown(self) -> bytes:
         """Nothing: it is left as it was found."""
         return b""
 
-    def take(self, data: bytes) -> Iterator[Reading]:
-        for frame in self._frames.take(data):
+    def receive(self, data: bytes) -> Iterator[Reading]:
+        for frame in self._frames.receive(data):
             _, kind, register, value = _PACKET.unpack_from(frame)
             if kind == _RESPONSE:
                 yield from self._read(register, value)
@@ -148,7 +148,7 @@ class MagniFirmware:
         self._dead_man = 0  # ticks; off until a driver has set it
         self.power = True
 
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         self._bytes += data
         answer = b""
         while len(self._bytes) >= 8:
@@ -168,7 +168,7 @@ class MagniFirmware:
         if not self._reports or now - self._reported < ODOMETRY_PERIOD - 1e-6:
             return b""
         self._reported = now
-        return self._respond(0x30, self._take_counts())
+        return self._respond(0x30, self._read_counts())
 
     def _obey(self, kind: int, register: int, data: bytes) -> bytes:
         if kind == 0xB and register == 0x2A and self.power:
@@ -186,9 +186,9 @@ class MagniFirmware:
             0x32: bytes((0, 0, 0, self.power)),
             0x38: bytes((0, 0, 0, 1)),
         }
-        return self._respond(register, self._take_counts() if register == 0x30 else values.get(register, bytes(4)))
+        return self._respond(register, self._read_counts() if register == 0x30 else values.get(register, bytes(4)))
 
-    def _take_counts(self) -> bytes:
+    def _read_counts(self) -> bytes:
         total = [int(each * self._scale) for each in self._plant.rolled()]
         steps = [max(-32768, min(32767, now - before)) for now, before in zip(total, self._read, strict=True)]
         self._read = total

@@ -74,7 +74,7 @@ class Neato:
         self._back = False  # direction of the next stop
         self.rejected = 0
 
-    def greet(self) -> bytes:
+    def handshake(self) -> bytes:
         """Test mode, the lidar's motor, and the question for its version."""
         self._asked = False
         return _line("") + _line("TestMode On") + _line("SetLDSRotation On") + _line("GetVersion")
@@ -87,11 +87,11 @@ class Neato:
         """See MotorBoard. The empty line ends a command that was cut off."""
         return _line("") + _line("SetMotor LWheelDist 1 RWheelDist 1 Speed 1")
 
-    def leave(self) -> bytes:
+    def shutdown(self) -> bytes:
         """Its buttons work again, and the lidar rests."""
         return _line("SetLDSRotation Off") + _line("TestMode Off")
 
-    def take(self, data: bytes) -> Iterator[Reading]:
+    def receive(self, data: bytes) -> Iterator[Reading]:
         *answers, self._buffer = (self._buffer + data).split(_END)
         self._buffer = self._buffer[-_MOST:]
         for answer in answers:
@@ -215,7 +215,7 @@ class _Head(TurningHead):
         super().__init__(plant)
         self.table = np.zeros(360)
 
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         raise NotImplementedError
 
     def pack(self, beams: npt.NDArray[np.int64], millimetres: npt.NDArray[np.float64]) -> bytes:
@@ -235,7 +235,7 @@ class NeatoFirmware:
         self._until = -math.inf
         self.test_mode = self.lifted = False
 
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         *lines, self._text = (self._text + data.decode("latin-1")).replace("\r", "\n").split("\n")
         self._text = self._text[-200:]
         return b"".join(self._obey(line) for line in lines)

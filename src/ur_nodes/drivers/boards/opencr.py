@@ -67,7 +67,7 @@ class OpenCr:
     def rejected(self) -> int:
         return self._frames.rejected
 
-    def greet(self) -> bytes:
+    def handshake(self) -> bytes:
         """Switch the torque of its motors on, and ask for its model."""
         return make_packet(WRITE, _TORQUE, b"\x01") + _read(_MODEL) + _read(_STATE)
 
@@ -92,12 +92,12 @@ class OpenCr:
         """See MotorBoard. Zeros first: they end a packet that was cut off."""
         return bytes(40) + make_packet(WRITE, _VELOCITY, bytes(24))
 
-    def leave(self) -> bytes:
+    def shutdown(self) -> bytes:
         """Nothing: without a heartbeat it rests."""
         return b""
 
-    def take(self, data: bytes) -> Iterator[Reading]:
-        for frame in self._frames.take(data):
+    def receive(self, data: bytes) -> Iterator[Reading]:
+        for frame in self._frames.receive(data):
             body = frame[7:-2].replace(b"\xff\xff\xfd\xfd", b"\xff\xff\xfd")
             if body[:1] == bytes((STATUS,)) and len(body) > 2 and not body[1] & 0x7F:
                 yield from _read_status(body[2:])
@@ -186,7 +186,7 @@ class OpenCrFirmware:
         self._beat_time = -math.inf
         self.power = True
 
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         self._bytes += data
         answer = b""
         while True:

@@ -35,13 +35,13 @@ class ImuDriver:
         self._known: UnitIdentity | None = None
         self._read = node.steady()
         self._health = HealthMeter(node, self._name, unit.name, report)
-        self._device = PolledDevice(node, *device, PolledUser(self._greet, self._lost))
+        self._device = PolledDevice(node, *device, PolledUser(self._handshake, self._lost))
         node.every(1.0 / imu.rate, self._beat, steady=True)
 
-    def _greet(self) -> None:
+    def _handshake(self) -> None:
         self._known = None
         self._read = self._node.steady()
-        self._device.ask(self._begin, self._take_identity)
+        self._device.ask(self._begin, self._on_identity)
 
     def _lost(self, reason: str) -> None:
         self._known = None
@@ -54,7 +54,7 @@ class ImuDriver:
         except OSError as problem:
             return explain_error(problem)
 
-    def _take_identity(self, identity: UnitIdentity, _: int) -> None:
+    def _on_identity(self, identity: UnitIdentity, _: int) -> None:
         self._known = identity
         self._health.note(open=True, reason="", problem=identity.problem, firmware=identity.text)
         if identity.problem:
@@ -72,7 +72,7 @@ class ImuDriver:
                 text = f"{self._unit.name} gives no sound reading; does the robot rest, and are the wires short?"
                 self._node.log.warn(f"{self._name}: {text}", every=REPORT)
         elif silent:
-            self._greet()  # perhaps it is the right one by now
+            self._handshake()  # perhaps it is the right one by now
 
     def _ask(self, bus: I2cBus) -> tuple[InertialReading | None, int] | str:
         begun = self._node.now()

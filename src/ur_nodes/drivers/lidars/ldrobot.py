@@ -57,8 +57,8 @@ class LdRobot(SendingLidar):
     def __init__(self) -> None:
         self._frames = FrameReader(b"\x54\x2c", fixed(_SIZE), lambda frame: check(frame[:-1]) == frame[-1], _SIZE)
 
-    def take(self, data: bytes) -> Iterator[Reading]:
-        for joined in join_frames(self._frames.take(data), _MOST):
+    def receive(self, data: bytes) -> Iterator[Reading]:
+        for joined in join_frames(self._frames.receive(data), _MOST):
             frames = np.frombuffer(joined, _FRAME)
             first, last = (frames[name].astype(np.float64)[:, None] for name in ("first", "last"))
             degrees = (first + (last - first) % 36000.0 * np.arange(POINTS) / (POINTS - 1)).ravel() % 36000.0 / 100.0

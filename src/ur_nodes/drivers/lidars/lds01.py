@@ -38,16 +38,16 @@ class Lds01(SendingLidar):
     def __init__(self) -> None:
         self._frames = FrameReader(b"\xfa", fixed(_PACKET.itemsize), _is_valid, _PACKET.itemsize)
 
-    def greet(self) -> bytes:
+    def handshake(self) -> bytes:
         """Start it."""
         return b"b"
 
-    def leave(self) -> bytes:
+    def shutdown(self) -> bytes:
         """Stop it."""
         return b"e"
 
-    def take(self, data: bytes) -> Iterator[Reading]:
-        for joined in join_frames(self._frames.take(data), _MOST):
+    def receive(self, data: bytes) -> Iterator[Reading]:
+        for joined in join_frames(self._frames.receive(data), _MOST):
             packets = np.frombuffer(joined, _PACKET)
             numbers = _BEAMS * (packets["number"].astype(np.float64) - 0xA0)[:, None] + np.arange(_BEAMS) + 1.0
             distances = packets["beams"]["distance"].ravel()
@@ -80,7 +80,7 @@ class Lds01Firmware(PacketHead):
         self._beam = 1  # its first one is a degree from straight ahead
         self._scans = False
 
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         for byte in data:
             if byte in b"be":
                 self._scans = byte == ord("b")

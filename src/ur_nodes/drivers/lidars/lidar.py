@@ -22,14 +22,14 @@ class LidarProtocol(Protocol):
     def rejected(self) -> int:
         """Pieces that began as a frame and were none since the start: damaged ones, and noise."""
 
-    def greet(self) -> bytes:
+    def handshake(self) -> bytes:
         """Return what is sent once the line is open, and again while the device does not answer."""
 
-    def leave(self) -> bytes:
+    def shutdown(self) -> bytes:
         """Return what is sent at the end: the lidar stops turning, where there is a command for it."""
 
-    def take(self, data: bytes) -> Iterable[Reading]:
-        """Take bytes as they arrive, and return the readings that they complete. No bytes make it raise."""
+    def receive(self, data: bytes) -> Iterable[Reading]:
+        """Receive bytes as they arrive, and return the readings that they complete. No bytes make it raise."""
 
 
 def time_on_line(size: int, baud: int) -> float:
@@ -52,8 +52,8 @@ class SendingLidar:
     def rejected(self) -> int:
         return self._frames.rejected
 
-    def greet(self) -> bytes:
+    def handshake(self) -> bytes:
         return b""
 
-    def leave(self) -> bytes:
+    def shutdown(self) -> bytes:
         return b""

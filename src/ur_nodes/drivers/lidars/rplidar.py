@@ -55,13 +55,13 @@ class _Rplidar:
     def __init__(self) -> None:
         self._answers = FrameReader(b"\xa5\x5a", _measure_answer, lambda _: True, _HEAD + 20)
 
-    def leave(self) -> bytes:
+    def shutdown(self) -> bytes:
         """Stop the scan and the motor."""
         return _STOP + _STILL
 
     def read_answers(self, data: bytes) -> Iterator[Reading]:
         """Information and health, of all that arrives."""
-        for frame in self._answers.take(data):
+        for frame in self._answers.receive(data):
             body = frame[_HEAD:]
             if frame[6] == 0x04:
                 yield DeviceIdentity(f"model {body[0] >> 4}.{body[0] & 15}, firmware {body[2]}.{body[1]:02d}")
@@ -81,12 +81,12 @@ class RplidarStandard(_Rplidar):
         self._synced = False
         self.rejected = 0
 
-    def greet(self) -> bytes:
+    def handshake(self) -> bytes:
         """Stop, ask who and how it is, start the motor and the scan."""
         self._buffer, self._synced = b"", False
         return _STOP + _PAUSE + _INFO + _PAUSE + _HEALTH + _PAUSE + _PACE + _SCAN
 
-    def take(self, data: bytes) -> Iterator[Reading]:
+    def receive(self, data: bytes) -> Iterator[Reading]:
         yield from self.read_answers(data)
         self._buffer = (self._buffer + data)[-_MOST:]
         while len(self._buffer) >= (5 if self._synced else 5 * _RUN):
@@ -114,15 +114,15 @@ class RplidarExpress(_Rplidar):
         self._rejected = self.rejected = 0
         self._runs = False
 
-    def greet(self) -> bytes:
+    def handshake(self) -> bytes:
         """Stop, ask who and how it is, start the motor and the express scan."""
         self._last, self._runs = None, False
         self._packets.clear()
         return _STOP + _PAUSE + _INFO + _PAUSE + _HEALTH + _PAUSE + _PACE + _EXPRESS
 
-    def take(self, data: bytes) -> Iterator[Reading]:
+    def receive(self, data: bytes) -> Iterator[Reading]:
         yield from self.read_answers(data)
-        for packet in self._packets.take(data):
+        for packet in self._packets.receive(data):
             word = int.from_bytes(packet[2:4], "little")
             start, cabins = (word & 0x7FFF) / 64.0, np.frombuffer(packet, _CABIN, _CABINS, 4)
             gap = self._packets.rejected != self._rejected  # a packet is missing, and the angles of its beams
@@ -183,7 +183,7 @@ class RplidarFirmware(TurningHead):
         self._first = True
         self.requests = b""
 
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         self.requests = (self.requests + data)[-1000:]
         self._data += data
         answer = b""

@@ -40,16 +40,16 @@ class Scip:
         self._model: Mapping[str, int] = {}
         self.rejected = 0
 
-    def greet(self) -> bytes:
+    def handshake(self) -> bytes:
         """End what it does, and ask for its version and parameters."""
         self._model = {}
         return b"\nSCIP2.0\nQT\nVV\nPP\n"
 
-    def leave(self) -> bytes:
+    def shutdown(self) -> bytes:
         """Switch the laser off."""
         return b"\nQT\n"
 
-    def take(self, data: bytes) -> Iterator[Reading]:
+    def receive(self, data: bytes) -> Iterator[Reading]:
         *blocks, self._buffer = (self._buffer + data).replace(b"\r\n", b"\n").split(b"\n\n")
         self._buffer = self._buffer[-_MOST:]
         for block in blocks:
@@ -62,14 +62,14 @@ class Scip:
             texts = _read_pairs(rows)
             yield DeviceIdentity(f"{texts.get('PROD', 'of no known model')}, firmware {texts.get('FIRM', 'unknown')}")
         elif request == b"PP" and status[:2] == b"00":
-            yield from self._take_model(_read_pairs(rows))
+            yield from self._on_model(_read_pairs(rows))
         elif request[:2] == b"MD" and status[:2] == b"99" and self._model:
             yield from self._read_scan(rows)
         elif request[:2] == b"MD" and status[:2] not in (b"00", b"99"):
             code = status[:2].decode("ascii", "replace")
             yield DeviceIdentity("", f"it refuses to measure (status {code}); switch it off and on again")
 
-    def _take_model(self, texts: Mapping[str, str]) -> Iterator[Reading]:
+    def _on_model(self, texts: Mapping[str, str]) -> Iterator[Reading]:
         numbers = {key: value for key in _WANTED if (value := parse_integer(texts.get(key, ""))) is not None}
         sound = len(numbers) == len(_WANTED) and 0 <= numbers["AMIN"] < numbers["AMAX"] < _STEPS
         if not sound or not 0 < numbers["ARES"] <= _STEPS or numbers["AMAX"] - numbers["AMIN"] >= numbers["ARES"]:
@@ -141,7 +141,7 @@ class ScipFirmware(TurningHead):
         self._scan = ""
         self._distances: list[float] = []
 
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         *lines, self._line = (self._line + data.decode("latin-1")).split("\n")
         self._line = self._line[-40:]
         return b"".join(self._obey(line) for line in lines if line)

@@ -35,7 +35,7 @@ class TurningHead(ABC):
         self._beam = 0  # the next one, counted from the start
 
     @abstractmethod
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         """See Firmware."""
 
     @abstractmethod
@@ -79,7 +79,7 @@ class PacketHead(TurningHead):
     def packet(self, points: Sequence[tuple[int, float]]) -> bytes:
         """The bytes of a packet of beams, each its number since the start and a distance in mm."""
 
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         return data[:0]
 
     def pack(self, beams: npt.NDArray[np.int64], millimetres: npt.NDArray[np.float64]) -> bytes:

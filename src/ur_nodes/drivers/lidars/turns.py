@@ -43,12 +43,12 @@ class TurnCollector:
         """The device was away: the turn that was begun is left out."""
         self._last = self._begun = None
 
-    def take(self, beams: MeasuredBeams, stamp: int) -> list[Scan]:
+    def add(self, beams: MeasuredBeams, stamp: int) -> list[Scan]:
         """Take beams that arrived at a time (ns); return the scans that they complete."""
         if not len(beams.phases):
             return []
         if beams.complete:
-            return self._take_table(beams, stamp)
+            return self._on_table(beams, stamp)
         if not 0 <= stamp - self._stamp <= _GAP:
             self.forget()
         self._stamp = stamp
@@ -71,14 +71,14 @@ class TurnCollector:
         self._last = float(passed[-1])
         return scans
 
-    def _take_table(self, table: MeasuredBeams, stamp: int) -> list[Scan]:
+    def _on_table(self, table: MeasuredBeams, stamp: int) -> list[Scan]:
         """Take what is new in a table; where that is not known, each beam was measured half a turn ago, on average."""
         found = self._head.follow(table, stamp)
         if found:
             new, beyond = found
             arrays = (table.phases[new], table.ranges[new], table.intensities[new])
             behind = beyond * _FULL / len(table.phases)
-            return self.take(MeasuredBeams(*arrays, table.clockwise, table.turn_time, behind), stamp)
+            return self.add(MeasuredBeams(*arrays, table.clockwise, table.turn_time, behind), stamp)
         angles = (-table.phases if table.clockwise else table.phases) + self._offset
         self._put(angles, table.ranges, table.intensities)
         self._begun = stamp - table.turn_time * _SECOND

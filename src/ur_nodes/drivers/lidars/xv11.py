@@ -35,8 +35,8 @@ class Xv11(SendingLidar):
     def __init__(self) -> None:
         self._frames = FrameReader(b"\xfa", fixed(_SIZE), _is_valid, _SIZE)
 
-    def take(self, data: bytes) -> Iterator[Reading]:
-        for joined in join_frames(self._frames.take(data), _MOST):
+    def receive(self, data: bytes) -> Iterator[Reading]:
+        for joined in join_frames(self._frames.receive(data), _MOST):
             packets = np.frombuffer(joined, _PACKET)
             distances, strengths = packets["beams"]["distance"].ravel(), packets["beams"]["strength"].ravel()
             phases = np.radians((4.0 * (packets["number"] - 0xA0)[:, None] + np.arange(4)).ravel())

@@ -42,16 +42,16 @@ class Ydlidar:
     def rejected(self) -> int:
         return self._frames.rejected
 
-    def greet(self) -> bytes:
+    def handshake(self) -> bytes:
         """Start to scan."""
         return _STOP + _START
 
-    def leave(self) -> bytes:
+    def shutdown(self) -> bytes:
         """Stop scanning."""
         return _STOP
 
-    def take(self, data: bytes) -> Iterator[Reading]:
-        for frame in self._frames.take(data):
+    def receive(self, data: bytes) -> Iterator[Reading]:
+        for frame in self._frames.receive(data):
             _, _, count, first, last, _ = _HEAD.unpack_from(frame)
             millimetres = np.frombuffer(frame, "<u2", count, _HEAD.size) / 4.0
             begin, span = (first >> 1) / 64.0, ((last >> 1) - (first >> 1)) / 64.0 % 360.0
@@ -89,7 +89,7 @@ class YdlidarFirmware(TurningHead):
         super().__init__(plant)
         self._scans = False
 
-    def take(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         if b"\xa5\x65" in data:
             self._scans = False
         if b"\xa5\x60" in data:

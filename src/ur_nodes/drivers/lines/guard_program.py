@@ -22,7 +22,7 @@ _SYSTEMD = ("org.freedesktop.systemd1", "/org/freedesktop/systemd1", "org.freede
 _START_UNIT = (*_SYSTEMD, "StartTransientUnit", "ssa(sv)a(sa(sv))")
 
 
-def main(pipe: int, device: int, stop: bytes, leave: bytes = b"") -> None:
+def main(pipe: int, device: int, stop: bytes, shutdown: bytes = b"") -> None:
     """Watch until the driver has closed the pipe."""
     moving = False
     while True:
@@ -32,7 +32,7 @@ def main(pipe: int, device: int, stop: bytes, leave: bytes = b"") -> None:
             continue
         data = os.read(pipe, 4096)
         if not data:
-            write(device, stop + leave)
+            write(device, stop + shutdown)
             return
         moving = data.endswith(b"m")
 
@@ -88,8 +88,8 @@ def accept() -> tuple[int, int, bytes, bytes]:
     import socket
 
     data, devices, *_ = socket.recv_fds(socket.socket(fileno=os.dup(0)), 4096, 1)
-    stop, leave = map(bytes.fromhex, data.decode("ascii").split(","))
-    return 0, devices[0], stop, leave
+    stop, shutdown = map(bytes.fromhex, data.decode("ascii").split(","))
+    return 0, devices[0], stop, shutdown
 
 
 if __name__ == "__main__":

@@ -25,14 +25,14 @@ class LineSettings:
     """The speed of a line, and the level of its modem line DTR.
 
     `stop` are bytes that stop the motors when this process no longer can; b'' for a device without motors that drive.
-    `leave` are those with which the device is left when this process has died. `batch` is the time (s) in which bytes
+    `shutdown` are those that leave the device when this process has died. `batch` is the time (s) in which bytes
     that arrive one after the other are collected: what reads less often takes less of the processor.
     """
 
     baud: int
     stop: bytes = b""
     dtr: bool = True
-    leave: bytes = b""
+    shutdown: bytes = b""
     batch: float = 0.002
 
 

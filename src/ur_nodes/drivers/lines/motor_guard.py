@@ -22,11 +22,11 @@ _UNREAD = 0.2  # s without room for a report after which a guard has stopped
 _ROOM = 8192  # bytes of the socket's buffer: some twenty reports
 
 
-def start_guard(device: int, stop: bytes, leave: bytes) -> tuple[int, int]:
+def start_guard(device: int, stop: bytes, shutdown: bytes) -> tuple[int, int]:
     """Start the process that watches over the motors; returns the end of the pipe for its `m` and `r`, and its id."""
     theirs, ours = os.pipe2(os.O_DIRECT | os.O_CLOEXEC)  # each report takes a page: a guard that stopped fills it soon
     program = (files(__package__) / "guard_program.py").read_text(encoding="utf-8")
-    words = [str(theirs), str(device), stop.hex(), leave.hex(), find_group_above()]
+    words = [str(theirs), str(device), stop.hex(), shutdown.hex(), find_group_above()]
     # Until the guard ignores what ends its driver: a new process has blocked what is blocked here.
     before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM, signal.SIGHUP))
     try:
@@ -45,24 +45,24 @@ def start_guard(device: int, stop: bytes, leave: bytes) -> tuple[int, int]:
     return ours, process.pid
 
 
-def request_guard(path: str, device: int, stop: bytes, leave: bytes) -> tuple[int, int]:
+def request_guard(path: str, device: int, stop: bytes, shutdown: bytes) -> tuple[int, int]:
     """Have systemd start it in the unit whose socket has this path; see `start_guard`. Raises OSError."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as link:
         link.setblocking(False)
         link.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _ROOM)
         link.connect(path)
-        socket.send_fds(link, [f"{stop.hex()},{leave.hex()}".encode()], [device])
+        socket.send_fds(link, [f"{stop.hex()},{shutdown.hex()}".encode()], [device])
         return link.detach(), 0
 
 
 class MotorGuard:
-    """The guard of an open device; `stop` and `leave` as those of LineSettings."""
+    """The guard of an open device; `stop` and `shutdown` as those of LineSettings."""
 
     def __init__(
-        self, device: int, stop: bytes, leave: bytes, start: StartGuard = start_guard, unit: str = GUARD_SOCKET
+        self, device: int, stop: bytes, shutdown: bytes, start: StartGuard = start_guard, unit: str = GUARD_SOCKET
     ) -> None:
         """Start it; `start` does so where systemd has no unit for it, whose socket is `unit`. Raises OSError."""
-        self._unit, self._given, self._start = unit, (device, stop, leave), start
+        self._unit, self._given, self._start = unit, (device, stop, shutdown), start
         self._requested = -_SOON
         self._pipe, self._pid = self._begin()
         self._read = self._requested

@@ -43,8 +43,8 @@ class PolledDevice(Generic[Port]):
         node.on_end(self._end)
         self._open()
 
-    def ask(self, job: Callable[[Port], Answer | str], take: Callable[[Answer, int], None]) -> None:
-        """Run a job with the device on a worker; `take` gets its result and the time (ns) at its end.
+    def ask(self, job: Callable[[Port], Answer | str], callback: Callable[[Answer, int], None]) -> None:
+        """Run a job with the device on a worker; `callback` gets its result and the time (ns) at its end.
 
         A text is why the device is lost.
         """
@@ -52,9 +52,9 @@ class PolledDevice(Generic[Port]):
             return
         self._works = True
         timed = partial(_run, job, self._port, self._node.now)
-        self._node.work(timed, partial(self._take, take), self._name)
+        self._node.work(timed, partial(self._on_result, callback), self._name)
 
-    def _take(self, take: Callable[[Answer, int], None], result: tuple[Answer | str, int]) -> None:
+    def _on_result(self, callback: Callable[[Answer, int], None], result: tuple[Answer | str, int]) -> None:
         self._works = False
         answer, now = result
         if isinstance(answer, str):
@@ -63,12 +63,12 @@ class PolledDevice(Generic[Port]):
                 port.close()
             self._lose(answer)
         else:
-            take(answer, now)
+            callback(answer, now)
 
     def _open(self) -> None:
-        self._node.work(self._opening, self._take_port, self._name)
+        self._node.work(self._opening, self._on_port, self._name)
 
-    def _take_port(self, opened: Port | str) -> None:
+    def _on_port(self, opened: Port | str) -> None:
         if isinstance(opened, str):
             self._lose(opened)
             return

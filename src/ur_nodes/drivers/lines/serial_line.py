@@ -89,9 +89,9 @@ class SerialLine:
 
     def _open(self) -> None:
         if not self._closed:
-            self._node.work(partial(open_port, self.name, self._settings), self._take_port, self.name)
+            self._node.work(partial(open_port, self.name, self._settings), self._on_port, self.name)
 
-    def _take_port(self, opened: OpenLine | str) -> None:
+    def _on_port(self, opened: OpenLine | str) -> None:
         if isinstance(opened, str):
             self._lose(opened)
             return
@@ -99,8 +99,8 @@ class SerialLine:
         if self._closed:
             self._drop()
             return
-        stop, leave = self._settings.stop, self._settings.leave
-        self._guard = MotorGuard(opened.fileno(), stop, leave, self._start_guard) if stop else None
+        stop, shutdown = self._settings.stop, self._settings.shutdown
+        self._guard = MotorGuard(opened.fileno(), stop, shutdown, self._start_guard) if stop else None
         self._user.opened()
         self._read(opened.fileno())
 

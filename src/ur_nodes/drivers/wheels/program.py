@@ -48,14 +48,14 @@ class GuardedLine:
             help_ = "stop the robot's programs (ur stop, ur boot), and see: ur devices"
             raise UserError(error(text, rule="no-device", help=help_))
         self._port = port
-        self._guard = MotorGuard(port.fileno(), board.stop(), board.leave(), start_guard)
+        self._guard = MotorGuard(port.fileno(), board.stop(), board.shutdown(), start_guard)
 
     def __enter__(self) -> GuardedLine:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: object, trace: TracebackType | None) -> None:
         with contextlib.suppress(OSError, termios.error):
-            os.write(self._port.fileno(), self._board.stop() + self._board.leave())
+            os.write(self._port.fileno(), self._board.stop() + self._board.shutdown())
             termios.tcdrain(self._port.fileno())
         self._guard.close()  # it stops the board once more, and ends
         with contextlib.suppress(OSError, termios.error):

@@ -1,4 +1,4 @@
-"""A board during the test of its wheels: it is greeted, turned and read over a line. No clock and no terminal here."""
+"""A board during the test of its wheels: handshake, commands and readings over a line. No clock and no terminal."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ur_nodes.drivers.wheels.verdict import DISTANCE, SPEED, WheelMotion
 
 _ANSWER = 6.0  # s in which a board has to report counts
 _SETTLE = 1.0  # s in which it reports what holds it
-_AGAIN = 1.0  # s after which it is greeted again
+_AGAIN = 1.0  # s after which it gets the handshake again
 _REST = 0.8  # s after a motion in which wheels come to rest
 
 
@@ -45,7 +45,7 @@ class WheelSession:
         period = self._board.period
         for beat in range(round(_ANSWER / period)):
             if beat % round(_AGAIN / period) == 0:
-                self._take(self._line.exchange(self._board.stop() + self._board.greet(), 0.0, moving=False))
+                self._take(self._line.exchange(self._board.stop() + self._board.handshake(), 0.0, moving=False))
             self._beat(0.0, 0.0)
             if beat * period > _SETTLE and self._counts and not self._held and not self._problem:
                 return
@@ -71,7 +71,7 @@ class WheelSession:
         self._take(self._line.exchange(self._board.drive(left, right), self._board.period, moving=moving))
 
     def _take(self, data: bytes) -> None:
-        for reading in self._board.take(data):
+        for reading in self._board.receive(data):
             if isinstance(reading, Counts):
                 before, self._counts = self._counts or reading, reading
                 half = 1 << (reading.bits - 1)

@@ -46,7 +46,7 @@ class DeviceBench:
         for path, firmware in self.firmwares.items():
             wire = self.wires[path]
             data = wire.read()
-            wire.write((firmware.take(data) if data else b"") + firmware.tick())
+            wire.write((firmware.receive(data) if data else b"") + firmware.tick())
 
     def close(self) -> None:
         """Unplug all of them."""

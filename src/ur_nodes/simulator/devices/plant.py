@@ -83,8 +83,8 @@ class Firmware(Protocol):
 
     covers: frozenset[str]
 
-    def take(self, data: bytes) -> bytes:
-        """Take bytes of the driver, and return the answers. No bytes make it raise."""
+    def receive(self, data: bytes) -> bytes:
+        """Receive bytes of the driver, and return the answers. No bytes make it raise."""
 
     def tick(self) -> bytes:
         """Return what the device sends by itself until now."""

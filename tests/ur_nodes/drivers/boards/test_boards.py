@@ -50,7 +50,7 @@ def test_packets_of_opencr_are_those_of_its_manuals_examples(packet: bytes, text
 
 def test_opencr_reads_the_manuals_status_and_stuffs_what_looks_like_a_header() -> None:
     status = bytes.fromhex("ff ff fd 00 01 08 00 55 00 a6 00 00 00 8c c0")
-    assert list(make("turtlebot3").take(status)) == []  # 4 bytes: not what this driver asks for
+    assert list(make("turtlebot3").receive(status)) == []  # 4 bytes: not what this driver asks for
     packet = opencr_packet(0x03, 0x96, b"\xff\xff\xfd\x01", 1)
     assert b"\xff\xff\xfd\xfd\x01" in packet
     assert packet[5] == 3 + 4 + 1 + 2
@@ -61,7 +61,7 @@ def test_opencr_of_another_firmware_is_refused_and_motors_that_do_not_answer_are
     firmware.power = False
     firmware._table[0:2] = b"\x01\x00"
     board = make("turtlebot3")
-    readings = list(board.take(firmware.take(board.greet())))
+    readings = list(board.receive(firmware.receive(board.handshake())))
     assert any(isinstance(each, DeviceIdentity) and "flash the one for ROS 2" in each.problem for each in readings)
     assert any(isinstance(each, Motors) and not each.ready and "power switch" in each.reason for each in readings)
 
@@ -76,7 +76,7 @@ def test_magni_gets_the_speeds_that_ubiquity_motor_sends() -> None:
 
 @pytest.mark.parametrize(("options", "fits"), [(1, True), (0, False), (3, False), (9, True)])
 def test_magni_with_other_encoders_or_wheels_is_refused(options: int, fits: bool) -> None:
-    (identity,) = make("magni").take(make_packet(0x3C, 0x38, options))
+    (identity,) = make("magni").receive(make_packet(0x3C, 0x38, options))
     assert bool(identity.problem) is not fits
 
 
@@ -90,7 +90,7 @@ def test_magni_stops_by_its_dead_man_timer_where_the_driver_has_started_it(start
 
     plant, board = Plant(), make("magni")
     firmware = MagniFirmware(plant)  # type: ignore[arg-type]
-    firmware.take((board.greet() if started else b"") + board.drive(0.2, 0.2))
+    firmware.receive((board.handshake() if started else b"") + board.drive(0.2, 0.2))
     plant.time = OWN_DRIVERS["magni"].watchdog - 0.01
     firmware.tick()
     assert plant.speeds != (0.0, 0.0)
@@ -102,8 +102,8 @@ def test_magni_stops_by_its_dead_man_timer_where_the_driver_has_started_it(start
 def test_magni_adds_up_the_counts_of_its_reports() -> None:
     board = make("magni")
     frames = make_packet(0x3C, 0x30, 3 << 16 | 4) + make_packet(0x3C, 0x30, (-1 & 0xFFFF) << 16 | 2 - (1 << 32))
-    assert list(board.take(frames)) == [Counts(3, 4, 64), Counts(2, 6, 64)]
-    assert list(board.take(make_packet(0x3C, 0x22, 43) + make_packet(0x3C, 0x32, 0))) == [
+    assert list(board.receive(frames)) == [Counts(3, 4, 64), Counts(2, 6, 64)]
+    assert list(board.receive(make_packet(0x3C, 0x22, 43) + make_packet(0x3C, 0x32, 0))) == [
         DeviceIdentity("firmware 43"),
         Motors(False, "its motors have no power (emergency stop?)"),
     ]
@@ -126,16 +126,16 @@ def test_create_reads_a_frame_whose_sum_is_zero_and_no_other() -> None:
     values = bytes.fromhex("0700 0900 0a00 0b00 0c00 1502 163840 17ffb0 190af0 1a0bb8 2302 2b0102 2cfffe")
     frame = bytes((19, len(values))) + values
     good = frame + bytes((-sum(frame) & 0xFF,))
-    readings = list(make("create2").take(b"battery-current 12\r\n" + good))
+    readings = list(make("create2").receive(b"battery-current 12\r\n" + good))
     assert readings[0] == Counts(0x0102, 0xFFFE, 16)
     assert readings[-1] == Power(14.4, -0.08, 2.8, 3.0, charging=True)
-    assert list(make("create2").take(good[:-1] + b"\x00")) == []
+    assert list(make("create2").receive(good[:-1] + b"\x00")) == []
 
 
 def test_lines_of_an_arduino_have_the_checksum_of_nmea() -> None:
     assert make_line("v 0 0") == b"v 0 0*76\n"
     assert make("arduino").drive(0.36, -0.36).startswith(b"v 810 -810*")
-    counts, motors, bumpers, power = make("arduino").take(make_line("e -5 2147483647 11800 3"))
+    counts, motors, bumpers, power = make("arduino").receive(make_line("e -5 2147483647 11800 3"))
     assert (counts, motors.ready) == (Counts(-5, 2147483647), False)
     assert astuple(power) == pytest.approx((11.8, NOT_MEASURED, NOT_MEASURED, NOT_MEASURED, False), nan_ok=True)
     assert bumpers.states == (("left", True), ("right", False), ("front", False))
@@ -145,11 +145,11 @@ def test_lines_of_an_arduino_have_the_checksum_of_nmea() -> None:
     "text", ["e 1 2 3", "e a b c d", "e 1 2 3 4 5", "x", "h ur-base", "", "v 1 2", "e " + "9" * 90]
 )
 def test_lines_of_an_arduino_that_are_none_are_left_out(text: str) -> None:
-    assert not any(isinstance(each, Counts) for each in make("arduino").take(make_line(text)))
+    assert not any(isinstance(each, Counts) for each in make("arduino").receive(make_line(text)))
 
 
 def test_arduino_with_another_sketch_is_told_to_be_flashed() -> None:
-    assert [each.problem for each in make("arduino").take(make_line("h ur-base 2 later"))] == [
+    assert [each.problem for each in make("arduino").receive(make_line("h ur-base 2 later"))] == [
         "protocol 2, expected 1: flash the sketch of this release"
     ]
 
@@ -189,15 +189,15 @@ def read_motor(data: bytes) -> tuple[int, int, int]:
 def test_neato_reads_answers_as_public_logs_have_them() -> None:
     board = make("neato")
     motors = b"getmotors\r\nParameter,Value\r\nLeftWheel_RPM,0\r\nLeftWheel_Load%,0\r\nLeftWheel_PositionInMM,-12\r\n"
-    assert list(board.take(motors)) == []
-    assert list(board.take(b"RightWheel_PositionInMM,345\r\nRightWheel_Speed,0\r\n\x1a")) == [Counts(-12, 345)]
+    assert list(board.receive(motors)) == []
+    assert list(board.receive(b"RightWheel_PositionInMM,345\r\nRightWheel_Speed,0\r\n\x1a")) == [Counts(-12, 345)]
     digital = b"Digital Sensor Name, Value\r\nSNSR_LEFT_WHEEL_EXTENDED,1\r\nLSIDEBIT,0\r\nLFRONTBIT,1\r\n\x1a"
-    bumpers, ready = board.take(digital)
+    bumpers, ready = board.receive(digital)
     assert ("left_front", True) in bumpers.states
     assert not ready.ready
     analog = b"SensorName,Unit,Value\r\nDropSensorLeft,mm,0,\r\nDropSensorRight,mm,120,\r\n\x1a"
-    assert list(board.take(analog)) == [Contacts("cliff", (("left", False), ("right", True)))]
-    assert list(board.take(b"ModelID,-1,XV11,,\r\nSoftware,3,1,17844\r\n\x1a")) == [
+    assert list(board.receive(analog)) == [Contacts("cliff", (("left", False), ("right", True)))]
+    assert list(board.receive(b"ModelID,-1,XV11,,\r\nSoftware,3,1,17844\r\n\x1a")) == [
         DeviceIdentity("XV11, software 3.1.17844")
     ]
 
@@ -205,23 +205,23 @@ def test_neato_reads_answers_as_public_logs_have_them() -> None:
 def test_neato_scan_is_a_turn_whose_errors_measured_nothing() -> None:
     rows = [f"{angle},{2378 if angle else 0},82,{0 if angle != 2 else 8021}" for angle in range(360)]
     text = "\r\n".join(["GetLDSScan", "AngleInDegrees,DistInMM,Intensity,ErrorCodeHEX", *rows, "ROTATION_SPEED,5.10"])
-    (beams,) = make("neato").take(text.encode() + b"\r\n\x1a")
+    (beams,) = make("neato").receive(text.encode() + b"\r\n\x1a")
     assert isinstance(beams, MeasuredBeams)
     assert beams.complete
     assert beams.turn_time == pytest.approx(1.0 / 5.1)
     assert [beams.ranges[angle] for angle in (0, 1, 2)] == [float("inf"), 2.378, float("inf")]
     short = "\r\n".join([*rows[:100], "ROTATION_SPEED,5.10\r\n\x1a"])
-    assert list(make("neato").take(short.encode())) == []
+    assert list(make("neato").receive(short.encode())) == []
 
 
 def test_magni_reads_only_responses_of_registers_that_it_knows() -> None:
     written, unknown = make_packet(0x3B, 0x30, 3 << 16 | 4), make_packet(0x3C, 0x7F, 1)
-    assert list(make("magni").take(written + unknown + make_packet(0x3C, 0x30, 3 << 16 | 4))) == [Counts(3, 4, 64)]
+    assert list(make("magni").receive(written + unknown + make_packet(0x3C, 0x30, 3 << 16 | 4))) == [Counts(3, 4, 64)]
 
 
 def test_board_with_a_wiring_counts_damaged_frames_and_passes_on_what_is_no_count() -> None:
     board = RewiredBoard(make("magni"), Wiring(counters_swapped=True, right_counter_reversed=True))
     good = make_packet(0x3C, 0x30, 3 << 16 | 4)
-    readings = list(board.take(good[:-1] + bytes((good[-1] ^ 1,)) + good + make_packet(0x3C, 0x22, 43)))
+    readings = list(board.receive(good[:-1] + bytes((good[-1] ^ 1,)) + good + make_packet(0x3C, 0x22, 43)))
     assert readings == [Counts(4, -3, 64), DeviceIdentity("firmware 43")]
     assert board.rejected == 1

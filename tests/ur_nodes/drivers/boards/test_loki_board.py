@@ -33,34 +33,36 @@ def test_speeds_are_ticks_in_20_ms_as_upstream_computes_them() -> None:
 
 def test_answers_are_told_apart_by_their_form() -> None:
     board = make()
-    assert list(board.take(b"115200\r\nOK\r\n-12 3560\r\n")) == [
+    assert list(board.receive(b"115200\r\nOK\r\n-12 3560\r\n")) == [
         DeviceIdentity("firmware bus_server"),
         Counts(-12, 3560),
     ]
-    assert list(board.take(b"40000 \r\n41000 0:0:12 1:0:-3\r\n")) == []  # what the wheels did since is in the counters
+    assert (
+        list(board.receive(b"40000 \r\n41000 0:0:12 1:0:-3\r\n")) == []
+    )  # what the wheels did since is in the counters
     assert board.rejected == 0
-    assert list(board.take(b"Invalid Command!\r\nAT+OK\r\n")) == []
+    assert list(board.receive(b"Invalid Command!\r\nAT+OK\r\n")) == []
     assert board.rejected == 1
 
 
 def test_distance_belongs_to_the_echo_before_as_in_the_firmware() -> None:
     # Sonar.cpp, update: queue_value_ = mm_distance_get() before echo_delta_ticks_ is that of this echo
     board = make()
-    assert list(board.take(b"90000 2:-10000:0 17:-5000:10001\r\n")) == []
-    (echo,) = board.take(b"100000 2:-20000:500\r\n")
+    assert list(board.receive(b"90000 2:-10000:0 17:-5000:10001\r\n")) == []
+    (echo,) = board.receive(b"100000 2:-20000:500\r\n")
     assert isinstance(echo, SonarEcho)
     assert (echo.number, echo.distance) == (0, 0.5)
     assert echo.age == pytest.approx(0.11)
-    assert list(board.take(b"3000000 2:-20000:700\r\n")) == []  # too old to be of use
+    assert list(board.receive(b"3000000 2:-20000:700\r\n")) == []  # too old to be of use
 
 
 def test_counts_that_no_wheel_can_have_turned_count_when_they_come_twice() -> None:
     board = make()
-    assert list(board.take(b"100 100\r\n")) == [Counts(100, 100)]
-    assert list(board.take(b"9100 100\r\n")) == []  # a damaged digit
-    assert list(board.take(b"120 120\r\n")) == [Counts(120, 120)]
-    assert list(board.take(b"0 0\r\n5 5\r\n")) == [Counts(0, 0), Counts(5, 5)]
-    assert list(board.take(b"80000 80000\r\n80010 80010\r\n")) == [Counts(80010, 80010)]
+    assert list(board.receive(b"100 100\r\n")) == [Counts(100, 100)]
+    assert list(board.receive(b"9100 100\r\n")) == []  # a damaged digit
+    assert list(board.receive(b"120 120\r\n")) == [Counts(120, 120)]
+    assert list(board.receive(b"0 0\r\n5 5\r\n")) == [Counts(0, 0), Counts(5, 5)]
+    assert list(board.receive(b"80000 80000\r\n80010 80010\r\n")) == [Counts(80010, 80010)]
     assert board.rejected == 2
 
 
@@ -71,10 +73,10 @@ def test_what_a_command_was_cut_off_from_does_not_spoil_the_stop() -> None:
     firmware = LokiFirmware(plant)  # type: ignore[arg-type]
     board, command = make(), make().drive(0.25, 0.25)
     for size in range(len(command)):
-        firmware.take(command[:size])
-        firmware.take(board.stop())
+        firmware.receive(command[:size])
+        firmware.receive(board.stop())
         assert turned[-1] == (0.0, 0.0)
-    firmware.take(board.greet())
+    firmware.receive(board.handshake())
     assert firmware.gains == (30, 7, 25, 600, 400)
 
 

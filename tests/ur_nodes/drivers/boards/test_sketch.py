@@ -38,7 +38,7 @@ def run(sketch: Path, steps: list[tuple[int, bytes]]) -> tuple[list[Reading], li
     script = "".join(f"{ms} {data.hex() or '-'}\n" for ms, data in steps)
     output = subprocess.run([str(sketch)], input=script.encode(), stdout=subprocess.PIPE, check=True, timeout=60).stdout
     board, lines = make_board(), output.splitlines(keepends=True)
-    readings = [each for line in lines for each in board.take(line)]
+    readings = [each for line in lines for each in board.receive(line)]
     powers = [tuple(map(int, line.split()[1:])) for line in lines if line.startswith(b"motors")]
     return readings, powers  # type: ignore[return-value]
 
@@ -49,7 +49,7 @@ def drive(left: float, right: float, until: int, begin: int = 0) -> list[tuple[i
 
 
 def test_sketch_names_itself_as_the_driver_expects(sketch: Path) -> None:
-    readings, _ = run(sketch, [(10, make_board().greet()), (30, b"")])
+    readings, _ = run(sketch, [(10, make_board().handshake()), (30, b"")])
     assert [each for each in readings if isinstance(each, DeviceIdentity)] == [
         DeviceIdentity("sketch of ubiquity_launches")
     ]

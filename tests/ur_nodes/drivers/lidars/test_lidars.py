@@ -22,7 +22,7 @@ LD06 = bytes.fromhex("542c6808ab7ee000e4dc00e2d900e5d500e3d300e4d000e9cd00e4ca00
 
 
 def read(name: str, data: bytes) -> MeasuredBeams:
-    (beams,) = (each for each in LIDARS[name]().take(data) if isinstance(each, MeasuredBeams))
+    (beams,) = (each for each in LIDARS[name]().receive(data) if isinstance(each, MeasuredBeams))
     return beams
 
 
@@ -47,25 +47,25 @@ def test_sums_of_scip_are_those_of_its_examples(line: str) -> None:
 def test_hokuyo_asks_for_the_steps_of_its_model_and_leaves_out_damaged_lines() -> None:
     lidar = Scip()
     rows = ("DMIN:20;4", "DMAX:5600;_", "ARES:1024;\\", "AMIN:44;7", "AMAX:725;o", "AFRT:384;6", "SCAN:600;e")
-    (reply,) = lidar.take(("PP\n00P\n" + "\n".join(rows) + "\n\n").encode())
+    (reply,) = lidar.receive(("PP\n00P\n" + "\n".join(rows) + "\n\n").encode())
     assert reply == Reply(b"MD0044072500000\n")
     scan = b"".join(row + bytes((scip_check(row), 10)) for row in (b"0000", *[b"1Dh" * 21] * 32, b"1Dh" * 10))
-    (beams,) = lidar.take(b"MD0044072500000\n99b\n" + scan + b"\n")
+    (beams,) = lidar.receive(b"MD0044072500000\n99b\n" + scan + b"\n")
     assert isinstance(beams, MeasuredBeams)
     assert len(beams.ranges) == 682
     assert beams.ranges[0] == 5.432
     assert np.degrees(beams.phases[340]) == pytest.approx(0.0)
     assert beams.turn_time == pytest.approx(0.1)
-    (beams,) = lidar.take(b"MD0044072500000\n99b\n" + scan.replace(b"1Dh", b"1Di", 1) + b"\n")
+    (beams,) = lidar.receive(b"MD0044072500000\n99b\n" + scan.replace(b"1Dh", b"1Di", 1) + b"\n")
     assert isinstance(beams, MeasuredBeams)
     assert np.isnan(beams.ranges[:21]).all()
     assert not np.isnan(beams.ranges[21:]).any()
-    assert list(lidar.take(b"MD0044072500000\n99b\n" + scan[:-20] + b"\n\n")) == []
+    assert list(lidar.receive(b"MD0044072500000\n99b\n" + scan[:-20] + b"\n\n")) == []
     assert lidar.rejected == 2
 
 
 def test_hokuyo_that_refuses_to_measure_is_named() -> None:
-    (identity,) = Scip().take(b"MD0044072500000\n0Aq\n\n")
+    (identity,) = Scip().receive(b"MD0044072500000\n0Aq\n\n")
     assert identity == DeviceIdentity("", "it refuses to measure (status 0A); switch it off and on again")
 
 
@@ -152,11 +152,11 @@ def test_beams_of_an_lds_02_are_corrected_as_ld08_driver_does() -> None:
 def test_lidar_counts_the_frames_that_noise_has_damaged() -> None:
     damaged = LD06[:-1] + bytes((LD06[-1] ^ 1,))
     lidar = LIDARS["ld06"]()
-    assert len(list(lidar.take(damaged + LD06))) == 1
+    assert len(list(lidar.receive(damaged + LD06))) == 1
     assert lidar.rejected == 1
     lidar = LIDARS["ydlidar"]()
     good = bytes.fromhex("aa55 0101 53ae 53ae ab54 0000")
-    assert len(list(lidar.take(good[:-1] + b"\x01" + good))) == 1
+    assert len(list(lidar.receive(good[:-1] + b"\x01" + good))) == 1
     assert lidar.rejected == 1
 
 
@@ -164,11 +164,11 @@ def test_lidar_counts_the_frames_that_noise_has_damaged() -> None:
     ("name", "sent"), [("ld06", b""), ("xv11", b""), ("hokuyo", b"\nQT\n"), ("ydlidar", b"\xa5\x65"), ("lds01", b"e")]
 )
 def test_lidar_is_told_to_stop_at_the_end_where_it_has_a_command_for_it(name: str, sent: bytes) -> None:
-    assert LIDARS[name]().leave() == sent
+    assert LIDARS[name]().shutdown() == sent
 
 
 def test_hokuyo_ignores_the_answer_to_a_request_that_it_does_not_use() -> None:
-    assert list(Scip().take(b"II\n00P\nMODL:URG-04LX;A\n\nMD0044072500000\n00P\n\n")) == []
+    assert list(Scip().receive(b"II\n00P\nMODL:URG-04LX;A\n\nMD0044072500000\n00P\n\n")) == []
 
 
 def test_packet_without_beams_completes_no_turn() -> None:
@@ -176,4 +176,4 @@ def test_packet_without_beams_completes_no_turn() -> None:
     assert lidar
     collector = TurnCollector(lidar)
     nothing = MeasuredBeams(np.zeros(0), np.zeros(0), np.zeros(0), complete=True)
-    assert collector.take(nothing, 1_000_000_000) == []
+    assert collector.add(nothing, 1_000_000_000) == []

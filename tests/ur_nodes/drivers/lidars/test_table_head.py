@@ -42,7 +42,7 @@ def collect(table: Table, period: float, seconds: float = 4.0) -> list[Scan]:
     assert lidar
     collector, scans = TurnCollector(lidar), list[Scan]()
     for at in np.arange(0.33, seconds, period):
-        found = collector.take(table.read(at), BEGUN + round(at * 1e9))
+        found = collector.add(table.read(at), BEGUN + round(at * 1e9))
         scans += found if at > 1.0 else []
     return scans
 
@@ -87,5 +87,5 @@ def test_table_that_does_not_change_is_still_published() -> None:
     assert lidar
     collector, table = TurnCollector(lidar), Table()
     still = table.read(1.0)
-    scans = [scan for k in range(10) for scan in collector.take(still, BEGUN + k * 100_000_000)]
+    scans = [scan for k in range(10) for scan in collector.add(still, BEGUN + k * 100_000_000)]
     assert len(scans) == 10

@@ -53,7 +53,7 @@ class CountedLine:
         return self.plant.time
 
     def exchange(self, data: bytes, seconds: float, *, moving: bool) -> bytes:  # noqa: ARG002 - of the protocol
-        received: bytes = self.firmware.take(data)
+        received: bytes = self.firmware.receive(data)
         for _ in range(round(seconds / TICK)):
             self.plant.advance(TICK)
             received += self.firmware.tick()

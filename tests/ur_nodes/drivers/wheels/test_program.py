@@ -106,9 +106,9 @@ def test_guard_is_told_of_motion_and_the_board_is_stopped_and_left_at_the_end(
 ) -> None:
     board = make_board()
     protocol = BOARDS["create2"](load("create2", ""))
-    end = protocol.stop() + protocol.leave()
+    end = protocol.stop() + protocol.shutdown()
     assert run_typed(monkeypatch, RIGHT, package, board.path) == 0
-    assert board.guards == [(protocol.stop(), protocol.leave())]
+    assert board.guards == [(protocol.stop(), protocol.shutdown())]
     told = board.guard_bytes()
     assert told.startswith(b"r" * 10)
     assert told.endswith(b"r" * 10)
@@ -140,7 +140,7 @@ def test_end_of_input_at_any_question_stops_the_board_and_changes_nothing(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     board = make_board(wiring=Wiring(motors_swapped=True))
-    end = BOARDS["create2"](load("create2", "")).leave()
+    end = BOARDS["create2"](load("create2", "")).shutdown()
     assert run_typed(monkeypatch, keys, package, board.path) == 130
     assert capsys.readouterr().err == "\nstopped; nothing was changed\n"
     assert base_text(package) == FILE.read_text()

@@ -122,7 +122,7 @@ def test_board_that_is_silent_or_held_is_named_with_what_to_do() -> None:
     line.firmware.power = False
     with pytest.raises(UserError, match=r"/dev/test: Arduino .* does not drive: its motors have no power"):
         WheelSession(line, BOARDS["arduino"](BASE), BASE).wait()
-    line.firmware.take, line.firmware.tick = (lambda _: b""), (lambda: b"")
+    line.firmware.receive, line.firmware.tick = (lambda _: b""), (lambda: b"")
     with pytest.raises(UserError, match=r"no wheel counts of Arduino .* for 6 s; is it switched on?"):
         WheelSession(line, BOARDS["arduino"](BASE), BASE).wait()
 
@@ -205,7 +205,7 @@ def answer_in_a_terminal(folder: Path, keys: str, *arguments: str) -> tuple[int,
     try:
         while program.poll() is None or select.select([person], [], [], 0.0)[0]:
             plant.advance(time.monotonic() - begun - plant.time)
-            terminal.write(firmware.take(terminal.read()) + firmware.tick())
+            terminal.write(firmware.receive(terminal.read()) + firmware.tick())
             if select.select([person], [], [], 0.01)[0]:
                 try:
                     printed += os.read(person, 4096).decode()

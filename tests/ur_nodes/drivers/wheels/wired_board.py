@@ -70,16 +70,16 @@ class WiredBoard:
         (pipe,) = self._pipes
         return read_rest(pipe)
 
-    def _start_guard(self, _device: int, stop: bytes, leave: bytes) -> tuple[int, int]:
+    def _start_guard(self, _device: int, stop: bytes, shutdown: bytes) -> tuple[int, int]:
         theirs, ours = open_pipe()
         self._pipes.append(theirs)
-        self.guards.append((stop, leave))
+        self.guards.append((stop, shutdown))
         return ours, 0
 
     def _take(self, data: bytes) -> None:
         assert self._terminal
         self.received += data
-        answer = self.firmware.take(data)
+        answer = self.firmware.receive(data)
         for _ in range(round(self._period / TICK)):
             self.plant.advance(TICK)
             answer += self.firmware.tick()
