@@ -83,10 +83,10 @@ class Driver:
         node.subscribe("simulator/collisions", int, self._take_collisions, Quality.LATCHED)
         return self
 
-    def take_states(self, states: tuple[actions.GoalState, ...]) -> None:
+    def on_states(self, states: tuple[actions.GoalState, ...]) -> None:
         """See GoalFollower."""
 
-    def take_goal_end(self, state: actions.GoalState) -> None:
+    def on_goal_end(self, state: actions.GoalState) -> None:
         """See GoalFollower."""
         if state.id == self._goal_id():
             self._state = state

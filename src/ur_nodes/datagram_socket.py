@@ -15,13 +15,13 @@ _MOST_AT_ONCE = 20
 
 
 class DatagramSocket:
-    """Passes each datagram to `take`, at most `most` bytes of it, on the node's thread; sends back what it returns."""
+    """Passes each datagram (at most `most` bytes) to `callback`, on the node's thread; sends back what it returns."""
 
     def __init__(
-        self, node: Node, folder: str, period: float, most: int, take: Callable[[bytes], bytes], without: str
+        self, node: Node, folder: str, period: float, most: int, callback: Callable[[bytes], bytes], without: str
     ) -> None:
         """Bind a socket in `folder`, read every `period` s; if that fails, log the effect `without` a socket."""
-        self._take, self._most = take, most
+        self._take, self._most = callback, most
         self._path = Path(folder, str(os.getpid()))
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self._socket.setblocking(False)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Literal, Protocol
 
-from ur_nodes.ports.actions import Goal, GoalFollower, GoalId, GoalState, GoalStates, GoalTakers
+from ur_nodes.ports.actions import Goal, GoalFollower, GoalHandlers, GoalId, GoalState, GoalStates
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import PlacedPose
@@ -20,10 +20,10 @@ _STATUS_PERIOD = 0.2  # s, as actionlib
 class GoalReporter(Protocol):
     """Passes on what becomes of a goal that arrived by other means than a topic."""
 
-    def take_state(self, state: GoalState) -> None:
+    def report_state(self, state: GoalState) -> None:
         """The goal was accepted, or has ended."""
 
-    def take_place(self, place: PlacedPose) -> None:
+    def report_pose(self, place: PlacedPose) -> None:
         """The robot is at this pose."""
 
 
@@ -75,9 +75,9 @@ class TopicGoalHandle:
 class TopicGoalServer:
     """See `ports.actions.GoalServer`."""
 
-    def __init__(self, node: Node, action: str, takers: GoalTakers, kept: float) -> None:
+    def __init__(self, node: Node, action: str, handlers: GoalHandlers, kept: float) -> None:
         self._node = node
-        self._takers = takers
+        self._handlers = handlers
         self._kept = round(kept * 1e9)
         self._handles: dict[str, TopicGoalHandle] = {}
         self._ended: dict[str, int] = {}  # ns
@@ -99,16 +99,16 @@ class TopicGoalServer:
                 self._states.send(handle.state)
         self._status.send(GoalStates(tuple(each.state for each in self._handles.values())))
 
-    def take_goal(self, goal: Goal, reporter: GoalReporter) -> None:
+    def handle_goal(self, goal: Goal, reporter: GoalReporter) -> None:
         """Take a goal that arrived by other means than a topic; clients on topics are informed of it, too."""
 
         def report_state(state: GoalState) -> None:
             self._states.send(state)
-            reporter.take_state(state)
+            reporter.report_state(state)
 
         def report(place: PlacedPose) -> None:
             self._feedback.send(place)
-            reporter.take_place(place)
+            reporter.report_pose(place)
 
         self._take(TopicGoalHandle(goal, self._node.now(), report_state, report))
 
@@ -122,7 +122,7 @@ class TopicGoalServer:
     def _take(self, handle: TopicGoalHandle) -> None:
         if handle.goal.id not in self._handles:
             self._handles[handle.goal.id] = handle
-            self._takers.take_goal(handle)
+            self._handlers.handle_goal(handle)
 
     def _take_pose(self, pose: PlacedPose) -> None:
         self._poses += 1
@@ -132,7 +132,7 @@ class TopicGoalServer:
         for handle in list(self._handles.values()):
             meant = handle.goal.id == cancel.id or handle.arrived <= cancel.stamp or cancel == GoalId()
             if meant and handle.open:
-                self._takers.take_cancel(handle)
+                self._handlers.handle_cancel(handle)
 
 
 class TopicGoalClient:
@@ -143,7 +143,7 @@ class TopicGoalClient:
     ) -> None:
         """`is_connected` tells whether a listener of goals is a server, and not only a recorder."""
         self._is_connected = is_connected
-        self._connected = 0  # listeners, when a server was among them
+        self._connected = 0  # subscribers, when a server was among them
         self._goals = node.publish(f"{action}/goal", Goal, Quality.EVERY)
         self._cancels = node.publish(f"{action}/cancel", GoalId, Quality.EVERY)
         node.subscribe(f"{action}/status", GoalStates, self._take_states)
@@ -162,16 +162,16 @@ class TopicGoalClient:
         self._cancels.send(GoalId(id))
 
     def servers(self) -> int:
-        listeners = self._goals.listeners()
-        if listeners != self._connected:
-            self._connected = listeners if listeners and self._is_connected() else 0
+        subscribers = self._goals.subscribers()
+        if subscribers != self._connected:
+            self._connected = subscribers if subscribers and self._is_connected() else 0
         return self._connected
 
     def _take_states(self, states: GoalStates) -> None:
         self.lists += 1
-        self._follower.take_states(states.goals)
+        self._follower.on_states(states.goals)
 
     def _end(self, state: GoalState) -> None:
         if state.id not in self._ended:  # the server repeats it
             self._ended.add(state.id)
-            self._follower.take_goal_end(state)
+            self._follower.on_goal_end(state)

@@ -53,7 +53,7 @@ class Beats:
         """The time of the next beat; infinite: there is none."""
         return self._beats[0][0] if self._beats else math.inf
 
-    def take(self) -> Callable[[], None] | None:
+    def pop(self) -> Callable[[], None] | None:
         """The call of the beat that is due; None: there is none."""
         while self._beats and not self._beats[0][2].on:
             heapq.heappop(self._beats)
@@ -129,8 +129,8 @@ class Loop:
             self.post(make)
             done.wait(within)
 
-    def mailbox(self, depth: int | None, take: Callable[[Item], None]) -> Callable[[Item], None]:
-        """A function, for any thread, that posts what it gets to `take`; of more than `depth` the oldest goes."""
+    def mailbox(self, depth: int | None, callback: Callable[[Item], None]) -> Callable[[Item], None]:
+        """A function, for any thread, that posts what it gets to `callback`; of more than `depth` the oldest goes."""
         waiting: deque[Item] = deque(maxlen=depth)
 
         def deliver() -> None:
@@ -138,7 +138,7 @@ class Loop:
                 item = waiting.popleft()
             except IndexError:  # a newer one took its place
                 return
-            take(item)
+            callback(item)
 
         def put(item: Item) -> None:
             waiting.append(item)
@@ -185,7 +185,7 @@ class Loop:
     def _work(self) -> None:
         while not self._ended:
             for beats in self._all_beats:
-                if (beat := beats.take()) is not None:
+                if (beat := beats.pop()) is not None:
                     beat()
             wait = self._wait()
             try:
@@ -243,7 +243,7 @@ class Worker:
             job()
 
 
-class Lanes:
+class SerialQueues:
     """Jobs beside the loop, those of one lane one after the other."""
 
     def __init__(self) -> None:
@@ -252,8 +252,8 @@ class Lanes:
     def add(
         self,
         job: Callable[[], Value],
-        take: Callable[[Value], None],
-        lane: str,
+        callback: Callable[[Value], None],
+        queue: str,
         post: Callable[[Callable[[], None]], object],
     ) -> None:
         """Have a job done, then have its result taken by `post`, which calls where the node runs."""
@@ -264,9 +264,9 @@ class Lanes:
             except Exception as problem:  # the node fails where it runs: the jobs of its end can still be done
                 post(partial(_fail, problem))
             else:
-                post(lambda: take(result))
+                post(lambda: callback(result))
 
-        self._workers.setdefault(lane, Worker(f"work {lane}".strip())).add(carry_out)
+        self._workers.setdefault(queue, Worker(f"work {queue}".strip())).add(carry_out)
 
     def drop(self) -> None:
         """Forget the jobs that wait."""

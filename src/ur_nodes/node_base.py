@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import TypeVar
 
-from ur_nodes.loop import Beat, Lanes, Loop, steady_time
+from ur_nodes.loop import Beat, Loop, SerialQueues, steady_time
 from ur_nodes.ports.log import Log
 from ur_nodes.ports.parameters import Parameters
 
@@ -25,7 +25,7 @@ class LoopNode:
         self.parameters = parameters
         self.failed = False
         self._loop = loop
-        self._lanes = Lanes()
+        self._lanes = SerialQueues()
         self._at_end: list[Callable[[], None]] = []
         self._ending = False
         self._end_limit = 0.0  # s for the jobs of the end
@@ -41,10 +41,10 @@ class LoopNode:
     def post(self, call: Callable[[], None]) -> None:
         self._loop.post(call)
 
-    def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
+    def work(self, job: Callable[[], Value], callback: Callable[[Value], None], queue: str = "") -> None:
         self._unfinished += self._ending
         post = self._results.put if self._ending else self._loop.post
-        self._lanes.add(job, take, lane, post)
+        self._lanes.add(job, callback, queue, post)
 
     def steady(self) -> float:
         return steady_time()

@@ -130,10 +130,10 @@ def _collect_crashes(ended: threading.Event) -> list[BaseException]:
     """Collect the exceptions that end threads from now on; Python would print them where the screen is."""
     crashes: list[BaseException] = []
 
-    def take(details: threading.ExceptHookArgs) -> None:
+    def on_exception(details: threading.ExceptHookArgs) -> None:
         if details.exc_value is not None and not isinstance(details.exc_value, SystemExit):
             crashes.append(details.exc_value)
             ended.set()
 
-    threading.excepthook = take
+    threading.excepthook = on_exception
     return crashes

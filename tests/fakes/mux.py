@@ -15,21 +15,21 @@ from ur_nodes.ports.values import Result, StampedTwist, Time, Twist
 class FakeMux:
     """Notes what it is asked, publishes the lease that the test wants, and passes commands on that are in time.
 
-    With `take`, which gets those commands, it issues challenges at 30 Hz unless it is `mute`.
+    With `callback`, which gets those commands, it issues challenges at 30 Hz unless it is `mute`.
     """
 
-    def __init__(self, bus: Bus, take: Callable[[Twist], None] | None = None) -> None:
+    def __init__(self, bus: Bus, callback: Callable[[Twist], None] | None = None) -> None:
         self.asked: list[str] = []
         self.mute = False
         self.newest = 0  # ns
-        self._bus, self._pass_on = bus, take
+        self._bus, self._pass_on = bus, callback
         node = bus.node("cmd_vel_mux")
         self._stopped = node.publish("cmd_vel_mux/stopped", bool, Quality.LATCHED)
         self._stopped.send(False)
         node.serve("cmd_vel_mux/stop", Trigger, lambda _: self._answer("stop", stopped=True))
         node.serve("cmd_vel_mux/release", Trigger, lambda _: self._answer("release", stopped=False))
         node.serve("cmd_vel_mux/set_obstacle_stop", Switch, lambda request: self._answer(f"obstacles {request.on}"))
-        if take is not None:
+        if callback is not None:
             self._challenges = node.publish("cmd_vel_mux/challenge", Time)
             self._lease = node.publish("cmd_vel_mux/lease", str, Quality.LATCHED)
             node.subscribe("cmd_vel_stamped", StampedTwist, self._take, Quality.EVERY)

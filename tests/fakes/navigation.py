@@ -19,10 +19,10 @@ class FakeNavigation:
     def newest(self) -> GoalHandle:
         return self.goals[-1]
 
-    def take_goal(self, handle: GoalHandle) -> None:
+    def handle_goal(self, handle: GoalHandle) -> None:
         handle.accept()
         self.goals.append(handle)
 
-    def take_cancel(self, handle: GoalHandle) -> None:
+    def handle_cancel(self, handle: GoalHandle) -> None:
         handle.cancel("cancelled")
         self.cancelled.append(handle.goal.id)

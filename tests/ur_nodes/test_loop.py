@@ -14,7 +14,7 @@ from ur_nodes.loop import Beat, Beats, Loop, Worker
 def take_all(beats: Beats) -> int:
     """The number of beats that are due."""
     count = 0
-    while (call := beats.take()) is not None:
+    while (call := beats.pop()) is not None:
         call()
         count += 1
     return count

@@ -63,10 +63,10 @@ class Triggers:
     def _is_early(self, text: str) -> bool:
         return self.clock() - self._since.get(text, 0) < _IN_FORCE
 
-    def take_states(self, states: tuple[GoalState, ...]) -> None:
+    def on_states(self, states: tuple[GoalState, ...]) -> None:
         """Ignore the states; only ends are events."""
 
-    def take_goal_end(self, state: GoalState) -> None:
+    def on_goal_end(self, state: GoalState) -> None:
         """Handle the end of a goal: one that was given up or refused is one event."""
         if state.state == "aborted" and state.id not in self._goals:
             self._goals[state.id] = None

@@ -39,7 +39,7 @@ class CameraTopics:
         self._calibration = describe_camera(None, 0, 0, "")
 
     def ask(self) -> tuple[bool, Callable[[Frame], Shot]]:
-        packed, raw = bool(self._compressed.listeners()), bool(self._raw.listeners())
+        packed, raw = bool(self._compressed.subscribers()), bool(self._raw.subscribers())
         return packed or raw, partial(make_shot, packed=packed, raw=raw, quality=self._quality)
 
     def begin(self, mode: Mode) -> None:
@@ -73,7 +73,7 @@ class CameraTopics:
 
     def take(self, shot: Shot) -> None:
         stamp = max(0, self._node.now() - round(shot.age * SECOND))
-        if self._info.listeners():
+        if self._info.subscribers():
             self._info.send(replace(self._calibration, stamp=stamp))
         if shot.jpeg:
             self._compressed.send(PackedPicture(stamp, self._frame, "jpeg", shot.jpeg))

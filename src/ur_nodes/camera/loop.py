@@ -134,10 +134,10 @@ class CameraLoop(Generic[Shot]):
         for call in waiting:
             call()
 
-    def _work(self, job: Callable[[], Made], take: Callable[[Made], None]) -> None:
+    def _work(self, job: Callable[[], Made], callback: Callable[[Made], None]) -> None:
         def finish(made: Made) -> None:
             self._busy = False
-            take(made)
+            callback(made)
 
         self._busy = True
         self._node.work(job, finish, CAMERA)

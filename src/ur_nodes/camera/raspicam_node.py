@@ -84,13 +84,13 @@ class RaspicamNode:
             give(Result(False, problem))
             return
 
-        def take(result: Result) -> None:
+        def on_request(result: Result) -> None:
             if result.success:
                 self._store.use(calibration)
                 self._topics.update_calibration()
             give(result)
 
-        self._node.work(lambda: self._write(calibration), take, "file")
+        self._node.work(lambda: self._write(calibration), on_request, "file")
 
     def _write(self, calibration: Calibration) -> Result:
         try:

@@ -181,14 +181,14 @@ class NavigationTopics:
         """Set the estimated pose of the robot."""
         self._poses.send(PoseEstimate(self._node.now(), self._names.map_frame, place, _POINTED))
 
-    def take_states(self, states: tuple[GoalState, ...]) -> None:
+    def on_states(self, states: tuple[GoalState, ...]) -> None:
         self._status_at = self._node.steady()
         self._tracker = track_status(self._tracker, states, self._status_at)
         if self._sent is not None and is_unconfirmed(self._tracker, self._status_at):
             self._goals.send(self._sent)
         self._driven_to = any(each.open and each.id != self._tracker.goal_id for each in states)
 
-    def take_goal_end(self, state: GoalState) -> None:
+    def on_goal_end(self, state: GoalState) -> None:
         self._tracker = track_result(self._tracker, state, self._node.steady())
 
     def _missing(self, pose: Pose2 | None) -> tuple[str, ...]:

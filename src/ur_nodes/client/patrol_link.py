@@ -29,7 +29,7 @@ class PatrolLink:
 
     def served(self) -> bool:
         """Return whether a node takes requests."""
-        return self._requests.listeners() > 0
+        return self._requests.subscribers() > 0
 
     def request(self, request: PatrolRequest, done: Callable[[str], None] | None = None) -> bool:
         """Publish a request; `done` is called with the refusal, or ''. Return False without a patrol node."""

@@ -94,9 +94,9 @@ def save_recordings(node: Node) -> Saving:
     return Saving(node, _BLACK_BOX, "saving what happened", "", describe_recording)
 
 
-def request_recording(node: Node, take: Callable[[Result], None]) -> None:
-    """Have the black box write what has happened, once; `take` gets the place of the file, or the reason."""
-    node.call(_BLACK_BOX, Trigger(), take, _PATIENCE)
+def request_recording(node: Node, callback: Callable[[Result], None]) -> None:
+    """Have the black box write what has happened, once; `callback` gets the place of the file, or the reason."""
+    node.call(_BLACK_BOX, Trigger(), callback, _PATIENCE)
 
 
 def describe_recording(result: Result) -> str:

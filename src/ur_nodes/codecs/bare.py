@@ -63,7 +63,7 @@ class Reader:
         self._data = memoryview(data)[4:]
         self._place = 0
 
-    def take(self, form: str) -> tuple[Any, ...]:
+    def unpack(self, form: str) -> tuple[Any, ...]:
         """Take numbers of one size."""
         self._place += -self._place % struct.calcsize(f"<{form[-1]}")
         try:
@@ -73,23 +73,23 @@ class Reader:
         self._place += struct.calcsize(f"<{form}")
         return numbers
 
-    def take_bytes(self) -> bytes:
+    def unpack_bytes(self) -> bytes:
         """Take a sequence of bytes."""
-        (count,) = self.take("I")
+        (count,) = self.unpack("I")
         if count > len(self._data) - self._place:
             raise ValueError(f"sequence of {count} bytes, {len(self._data) - self._place} are left")
         self._place += count
         return bytes(self._data[self._place - count : self._place])
 
-    def take_text(self) -> str:
+    def unpack_text(self) -> str:
         """Take a string."""
-        return self.take_bytes().rstrip(b"\0").decode(errors="replace")
+        return self.unpack_bytes().rstrip(b"\0").decode(errors="replace")
 
-    def take_header(self) -> Header:
+    def unpack_header(self) -> Header:
         """Take a std_msgs/Header."""
         header = Header()
-        (header.stamp.sec,), (header.stamp.nanosec,) = self.take("i"), self.take("I")
-        header.frame_id = self.take_text()
+        (header.stamp.sec,), (header.stamp.nanosec,) = self.unpack("i"), self.unpack("I")
+        header.frame_id = self.unpack_text()
         return header
 
 
@@ -120,9 +120,9 @@ class BareGridUpdate:
     def read(cls, data: bytes) -> BareGridUpdate:
         """The message that bytes are. Raises ValueError."""
         reader, made = Reader(data), cls()
-        made.header = reader.take_header()
-        (made.x, made.y), (made.width, made.height) = reader.take("2i"), reader.take("2I")
-        made.data = array("b", reader.take_bytes())
+        made.header = reader.unpack_header()
+        (made.x, made.y), (made.width, made.height) = reader.unpack("2i"), reader.unpack("2I")
+        made.data = array("b", reader.unpack_bytes())
         return made
 
 
@@ -150,12 +150,12 @@ class BareTransforms:
     def read(cls, data: bytes) -> BareTransforms:
         """The message that bytes are. Raises ValueError."""
         reader, made = Reader(data), cls()
-        (count,) = reader.take("I")
+        (count,) = reader.unpack("I")
         if count > _MOST:
             raise ValueError(f"TFMessage with {count} transforms, expected at most {_MOST}")
         for _ in range(count):
-            each = TransformStamped(header=reader.take_header(), child_frame_id=reader.take_text())
+            each = TransformStamped(header=reader.unpack_header(), child_frame_id=reader.unpack_text())
             place, turn = each.transform.translation, each.transform.rotation
-            place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w = reader.take("7d")
+            place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w = reader.unpack("7d")
             made.transforms.append(each)
         return made

@@ -32,9 +32,9 @@ def start(node: Node) -> None:
     def publish() -> None:
         if costmap.robot is None:
             return
-        if grids.listeners():
+        if grids.subscribers():
             grids.send(Map(node.now(), settings.frame, costmap.grid()))
-        if outlines.listeners():
+        if outlines.subscribers():
             outlines.send(Outline(node.now(), settings.frame, settings.footprint.outline_at(costmap.robot)))
 
     if settings.scan:

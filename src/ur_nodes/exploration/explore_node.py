@@ -40,18 +40,18 @@ class MapSaveClient:
             self._ask(self._note)
         return self._saved
 
-    def save_last(self, take: Callable[[str], None]) -> None:
-        """Save the final map; `take` gets its name, '' if it cannot be saved."""
+    def save_last(self, callback: Callable[[str], None]) -> None:
+        """Save the final map; `callback` gets its name, '' if it cannot be saved."""
         left = _MOST_SAVES if self._service else 0
 
         def save() -> None:
             nonlocal left
             left -= 1
-            self._ask(note) if left >= 0 else take("")
+            self._ask(note) if left >= 0 else callback("")
 
         def note(name: str) -> None:
             if name:
-                take(name)
+                callback(name)
             else:
                 self._node.after(_AGAIN, save, steady=True)
 
@@ -60,11 +60,11 @@ class MapSaveClient:
     def _note(self, name: str) -> None:
         self._saved = self._saved or name
 
-    def _ask(self, take: Callable[[str], None]) -> None:
+    def _ask(self, callback: Callable[[str], None]) -> None:
         def read(answer: Result) -> None:
             if not answer.success:
                 self._node.log.warn(f"{self._service}: the map is not saved: {answer.text}", every=_LOGGED_EVERY)
-            take(answer.text if answer.success and is_map_name(answer.text) else "")
+            callback(answer.text if answer.success and is_map_name(answer.text) else "")
 
         self._node.call(self._service, Trigger(), read, _ANSWER_LIMIT)
 

@@ -109,12 +109,12 @@ class ExplorationNavigation:
         """Clear the obstacles of the costmaps."""
         self._node.call(f"{self._settings.navigation}/clear_costmaps", Silent(), self._note_cleared)
 
-    def take_states(self, states: tuple[GoalState, ...]) -> None:
+    def on_states(self, states: tuple[GoalState, ...]) -> None:
         self._alive = True
         foreign = any(each.open and not each.id.startswith(self._start) for each in states)
         self._drivers = replace(self._drivers, foreign=foreign)
 
-    def take_goal_end(self, state: GoalState) -> None:
+    def on_goal_end(self, state: GoalState) -> None:
         if not self._goal or state.id != self._goal:
             return
         self._goal = ""

@@ -32,11 +32,11 @@ class Obstacles:
         return self._found
 
     def _take_costmap(self, given: Map) -> None:
-        self._costs.take(given)
+        self._costs.replace(given)
         self._found = None
 
     def _take_update(self, update: MapUpdate) -> None:
-        if problem := self._costs.take_update(update):
+        if problem := self._costs.apply(update):
             self._log.warn(f"costmap: {problem}", every=_LOGGED_EVERY)
         else:
             self._found = None

@@ -45,7 +45,7 @@ class StatusOutput:
 
     def draw(self, explorer: Explorer, out: ExplorerOutputs) -> None:
         """Publish the frontiers of a step."""
-        if explorer.floor is not None and self._markers.listeners():
+        if explorer.floor is not None and self._markers.subscribers():
             markers = mark_frontiers(explorer.floor, out.frontiers, out.blocked)
             self._markers.send(Markers(self._node.now(), self._map_frame, markers))
 

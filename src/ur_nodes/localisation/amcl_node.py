@@ -24,11 +24,11 @@ _PATIENCE = 120.0  # s: large maps take long over WiFi
 class MapSource:
     """Passes on each map of the topic `map`, or that of the service `static_map` once it is available."""
 
-    def __init__(self, node: Node, take: Callable[[Map], None], *, topic: bool) -> None:
-        self._node, self._take = node, take
+    def __init__(self, node: Node, callback: Callable[[Map], None], *, topic: bool) -> None:
+        self._node, self._take = node, callback
         self._asking = False
         if topic:
-            node.subscribe("map", Map, take, Quality.LATCHED)
+            node.subscribe("map", Map, callback, Quality.LATCHED)
         else:
             self._timer = node.every(1.0, self._ask)
             self._ask()

@@ -30,15 +30,15 @@ def read_change(text: str) -> dict[str, object] | None:
     return value if isinstance(value.get("id"), str) and len(str(value["id"])) <= 100 else None
 
 
-def take_changes(node: Node, topic: str, take: Callable[[Mapping[str, object]], None]) -> None:
-    """Pass the requests of a topic to `take`; malformed ones are reported."""
+def subscribe_changes(node: Node, topic: str, callback: Callable[[Mapping[str, object]], None]) -> None:
+    """Pass the requests of a topic to `callback`; malformed ones are reported."""
 
     def read(text: str) -> None:
         request = read_change(text)
         if request is None:
             node.log.error(f"{node.resolve(topic)}: not a request, expected JSON with an id", every=10.0)
         else:
-            take(request)
+            callback(request)
 
     node.subscribe(topic, str, read, Quality.EVERY)
 

@@ -13,7 +13,7 @@ from ur.maps.walls import is_restorable
 from ur.maps.zones import find_home
 from ur.source.diagnostic import UserError
 from ur_nodes.geometry.grid import Grid, load_map
-from ur_nodes.mapping.changes import attempt, change_walls, take_changes
+from ur_nodes.mapping.changes import attempt, change_walls, subscribe_changes
 from ur_nodes.mapping.save_requests import SaveRequests
 from ur_nodes.mapping.zone_server import ZoneServer
 from ur_nodes.ports.node import Node
@@ -34,7 +34,7 @@ class WallServer:
         self._node, self._use = node, use
         self._status = node.publish("walls", str, Quality.LATCHED)
         self.use(map_file, grid)
-        take_changes(node, "wall_request", self._change)
+        subscribe_changes(node, "wall_request", self._change)
 
     def use(self, map_file: Path, grid: Grid) -> None:
         """Serve changes of the walls of this map from now on."""
@@ -90,7 +90,7 @@ class MapServer:
     def _change_map(self, request: LoadMap, give: Callable[[Result], None]) -> None:
         file = Path(request.file.removeprefix("file://"))
 
-        def take(found: Grid | Result) -> None:
+        def on_found(found: Grid | Result) -> None:
             if isinstance(found, Result):
                 self._node.log.error(f"another map was not loaded: {found.text}")
                 give(found)
@@ -101,7 +101,7 @@ class MapServer:
             self._node.log.info(f"the map is {file} from now on")
             give(Result(success=True, value=self._map))
 
-        self._node.work(partial(read_grid, file), take, "map")
+        self._node.work(partial(read_grid, file), on_found, "map")
 
 
 def read_grid(file: Path) -> Grid | Result:

@@ -38,7 +38,7 @@ class SaveRequests:
             self._busy = False
             give(self._report(request, problem))
 
-        def take(given: Map | str) -> None:
+        def on_map(given: Map | str) -> None:
             if not received:
                 received.append(given)
                 subscription.close()
@@ -50,7 +50,7 @@ class SaveRequests:
                 subscription.close()
                 end(f"no map on {self._node.resolve(topic)} for {PATIENCE:g} s; is a mapping node running?")
 
-        subscription = self._node.subscribe(topic, Map, take, Quality.LATCHED, unreadable=take)
+        subscription = self._node.subscribe(topic, Map, on_map, Quality.LATCHED, unreadable=on_map)
         self._node.after(PATIENCE, give_up, steady=True)
 
     def _report(self, request: SaveTopicMap, problem: str) -> Result:

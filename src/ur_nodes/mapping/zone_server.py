@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ur.maps.record import ZoneKind
 from ur_nodes.geometry.grid import Grid
-from ur_nodes.mapping.changes import attempt, take_changes
+from ur_nodes.mapping.changes import attempt, subscribe_changes
 from ur_nodes.mapping.zone_file import Masks, ZoneFile, Zones, empty_mask
 from ur_nodes.ports.node import Node, Publisher
 from ur_nodes.ports.qualities import Quality
@@ -38,7 +38,7 @@ class ZoneServer:
         self._zones = self._file.read(None)
         self._publish()
         self._publish_masks(self._zones.masks)
-        take_changes(node, "zone_request", self._change)
+        subscribe_changes(node, "zone_request", self._change)
         node.every(_PERIOD, self._look, steady=True)
 
     def use(self, map_file: Path, grid: Grid) -> None:

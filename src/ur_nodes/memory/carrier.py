@@ -35,7 +35,7 @@ class CarriedNode(Protocol):
 
 
 @dataclass(eq=False, slots=True)
-class BusListener:
+class BusSubscription:
     """A subscription: `deliver` gets a value, the name of its sender, and whether it had been kept.
 
     It is `latched`, or not, or, None, as the publisher is. `unreadable` gets the reason why a value could not be read.
@@ -50,20 +50,20 @@ class BusListener:
     waiting: list[tuple[object, str, bool]] = field(default_factory=list)
     open: bool = True
 
-    def take(self) -> None:
+    def deliver_oldest(self) -> None:
         """Deliver the oldest value that waits, if there is one."""
         if self.open and self.waiting:
             self.deliver(*self.waiting.pop(0))
 
 
 @dataclass(eq=False, slots=True)
-class Offer:
+class BusPublisher:
     """A publisher of a node, with the value that it keeps."""
 
     sender: str
     kind: type | tuple[type, ...]
     latched: bool
-    greet: Callable[[], None] | None
+    on_subscriber: Callable[[], None] | None
     type_name: str
     kept: object = None
 
@@ -72,17 +72,17 @@ class Offer:
 class BusTopic:
     """The publishers and subscriptions of a topic."""
 
-    offers: list[Offer] = field(default_factory=list)
-    listeners: list[BusListener] = field(default_factory=list)
+    publishers: list[BusPublisher] = field(default_factory=list)
+    subscribers: list[BusSubscription] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
 class Service:
-    """A service of a node: `take` gets a request, and a function to call with the answer."""
+    """A service of a node: `handle` gets a request, and a function to call with the answer."""
 
     node: str
     kind: type
-    take: Callable[[object, Callable[[Result], None]], None]
+    handle: Callable[[object, Callable[[Result], None]], None]
 
 
 class Carrier:
@@ -125,7 +125,7 @@ class Carrier:
         """Let time pass."""
         end = self.now + round(seconds * 1e9)
         while self._next_time() <= end:
-            self._take_event()
+            self._run_next()
         self._time = end
 
     def run_until(self, condition: Callable[[], bool], seconds: float) -> bool:
@@ -135,16 +135,16 @@ class Carrier:
             if self._next_time() > end:
                 self._time = end
                 return condition()
-            self._take_event()
+            self._run_next()
         return True
 
     def graph(self) -> Graph:
         """Return the graph of all topics and services."""
         topics = self.topics.items()
         return make_graph(
-            {name: tuple(each.sender for each in topic.offers) for name, topic in topics if topic.offers},
-            {name: tuple(each.node for each in topic.listeners) for name, topic in topics if topic.listeners},
-            {name: topic.offers[0].type_name for name, topic in topics if topic.offers},
+            {name: tuple(each.sender for each in topic.publishers) for name, topic in topics if topic.publishers},
+            {name: tuple(each.node for each in topic.subscribers) for name, topic in topics if topic.subscribers},
+            {name: topic.publishers[0].type_name for name, topic in topics if topic.publishers},
             {name: (service.node,) for name, service in self.services.items()},
             self.nodes,
         )
@@ -156,12 +156,12 @@ class Carrier:
         else:
             heapq.heappush(self._events, (time, next(self._numbers), call))
 
-    def offer(self, topic: str, offer: Offer) -> None:
+    def add_publisher(self, topic: str, publisher: BusPublisher) -> None:
         """Add a publisher of a topic."""
         entry = self.topics.setdefault(topic, BusTopic())
-        entry.offers.append(offer)
-        if entry.listeners and offer.greet is not None:
-            self.at(self.now, offer.greet)
+        entry.publishers.append(publisher)
+        if entry.subscribers and publisher.on_subscriber is not None:
+            self.at(self.now, publisher.on_subscriber)
 
     def listen(
         self,
@@ -171,60 +171,59 @@ class Carrier:
         quality: Quality,
         deliver: Deliver,
         unreadable: Callable[[str], None],
-    ) -> BusListener:
+    ) -> BusSubscription:
         """Add a subscription of a topic."""
         latched = None if kind is object else quality in _LATCHED
-        listener = BusListener(node, kind, latched, _DEPTHS.get(quality, DEPTH), deliver, unreadable)
+        subscription = BusSubscription(node, kind, latched, _DEPTHS.get(quality, DEPTH), deliver, unreadable)
         entry = self.topics.setdefault(topic, BusTopic())
-        entry.listeners.append(listener)
-        for offer in entry.offers:
-            if offer.greet is not None:
-                self.at(self.now, offer.greet)
-            if offer.latched and offer.kept is not None and listener.latched is not False:
-                self._carry(topic, listener, (offer.kept, offer.sender, True))
-        return listener
+        entry.subscribers.append(subscription)
+        for publisher in entry.publishers:
+            if publisher.on_subscriber is not None:
+                self.at(self.now, publisher.on_subscriber)
+            if publisher.latched and publisher.kept is not None and subscription.latched is not False:
+                self._carry(topic, subscription, (publisher.kept, publisher.sender, True))
+        return subscription
 
-    def send(self, topic: str, offer: Offer, value: object) -> None:
+    def send(self, topic: str, publisher: BusPublisher, value: object) -> None:
         """Send a value of a publisher to all subscribers. Raises TypeError if it is of another kind."""
-        if not isinstance(value, offer.kind):
-            raise TypeError(
-                f"{topic}: {type(value).__name__} {value!r}, expected {getattr(offer.kind, '__name__', offer.kind)}"
-            )
-        if offer.latched:
-            offer.kept = value
-        for listener in self.topics[topic].listeners:
-            if offer.latched or not listener.latched:
-                self._carry(topic, listener, (value, offer.sender, False))
+        if not isinstance(value, publisher.kind):
+            expected = getattr(publisher.kind, "__name__", publisher.kind)
+            raise TypeError(f"{topic}: {type(value).__name__} {value!r}, expected {expected}")
+        if publisher.latched:
+            publisher.kept = value
+        for subscription in self.topics[topic].subscribers:
+            if publisher.latched or not subscription.latched:
+                self._carry(topic, subscription, (value, publisher.sender, False))
 
     def spoil(self, topic: str, reason: str) -> None:
         """Deliver an unreadable value, as from a faulty program."""
-        for listener in self.topics[topic].listeners:
-            self.at(self.now, partial(listener.unreadable, reason))
+        for subscription in self.topics[topic].subscribers:
+            self.at(self.now, partial(subscription.unreadable, reason))
 
-    def _carry(self, topic: str, listener: BusListener, item: tuple[object, str, bool]) -> None:
-        if not isinstance(item[0], listener.kind):
+    def _carry(self, topic: str, subscription: BusSubscription, item: tuple[object, str, bool]) -> None:
+        if not isinstance(item[0], subscription.kind):
             return  # as with a master: types that differ are never connected
         delay = self._delay(topic)
         if delay is None:
             return
 
         if delay:
-            self.at(self.now + delay, partial(self._arrive, listener, item))
+            self.at(self.now + delay, partial(self._arrive, subscription, item))
         else:
-            self._arrive(listener, item)
+            self._arrive(subscription, item)
 
-    def _arrive(self, listener: BusListener, item: tuple[object, str, bool]) -> None:
-        if listener.open:
-            listener.waiting.append(item)
-            del listener.waiting[: -listener.depth]
-            self._due.append(listener.take)
+    def _arrive(self, subscription: BusSubscription, item: tuple[object, str, bool]) -> None:
+        if subscription.open:
+            subscription.waiting.append(item)
+            del subscription.waiting[: -subscription.depth]
+            self._due.append(subscription.deliver_oldest)
 
     def _next_time(self) -> float:
         if self._due:
             return self.now
         return self._events[0][0] if self._events else math.inf
 
-    def _take_event(self) -> None:
+    def _run_next(self) -> None:
         if self._due and (not self._events or self._events[0][0] > self.now):
             call = self._due.popleft()
         else:

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import TypeVar, cast
 
 from ur_nodes.goal_topics import TopicGoalClient, TopicGoalServer
-from ur_nodes.memory.carrier import BusListener, Carrier, Deliver, Offer, Service, type_name_of
+from ur_nodes.memory.carrier import BusPublisher, BusSubscription, Carrier, Deliver, Service, type_name_of
 from ur_nodes.memory.raw import MemoryRaw
 from ur_nodes.memory.stores import MemoryFacts, MemoryLog, MemoryParameters
-from ur_nodes.ports.actions import GoalFollower, GoalTakers
+from ur_nodes.ports.actions import GoalFollower, GoalHandlers
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.log import Log
 from ur_nodes.ports.node import Facts, Location, Sender
@@ -23,35 +23,35 @@ from ur_nodes.ports.values import Result, Transform
 class MemoryPublisher:
     """See `ports.node.Publisher`."""
 
-    def __init__(self, bus: Carrier, topic: str, offer: Offer) -> None:
+    def __init__(self, bus: Carrier, topic: str, entry: BusPublisher) -> None:
         self.topic = topic
-        self._bus, self._offer = bus, offer
+        self._bus, self._entry = bus, entry
 
     def send(self, value: object) -> None:
-        if self._offer in self._bus.topics[self.topic].offers:
-            self._bus.send(self.topic, self._offer, value)
+        if self._entry in self._bus.topics[self.topic].publishers:
+            self._bus.send(self.topic, self._entry, value)
 
-    def listeners(self) -> int:
-        return len(self._bus.topics[self.topic].listeners)
+    def subscribers(self) -> int:
+        return len(self._bus.topics[self.topic].subscribers)
 
     def close(self) -> None:
-        self._offer.latched, self._offer.greet, self._offer.kept = False, None, None
+        self._entry.latched, self._entry.on_subscriber, self._entry.kept = False, None, None
 
 
 class MemorySubscription:
     """See `ports.node.Subscription`."""
 
-    def __init__(self, bus: Carrier, topic: str, listener: BusListener, forget: Callable[[], None]) -> None:
+    def __init__(self, bus: Carrier, topic: str, subscription: BusSubscription, forget: Callable[[], None]) -> None:
         self.topic = topic
-        self._bus, self._listener, self._forget = bus, listener, forget
+        self._bus, self._subscription, self._forget = bus, subscription, forget
 
     def publishers(self) -> int:
-        return len(self._bus.topics[self.topic].offers)
+        return len(self._bus.topics[self.topic].publishers)
 
     def close(self) -> None:
-        if self._listener.open:
-            self._listener.open = False
-            self._bus.topics[self.topic].listeners.remove(self._listener)
+        if self._subscription.open:
+            self._subscription.open = False
+            self._bus.topics[self.topic].subscribers.remove(self._subscription)
             self._forget()
 
 
@@ -86,8 +86,8 @@ class MemoryNode:
         self._bus = bus
         self._remaps = remaps
         self._transforms: Transforms | None = None
-        self._listeners: list[tuple[str, BusListener]] = []
-        self._offers: list[tuple[str, Offer]] = []
+        self._listeners: list[tuple[str, BusSubscription]] = []
+        self._publishers: list[tuple[str, BusPublisher]] = []
         self._services: list[str] = []
         self._at_end: list[Callable[[], None]] = []
         self._late: list[Callable[[], None]] | None = None  # calls that are still to be made at the end
@@ -98,8 +98,8 @@ class MemoryNode:
     def transforms(self) -> Transforms:
         if self._transforms is None:
             self._transforms = tree = Transforms(self._send_transforms, self.log)
-            self.subscribe(FIXED_TRANSFORMS, tuple, tree.take, Quality.LATCHED_EVERY)
-            self.subscribe(TRANSFORMS, tuple, tree.take, Quality.EVERY)
+            self.subscribe(FIXED_TRANSFORMS, tuple, tree.receive, Quality.LATCHED_EVERY)
+            self.subscribe(TRANSFORMS, tuple, tree.receive, Quality.EVERY)
         return self._transforms
 
     def publish(
@@ -107,63 +107,63 @@ class MemoryNode:
         topic: str,
         kind: type[Value],
         quality: Quality = Quality.NEWEST,
-        greet: Callable[[], Value | None] | None = None,
+        on_subscriber: Callable[[], Value | None] | None = None,
         type_name: str = "",
     ) -> MemoryPublisher:
         """See Node; `type_name` is the middleware's name of a type that is of no kind."""
         full = self.resolve(topic)
 
         def answer() -> None:
-            value = greet() if greet is not None and self.ended is None else None
+            value = on_subscriber() if on_subscriber is not None and self.ended is None else None
             if value is not None:
                 publisher.send(value)
 
-        offer = Offer(
+        entry = BusPublisher(
             self.name,
             _runtime(kind),
             quality is Quality.LATCHED,
-            answer if greet else None,
+            answer if on_subscriber else None,
             type_name or type_name_of(kind),
         )
-        publisher = MemoryPublisher(self._bus, full, offer)
-        self._offers.append((full, offer))
-        self._bus.offer(full, offer)
+        publisher = MemoryPublisher(self._bus, full, entry)
+        self._publishers.append((full, entry))
+        self._bus.add_publisher(full, entry)
         return publisher
 
     def subscribe(
         self,
         topic: str,
         kind: type[Value],
-        take: Callable[[Value], None],
+        callback: Callable[[Value], None],
         quality: Quality = Quality.NEWEST,
         unreadable: Callable[[str], None] | None = None,
     ) -> MemorySubscription:
-        return self._listen(topic, kind, lambda value, _sender, _kept: take(value), quality, unreadable)
+        return self._listen(topic, kind, lambda value, _sender, _kept: callback(value), quality, unreadable)
 
     def subscribe_from(
         self,
         topic: str,
         kind: type[Value],
-        take: Callable[[Value, Sender | None], None],
+        callback: Callable[[Value, Sender | None], None],
         quality: Quality = Quality.NEWEST,
     ) -> MemorySubscription:
-        return self._listen(topic, kind, lambda value, sender, kept: take(value, Sender(sender, kept)), quality)
+        return self._listen(topic, kind, lambda value, sender, kept: callback(value, Sender(sender, kept)), quality)
 
     def subscribe_fields(
-        self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[object, ...]], None]
+        self, topic: str, type_name: str, fields: tuple[str, ...], callback: Callable[[tuple[object, ...]], None]
     ) -> MemorySubscription:
         """See Node. The types are those of the bus's `types`, the messages dicts."""
         if type_name not in self._bus.types:
             raise LookupError(type_name)
         if not set(fields) <= set(self._bus.types[type_name]):
             raise ValueError(f"{type_name} has no {', '.join(fields)}")
-        return self.subscribe(topic, dict, lambda value: take(tuple(value[each] for each in fields)), Quality.EVERY)
+        return self.subscribe(topic, dict, lambda value: callback(tuple(value[each] for each in fields)), Quality.EVERY)
 
     def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
         self.serve_later(service, kind, lambda request, give: give(answer(request)))
 
     def serve_later(
-        self, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
+        self, service: str, kind: type[Value], callback: Callable[[Value, Callable[[Result], None]], None]
     ) -> None:
         full = self.resolve(service)
 
@@ -173,26 +173,26 @@ class MemoryNode:
             elif problem := problem_of(request):
                 give(Result(False, f"{full}: {problem}"))
             else:
-                take(request, give)
+                callback(request, give)
 
         self._services.append(full)
         self._bus.services[full] = Service(self.name, kind, check)
 
-    def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
+    def call(self, service: str, request: object, callback: Callable[[Result], None], within: float = 5.0) -> None:
         full, end = self.resolve(service), self._bus.now + round(within * 1e9)
-        waiting = [take]
+        waiting = [callback]
 
         def give(result: Result) -> None:
             if waiting:
                 waiting.pop()
                 problem = problem_of(result)
                 used = Result(False, f"{full}: {problem}") if problem else result
-                self._bus.at(self._bus.now, lambda: take(used) if self.ended is None else None)
+                self._bus.at(self._bus.now, lambda: callback(used) if self.ended is None else None)
 
         def ask() -> None:
             serve = self._bus.services.get(full)
             if serve is not None:
-                serve.take(request, give)
+                serve.handle(request, give)
                 self._bus.at(end, lambda: give(Result(False, f"no answer of {full} within {within:g} s")))
             elif self._bus.now < end:
                 self._bus.at(min(self._bus.now + 100_000_000, end), ask)
@@ -201,8 +201,8 @@ class MemoryNode:
 
         self._bus.at(self._bus.now, ask)
 
-    def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> TopicGoalServer:
-        return TopicGoalServer(self, action, takers, kept)
+    def serve_goals(self, action: str, handlers: GoalHandlers, kept: float = 5.0) -> TopicGoalServer:
+        return TopicGoalServer(self, action, handlers, kept)
 
     def follow_goals(self, action: str, follower: GoalFollower) -> TopicGoalClient:
         return TopicGoalClient(self, action, follower)
@@ -228,16 +228,16 @@ class MemoryNode:
         self._bus.at(due, lambda: call() if self.ended is None and timer.on else None)
         return timer
 
-    def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
+    def work(self, job: Callable[[], Value], callback: Callable[[Value], None], queue: str = "") -> None:
         """See Node. The job runs at once; its result comes with the next event, or after the lane's duration."""
         result = job()
         if self._late is None:
             self._bus.at(
-                self._bus.now + round(self._bus.durations.get(lane, 0.0) * 1e9),
-                lambda: take(result) if self.ended is None else None,
+                self._bus.now + round(self._bus.durations.get(queue, 0.0) * 1e9),
+                lambda: callback(result) if self.ended is None else None,
             )
         else:
-            self._late.append(lambda: take(result))
+            self._late.append(lambda: callback(result))
 
     def post(self, call: Callable[[], None]) -> None:
         self._bus.at(self._bus.now, lambda: call() if self.ended is None else None)
@@ -248,17 +248,17 @@ class MemoryNode:
     def steady(self) -> float:
         return self._bus.now * 1e-9
 
-    def read_graph(self, take: Callable[[Graph | None], None]) -> None:
-        self.work(self._bus.graph, take)
+    def read_graph(self, callback: Callable[[Graph | None], None]) -> None:
+        self.work(self._bus.graph, callback)
 
-    def kinds_taken(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
+    def subscribed_kinds(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
         entry = self._bus.topics.get(self.resolve(topic))
-        listeners = entry.listeners if entry else []
-        return frozenset(each.kind for each in listeners if each.kind in kinds and each.node != self.name)
+        subscribers = entry.subscribers if entry else []
+        return frozenset(each.kind for each in subscribers if each.kind in kinds and each.node != self.name)
 
     def kinds_sent(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
         entry = self._bus.topics.get(self.resolve(topic))
-        offers = entry.offers if entry else []
+        offers = entry.publishers if entry else []
         return frozenset(each.kind for each in offers if each.kind in kinds and each.sender != self.name)
 
     def locate(self, name: str) -> Location | None:
@@ -286,11 +286,11 @@ class MemoryNode:
         while self._late:
             self._late.pop(0)()
         self.ended, self.failed = reason, failed
-        for topic, listener in self._listeners:
-            listener.open = False
-            self._bus.topics[topic].listeners.remove(listener)
-        for topic, offer in self._offers:
-            self._bus.topics[topic].offers.remove(offer)
+        for topic, subscription in self._listeners:
+            subscription.open = False
+            self._bus.topics[topic].subscribers.remove(subscription)
+        for topic, entry in self._publishers:
+            self._bus.topics[topic].publishers.remove(entry)
         for service in self._services:
             self._bus.services.pop(service, None)
         if self._bus.nodes.get(self.name) is self:
@@ -307,15 +307,17 @@ class MemoryNode:
         full = self.resolve(topic)
         refusals = Refusals(full, self.log.error, unreadable)
 
-        def take(value: Value, sender: str, kept: bool) -> None:
+        def on_request(value: Value, sender: str, kept: bool) -> None:
             if kind is not object and (problem := problem_of(value)):  # raw messages are recorded as they are
                 refusals.report(problem, sender)
             else:
                 deliver(value, sender, kept)
 
-        listener = self._bus.listen(self.name, full, _runtime(kind), quality, cast("Deliver", take), refusals.report)
-        self._listeners.append((full, listener))
-        return MemorySubscription(self._bus, full, listener, lambda: self._listeners.remove((full, listener)))
+        subscription = self._bus.listen(
+            self.name, full, _runtime(kind), quality, cast("Deliver", on_request), refusals.report
+        )
+        self._listeners.append((full, subscription))
+        return MemorySubscription(self._bus, full, subscription, lambda: self._listeners.remove((full, subscription)))
 
     def _send_transforms(self, transforms: tuple[Transform, ...]) -> None:
         fixed = [each for each in transforms if each.fixed]

@@ -18,12 +18,12 @@ class RawNode(Protocol):
     """The node of `MemoryRaw`; `type_name` is the middleware's name of a type that is of no kind."""
 
     def publish(
-        self, topic: str, kind: type[object], quality: Quality, greet: None = None, type_name: str = ""
+        self, topic: str, kind: type[object], quality: Quality, on_subscriber: None = None, type_name: str = ""
     ) -> Publisher[object]:
         """See Node."""
 
     def subscribe_from(
-        self, topic: str, kind: type[object], take: Callable[[object, Sender | None], None], quality: Quality
+        self, topic: str, kind: type[object], callback: Callable[[object, Sender | None], None], quality: Quality
     ) -> Subscription:
         """See Node."""
 
@@ -52,10 +52,10 @@ class MemoryRaw(RecordingRaw):
         return self._bus.schemas.get(type_name)
 
     def subscribe(
-        self, topic: str, take: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
+        self, topic: str, callback: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
     ) -> Subscription:
         return self._node.subscribe_from(
-            topic, object, lambda value, sender: take(self._raw_of(value, sender)), quality
+            topic, object, lambda value, sender: callback(self._raw_of(value, sender)), quality
         )
 
     def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> MemoryRawPublisher:
@@ -63,7 +63,7 @@ class MemoryRaw(RecordingRaw):
             raise LookupError(type_name)
         return MemoryRawPublisher(self._node.publish(topic, object, quality, type_name=type_name), type_name, self._bus)
 
-    def find_service(self, service: str, take: Callable[[Result], None]) -> None:
+    def find_service(self, service: str, callback: Callable[[Result], None]) -> None:
         """See Raw. A kind of requests has the name that its `type_name` gives, or its own."""
         found = self._bus.services.get(self._node.resolve(service))
         if found is None:
@@ -71,26 +71,26 @@ class MemoryRaw(RecordingRaw):
         else:
             name = type_name_of(found.kind)
             result = Result(True, value=ServiceType(name, self._bus.schemas.get(name, "")))
-        self._node.after(0.0, lambda: take(result))
+        self._node.after(0.0, lambda: callback(result))
 
-    def call(self, service: str, fields: Fields, take: Callable[[Result], None]) -> None:
+    def call(self, service: str, fields: Fields, callback: Callable[[Result], None]) -> None:
         found = self._bus.services.get(self._node.resolve(service))
         if found is None:
-            self._node.after(0.0, lambda: take(self._missing(service)))
+            self._node.after(0.0, lambda: callback(self._missing(service)))
             return
         name = type_name_of(found.kind)
 
         def give(result: Result) -> None:
             value = result.value if isinstance(result.value, dict) else asdict(result)
-            self._node.after(0.0, lambda: take(Result(True, str(value), ServiceAnswer(name, value))))
+            self._node.after(0.0, lambda: callback(Result(True, str(value), ServiceAnswer(name, value))))
 
         try:
             request = found.kind(**fields)
         except TypeError as problem:
             result = Result(False, f"value: {problem}")
-            self._node.after(0.0, lambda: take(result))
+            self._node.after(0.0, lambda: callback(result))
         else:
-            found.take(request, give)
+            found.handle(request, give)
 
     def _missing(self, service: str) -> Result:
         return Result(False, f"{self._node.resolve(service)}: no node offers it now")
@@ -124,8 +124,8 @@ class MemoryRawPublisher:
         fields.type_name = self._type_name
         self._publisher.send(fields)
 
-    def listeners(self) -> int:
-        return self._publisher.listeners()
+    def subscribers(self) -> int:
+        return self._publisher.subscribers()
 
     def close(self) -> None:
         self._publisher.close()

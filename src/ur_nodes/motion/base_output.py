@@ -15,12 +15,12 @@ _FRAME = "base_link"
 class BaseOutput:
     """Sends velocities on a topic, as Twist or TwistStamped. See KindWatch: while none is known, nothing is sent."""
 
-    def __init__(self, node: Node, topic: str, greet: Callable[[], Velocity | None]) -> None:
-        """`greet` returns, for each new subscriber, a value that all subscribers then get."""
-        self._node, self._topic, self._greet = node, topic, greet
+    def __init__(self, node: Node, topic: str, on_subscriber: Callable[[], Velocity | None]) -> None:
+        """`on_subscriber` returns, for each new subscriber, a value that all subscribers then get."""
+        self._node, self._topic, self._on_subscriber = node, topic, on_subscriber
         self._twists: Publisher[Twist] | None = None
         self._stamped: Publisher[StampedTwist] | None = None
-        KindWatch(node, topic, node.kinds_taken, self._use, "velocities are sent as NAME, which the base takes")
+        KindWatch(node, topic, node.subscribed_kinds, self._use, "velocities are sent as NAME, which the base takes")
 
     def send(self, velocity: Velocity) -> None:
         """Send a velocity."""
@@ -35,16 +35,16 @@ class BaseOutput:
                 publisher.close()
         self._twists = self._stamped = None
         if kind is Twist:
-            self._twists = self._node.publish(self._topic, Twist, greet=self._greet_twist)
+            self._twists = self._node.publish(self._topic, Twist, on_subscriber=self._on_subscriber_twist)
         else:
-            self._stamped = self._node.publish(self._topic, StampedTwist, greet=self._greet_stamped)
+            self._stamped = self._node.publish(self._topic, StampedTwist, on_subscriber=self._on_subscriber_stamped)
 
-    def _greet_twist(self) -> Twist | None:
-        velocity = self._greet()
+    def _on_subscriber_twist(self) -> Twist | None:
+        velocity = self._on_subscriber()
         return None if velocity is None else _twist_of(velocity)
 
-    def _greet_stamped(self) -> StampedTwist | None:
-        velocity = self._greet()
+    def _on_subscriber_stamped(self) -> StampedTwist | None:
+        velocity = self._on_subscriber()
         return None if velocity is None else self._stamp(velocity)
 
     def _stamp(self, velocity: Velocity) -> StampedTwist:

@@ -34,7 +34,7 @@ class MuxRunner:
         self._on_change, self._on_output = on_change, on_output
         self._timer: Timer | None = None
         self._timer_at = state.next_at
-        self._output = BaseOutput(node, topic, self._greet)
+        self._output = BaseOutput(node, topic, self._on_subscriber)
         node.on_end(self._end)
         on_change(state)
 
@@ -68,7 +68,7 @@ class MuxRunner:
         self._timer_at = float("nan")  # the timer is used up
         self.handle(None)
 
-    def _greet(self) -> Velocity | None:
+    def _on_subscriber(self) -> Velocity | None:
         """Return a stop for each new subscriber: some drivers keep the last command of a mux that died."""
         return STILL if self._state.output.still else None
 

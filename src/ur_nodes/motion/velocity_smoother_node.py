@@ -32,14 +32,14 @@ def start(node: Node) -> None:
 
     rhythm = Probation(_TIMEOUT)
 
-    def take(twist: Twist) -> None:
+    def on_twist(twist: Twist) -> None:
         nonlocal rhythm
         velocity = Velocity(twist.forward, twist.turn)
         rhythm = step_probation(rhythm, node.steady(), motion=not velocity.still)
         if rhythm.accepted or velocity.still:
             runner.handle(VelocityCommand(0, velocity))
 
-    node.subscribe(_SOURCE.topic, Twist, take, Quality.EVERY)  # a cluster of commands has to be seen as one
+    node.subscribe(_SOURCE.topic, Twist, on_twist, Quality.EVERY)  # a cluster of commands has to be seen as one
 
 
 def _read_settings(own: Parameters) -> MuxSettings:

@@ -18,14 +18,14 @@ class Writes:
         self._open: dict[str, Callable[[], None]] = {}
         node.on_end(self._repeat)
 
-    def write(self, name: str, job: Callable[[], None], take: Callable[[str], None] = lambda _: None) -> None:
-        """Make a write; `take` gets the reason of a failure, empty on success."""
+    def write(self, name: str, job: Callable[[], None], callback: Callable[[str], None] = lambda _: None) -> None:
+        """Make a write; `callback` gets the reason of a failure, empty on success."""
         self._open[name] = job
 
         def finish(problem: str) -> None:
             if self._open.get(name) is job:
                 del self._open[name]
-            take(problem)
+            callback(problem)
 
         self._node.work(partial(attempt, job), finish, _LANE)
 

@@ -58,7 +58,7 @@ class VelocityOutput:
 
     def send(self, velocity: DriveVelocity) -> None:
         """Publish a command. Without a fresh challenge nothing is sent, and the robot stops."""
-        self._to_mux = self._to_mux or (self._stamped is not None and self._stamped.listeners() > 0)
+        self._to_mux = self._to_mux or (self._stamped is not None and self._stamped.subscribers() > 0)
         if self._stamped is None or not self._to_mux:
             self._plain.send(Twist(*velocity))
         else:
@@ -158,7 +158,7 @@ class MoveBase:
         self._view.show_surroundings(self._tick)
         self._tick += 1
 
-    def take_goal(self, handle: GoalHandle) -> None:
+    def handle_goal(self, handle: GoalHandle) -> None:
         """Pursue this goal in place of another, or refuse it."""
         goal = goal_in_map(handle.goal.target, self._world.frames, self._settings.world.frame)
         before = self._watch.judge() if self._handle is not None else None  # it may belong to another client by now
@@ -184,7 +184,7 @@ class MoveBase:
         self._navigator.start(goal, self._now(), any_heading=has_any_heading(handle.goal.id))
         self._view.show_goal(goal)
 
-    def take_cancel(self, handle: GoalHandle) -> None:
+    def handle_cancel(self, handle: GoalHandle) -> None:
         """Stop, and end the goal."""
         if handle is self._handle:
             self._end_goal()

@@ -27,8 +27,8 @@ class MoveBaseView:
         self._local_frame = settings.local.frame
         self._maps_shown = 0
         self._arrived = False  # a subscriber of the global costmap
-        self._global = node.publish("~global_costmap/costmap", Map, greet=self._greet)
-        self._changes = node.publish("~global_costmap/costmap_updates", MapUpdate, greet=self._greet)
+        self._global = node.publish("~global_costmap/costmap", Map, on_subscriber=self._on_subscriber)
+        self._changes = node.publish("~global_costmap/costmap_updates", MapUpdate, on_subscriber=self._on_subscriber)
         self._local = node.publish("~local_costmap/costmap", Map)
         self._footprint = node.publish("~global_costmap/footprint", Outline)
         self._local_footprint = node.publish("~local_costmap/footprint", Outline)
@@ -48,9 +48,9 @@ class MoveBaseView:
     def show_drive(self, path: NDArray[np.float64] | None, ahead: NDArray[np.float64] | None) -> None:
         """Publish the rest of the path (n, 2) in the map, and the robot's next poses (t, 3) in the odometry frame."""
         now = self._node.now()
-        if path is not None and len(path) and self._followed.listeners():
+        if path is not None and len(path) and self._followed.subscribers():
             self._followed.send(make_path(path, self._world_frame, now))
-        if ahead is not None and self._foreseen.listeners():
+        if ahead is not None and self._foreseen.subscribers():
             self._foreseen.send(make_path(ahead, self._local_frame, now))
 
     def show_surroundings(self, tick: int) -> None:
@@ -58,34 +58,34 @@ class MoveBaseView:
         outline_at, now = self._settings.footprint.outline_at, self._node.now()
         if self._is_due(self._settings.local.publish_frequency, tick):
             robot = self._world.robot_in_odom()
-            if self._local.listeners():
+            if self._local.subscribers():
                 self._local.send(Map(now, self._local_frame, grid_of(self._world.local_costmap.inflated())))
-            if robot is not None and self._local_footprint.listeners():
+            if robot is not None and self._local_footprint.subscribers():
                 self._local_footprint.send(Outline(now, self._local_frame, outline_at(robot)))
         if self._is_due(self._settings.world.publish_frequency, tick):
             robot = self._world.robot_in_map()
             self._show_global_costmap(now)
-            if robot is not None and self._footprint.listeners():
+            if robot is not None and self._footprint.subscribers():
                 self._footprint.send(Outline(now, self._world_frame, outline_at(robot)))
 
     def _is_due(self, frequency: float, tick: int) -> bool:
         return frequency > 0.0 and tick % max(1, round(1.0 / (frequency * self._settings.navigator.period))) == 0
 
-    def _greet(self) -> None:
+    def _on_subscriber(self) -> None:
         """Note a new subscriber. Of changes, too: it may have missed some since it received the whole."""
         self._arrived = True
 
     def _show_global_costmap(self, now: int) -> None:
         """Publish the whole costmap when it or a subscriber is new, as costmap_2d does; else the change."""
         layered = self._world.global_costmap
-        if layered is None or not self._global.listeners():
+        if layered is None or not self._global.subscribers():
             return
         changed = layered.take_changes()
         new, self._maps_shown = self._maps_shown != self._world.maps, self._world.maps
         if new or self._arrived:
             self._arrived = False
             self._global.send(Map(now, self._world_frame, grid_of(layered.costmap)))
-        elif changed is not None and self._changes.listeners():
+        elif changed is not None and self._changes.subscribers():
             values = occupancy_of_costs(layered.costmap.costs[changed])
             self._changes.send(MapUpdate(now, self._world_frame, changed[0].start, changed[1].start, values))
 

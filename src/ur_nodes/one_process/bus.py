@@ -10,7 +10,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar, TypeVar, cast
 
-from ur_nodes.loop import Lanes, steady_time
+from ur_nodes.loop import SerialQueues, steady_time
 from ur_nodes.memory.bus import REPLACED, Bus
 from ur_nodes.memory.carrier import Carrier
 from ur_nodes.memory.node import MemoryNode
@@ -39,20 +39,20 @@ class LiveNode(MemoryNode):
         self.over = threading.Event()
         self.at_over: Callable[[], None] = lambda: None
         self.replaced = False
-        self._lanes = Lanes()
+        self._lanes = SerialQueues()
 
-    def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
+    def work(self, job: Callable[[], Value], callback: Callable[[Value], None], queue: str = "") -> None:
         """See Node. Jobs that start at the end of the node run at once."""
         if self._late is not None:
-            super().work(job, take, lane)
+            super().work(job, callback, queue)
         else:
-            self._lanes.add(job, take, lane, self.post)
+            self._lanes.add(job, callback, queue, self.post)
 
     def steady(self) -> float:
         return steady_time()
 
-    def read_graph(self, take: Callable[[Graph | None], None]) -> None:
-        self.post(lambda: take(self._bus.graph()))
+    def read_graph(self, callback: Callable[[Graph | None], None]) -> None:
+        self.post(lambda: callback(self._bus.graph()))
 
     def end(self, reason: str, *, failed: bool = False) -> None:
         if self._late is not None:
@@ -150,7 +150,7 @@ class LiveBus(Bus):
                     self._woken.wait(min(wait, _LONGEST_WAIT))
                     self._woken.clear()
                 else:
-                    self._take_event()
+                    self._run_next()
         except BaseException:
             self.failed = True
             fail = self._fail or threading.excepthook  # of now: a user interface has one of its own

@@ -28,7 +28,7 @@ class Republisher:
         node.every(_LOOK_EVERY, self._look, steady=True)
 
     def _look(self) -> None:
-        wanted = self._publisher.listeners() > 0
+        wanted = self._publisher.subscribers() > 0
         if wanted and self._subscription is None:
             self._subscription = self._node.subscribe(self._source, PackedPicture, self._work.ask)
         elif self._subscription is not None and not wanted:

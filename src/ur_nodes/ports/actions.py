@@ -82,13 +82,13 @@ class GoalHandle(Protocol):
         """End the goal as cancelled, or replaced by another."""
 
 
-class GoalTakers(Protocol):
+class GoalHandlers(Protocol):
     """The callbacks of a node that serves goals."""
 
-    def take_goal(self, handle: GoalHandle) -> None:
+    def handle_goal(self, handle: GoalHandle) -> None:
         """Take a goal that has arrived."""
 
-    def take_cancel(self, handle: GoalHandle) -> None:
+    def handle_cancel(self, handle: GoalHandle) -> None:
         """Take the request of a client to cancel a goal; not called for a goal that has ended."""
 
 
@@ -102,10 +102,10 @@ class GoalServer(Protocol):
 class GoalFollower(Protocol):
     """The callbacks of a node that sends goals, or monitors those of others."""
 
-    def take_states(self, states: tuple[GoalState, ...]) -> None:
+    def on_states(self, states: tuple[GoalState, ...]) -> None:
         """Take the states of open and recently ended goals; called several times a second."""
 
-    def take_goal_end(self, state: GoalState) -> None:
+    def on_goal_end(self, state: GoalState) -> None:
         """Take the final state of a goal."""
 
 

@@ -13,11 +13,11 @@ class KeptMap:
     def __init__(self) -> None:
         self.map: Map | None = None
 
-    def take(self, given: Map) -> None:
+    def replace(self, given: Map) -> None:
         """Replace the map."""
         self.map = replace(given, grid=replace(given.grid, values=given.grid.values.copy()))
 
-    def take_update(self, update: MapUpdate) -> str:
+    def apply(self, update: MapUpdate) -> str:
         """Apply an update if there is a map; return what is wrong with it, or ''.
 
         After a change of the map's size, updates may not fit until the new map arrives.

@@ -16,11 +16,11 @@ class NewestWork(Generic[Request, Outcome]):
     """Runs one job at a time; of the waiting requests the newest is next."""
 
     def __init__(
-        self, node: Node, lane: str, job: Callable[[Request], Outcome], take: Callable[[Request, Outcome], None]
+        self, node: Node, queue: str, job: Callable[[Request], Outcome], callback: Callable[[Request, Outcome], None]
     ) -> None:
-        """`job` runs on a worker, `take` on the node's thread."""
-        self._node, self._lane = node, lane
-        self._job, self._take = job, take
+        """`job` runs on a worker, `callback` on the node's thread."""
+        self._node, self._lane = node, queue
+        self._job, self._take = job, callback
         self._busy = self._wanted = False
         self._waiting: Request | None = None
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
-from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalServer, GoalTakers
+from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalHandlers, GoalServer
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.log import Log
 from ur_nodes.ports.parameters import Parameters
@@ -78,15 +78,15 @@ class Node(Protocol):
         topic: str,
         kind: type[Value],
         quality: Quality = Quality.NEWEST,
-        greet: Callable[[], Value | None] | None = None,
+        on_subscriber: Callable[[], Value | None] | None = None,
     ) -> Publisher[Value]:
-        """Publish on a topic. For each new subscriber `greet` returns a value that all subscribers then get."""
+        """Publish on a topic. For each new subscriber `on_subscriber` returns a value that all subscribers then get."""
 
     def subscribe(
         self,
         topic: str,
         kind: type[Value],
-        take: Callable[[Value], None],
+        callback: Callable[[Value], None],
         quality: Quality = Quality.NEWEST,
         unreadable: Callable[[str], None] | None = None,
     ) -> Subscription:
@@ -96,15 +96,15 @@ class Node(Protocol):
         self,
         topic: str,
         kind: type[Value],
-        take: Callable[[Value, Sender | None], None],
+        callback: Callable[[Value, Sender | None], None],
         quality: Quality = Quality.NEWEST,
     ) -> Subscription:
         """Subscribe, and get the sender of each value; None if the middleware does not know it."""
 
     def subscribe_fields(
-        self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[object, ...]], None]
+        self, topic: str, type_name: str, fields: tuple[str, ...], callback: Callable[[tuple[object, ...]], None]
     ) -> Subscription:
-        """Subscribe to messages of any type by its name in the middleware; `take` gets the fields.
+        """Subscribe to messages of any type by its name in the middleware; `callback` gets the fields.
 
         Raises LookupError if the type is not installed, ValueError if it has no such fields.
         """
@@ -113,17 +113,17 @@ class Node(Protocol):
         """Serve requests of a kind, see `ports.services`. Without their messages no service is offered."""
 
     def serve_later(
-        self, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
+        self, service: str, kind: type[Value], callback: Callable[[Value, Callable[[Result], None]], None]
     ) -> None:
-        """Serve requests whose answer needs work: `take` gets a request, and a function to call with the answer."""
+        """Serve requests whose answer needs work: `callback` gets a request, and a function to call with the answer."""
 
-    def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
-        """Call a service; `take` gets the answer, or a result without success after `within` s.
+    def call(self, service: str, request: object, callback: Callable[[Result], None], within: float = 5.0) -> None:
+        """Call a service; `callback` gets the answer, or a result without success after `within` s.
 
         Calls do not wait for one another, and may be answered in another order.
         """
 
-    def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> GoalServer:
+    def serve_goals(self, action: str, handlers: GoalHandlers, kept: float = 5.0) -> GoalServer:
         """Serve an action that drives to a pose. States of goals are sent for `kept` s after their end."""
 
     def follow_goals(self, action: str, follower: GoalFollower) -> GoalClient:
@@ -135,8 +135,8 @@ class Node(Protocol):
     def after(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Timer:
         """Call once after a number of seconds of `now`, or of `steady`."""
 
-    def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
-        """Run a job on a worker; `take` gets its result on the node's thread.
+    def work(self, job: Callable[[], Value], callback: Callable[[Value], None], queue: str = "") -> None:
+        """Run a job on a worker; `callback` gets its result on the node's thread.
 
         Jobs of a lane run one after the other, lanes in parallel. Jobs that wait at the end of the node are dropped;
         jobs that `on_end` starts, and that their results start, are still done.
@@ -154,10 +154,10 @@ class Node(Protocol):
     def steady(self) -> float:
         """Return the seconds of a clock that is never set and continues while the computer is suspended."""
 
-    def read_graph(self, take: Callable[[Graph | None], None]) -> None:
-        """Read the present nodes, topics and services; `take` gets None without an answer."""
+    def read_graph(self, callback: Callable[[Graph | None], None]) -> None:
+        """Read the present nodes, topics and services; `callback` gets None without an answer."""
 
-    def kinds_taken(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
+    def subscribed_kinds(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
         """Return those of the kinds to which other nodes subscribe on a topic now; None if that is unknown."""
 
     def kinds_sent(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:

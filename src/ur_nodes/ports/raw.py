@@ -95,12 +95,12 @@ class Raw(Protocol):
         """Return the schema of a type; None if it is not installed. It may block: call it from `work`."""
 
     def subscribe(
-        self, topic: str, take: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
+        self, topic: str, callback: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
     ) -> Subscription:
         """Subscribe to a topic of any type."""
 
-    def record(self, take: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]) -> TopicRecorder:
-        """Record topics at little cost: `take` gets messages in batches, with the times of `clock`, in ns."""
+    def record(self, callback: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]) -> TopicRecorder:
+        """Record topics at little cost: `callback` gets messages in batches, with the times of `clock`, in ns."""
 
     def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> Publisher[Fields | bytes]:
         """Publish on a topic messages from fields, or from bytes. A header without a stamp gets the present time.
@@ -108,18 +108,18 @@ class Raw(Protocol):
         Raises LookupError if the type is not installed. `send` raises ValueError for wrong fields.
         """
 
-    def find_service(self, service: str, take: Callable[[Result], None]) -> None:
-        """Find a service; `take` gets a result with its ServiceType."""
+    def find_service(self, service: str, callback: Callable[[Result], None]) -> None:
+        """Find a service; `callback` gets a result with its ServiceType."""
 
-    def call(self, service: str, fields: Fields, take: Callable[[Result], None]) -> None:
-        """Call a service without a timeout; `take` gets a result with its ServiceAnswer, as lines in the text."""
+    def call(self, service: str, fields: Fields, callback: Callable[[Result], None]) -> None:
+        """Call a service without a timeout; `callback` gets a result with its ServiceAnswer, as lines in the text."""
 
 
 class RawSubscriber(Protocol):
     """The part of `Raw` that a recorder needs."""
 
     def subscribe(
-        self, topic: str, take: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
+        self, topic: str, callback: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
     ) -> Subscription:
         """See Raw."""
 
@@ -128,9 +128,9 @@ class SubscribedRecorder:
     """A TopicRecorder by subscriptions, for middleware that has no cheaper one; it receives what it leaves out, too."""
 
     def __init__(
-        self, raw: RawSubscriber, take: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]
+        self, raw: RawSubscriber, callback: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]
     ) -> None:
-        self._raw, self._take, self._clock = raw, take, clock
+        self._raw, self._take, self._clock = raw, callback, clock
         self._open: dict[str, Subscription] = {}
         self._periods: dict[str, float] = {}
         self._last: dict[str, int] = {}
@@ -167,6 +167,6 @@ class RecordingRaw:
     """The part of `Raw` that records by subscriptions."""
 
     def record(
-        self: RawSubscriber, take: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]
+        self: RawSubscriber, callback: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]
     ) -> TopicRecorder:
-        return SubscribedRecorder(self, take, clock)
+        return SubscribedRecorder(self, callback, clock)

@@ -34,7 +34,7 @@ class Publisher(Protocol[Sent]):
     def send(self, value: Sent) -> None:
         """Send a value to all subscribers. After the end of the node nothing happens."""
 
-    def listeners(self) -> int:
+    def subscribers(self) -> int:
         """Return the number of subscribers, so that expensive values are made for subscribers only."""
 
     def close(self) -> None:

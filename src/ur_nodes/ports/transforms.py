@@ -49,8 +49,8 @@ class Transforms(TransformTree):
         """Send transforms of this node in one message."""
         self._link(transforms)
 
-    def take(self, transforms: Iterable[Transform]) -> None:
-        """Take transforms of another node."""
+    def receive(self, transforms: Iterable[Transform]) -> None:
+        """Add transforms of another node."""
         used = [each for each in transforms if each.child.lstrip("/") not in self._ignored]
         for each in used:
             if problem := problem_of(each.pose):

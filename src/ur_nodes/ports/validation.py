@@ -55,10 +55,12 @@ def usable(value: Value) -> Value:
 
 
 class Refusals:
-    """Reports messages of a topic that are ignored: each to `take`, or once for each publisher to `write`."""
+    """Reports messages of a topic that are ignored: each to `callback`, or once for each publisher to `write`."""
 
-    def __init__(self, topic: str, write: Callable[[str], object], take: Callable[[str], None] | None = None) -> None:
-        self._topic, self._write, self._take = topic, write, take
+    def __init__(
+        self, topic: str, write: Callable[[str], object], callback: Callable[[str], None] | None = None
+    ) -> None:
+        self._topic, self._write, self._take = topic, write, callback
         self._reported: set[str] = set()
 
     def report(self, problem: str, publisher: str = "") -> None:

@@ -158,13 +158,13 @@ def _can_be_sent(topic: RecordingTopic) -> bool:
 
 
 def open_control_socket(
-    node: Node, environment: Mapping[str, str], take: Callable[[ReplayCommand], ReplayState]
+    node: Node, environment: Mapping[str, str], callback: Callable[[ReplayCommand], ReplayState]
 ) -> DatagramSocket:
-    """Open the socket for commands of `ur replay`; each is passed to `take`, and answered with the state after it."""
+    """Open the socket for commands of `ur replay`; `callback` gets each, and returns the state after it."""
 
-    def take_datagram(data: bytes) -> bytes:
+    def on_datagram(data: bytes) -> bytes:
         command = read_command(data)
-        return b"" if command is None else write_json(take(command)).encode()
+        return b"" if command is None else write_json(callback(command)).encode()
 
     without = "'ur replay --pause' and others have no effect"
-    return DatagramSocket(node, sockets_folder(environment), _CONTROL_EVERY, MOST_BYTES, take_datagram, without)
+    return DatagramSocket(node, sockets_folder(environment), _CONTROL_EVERY, MOST_BYTES, on_datagram, without)

@@ -48,11 +48,11 @@ def attach(name: str, start: Callable[[Node], Wired], end: Callable[[], None]) -
         silence_terminal()
         node = AttachedNode()
 
-        def take(reason: str) -> None:  # not by on_shutdown, whose callbacks run before the reason is known
+        def on_reason(reason: str) -> None:  # not by on_shutdown, whose callbacks run before the reason is known
             node.replaced = node.replaced or "new node registered" in reason
             end()
 
-        rospy.core.add_preshutdown_hook(take)
+        rospy.core.add_preshutdown_hook(on_reason)
         wired = start(node)
         node.begin(end)
         yield wired, node

@@ -18,7 +18,7 @@ from move_base_msgs.msg import (
 
 from ur_nodes.codecs.places import fill_placed, placed_of
 from ur_nodes.loop import Loop
-from ur_nodes.ports.actions import Goal, GoalFollower, GoalPhase, GoalState, GoalTakers
+from ur_nodes.ports.actions import Goal, GoalFollower, GoalHandlers, GoalPhase, GoalState
 from ur_nodes.ports.values import PlacedPose
 from ur_nodes.ros1.ending import quiet_at_end
 
@@ -40,14 +40,14 @@ class RosGoalClient:
         self._goals = rospy.Publisher(f"{action}/goal", MoveBaseActionGoal, queue_size=5)
         self._cancels = rospy.Publisher(f"{action}/cancel", GoalID, queue_size=5)
 
-        def take_states(message: GoalStatusArray) -> None:
-            follower.take_states(tuple(map(state_of, message.status_list)))
+        def on_states(message: GoalStatusArray) -> None:
+            follower.on_states(tuple(map(state_of, message.status_list)))
 
-        def take_end(message: MoveBaseActionResult) -> None:
-            follower.take_goal_end(state_of(message.status))
+        def on_result(message: MoveBaseActionResult) -> None:
+            follower.on_goal_end(state_of(message.status))
 
-        rospy.Subscriber(f"{action}/status", GoalStatusArray, loop.mailbox(1, take_states), queue_size=1)
-        rospy.Subscriber(f"{action}/result", MoveBaseActionResult, loop.mailbox(100, take_end), queue_size=10)
+        rospy.Subscriber(f"{action}/status", GoalStatusArray, loop.mailbox(1, on_states), queue_size=1)
+        rospy.Subscriber(f"{action}/result", MoveBaseActionResult, loop.mailbox(100, on_result), queue_size=10)
 
     @quiet_at_end
     def send(self, goal: Goal) -> None:
@@ -73,12 +73,12 @@ def state_of(status: GoalStatus) -> GoalState:
 class RosGoalServer:
     """See `ports.actions.GoalServer`. The server's own lock is never held while the node runs."""
 
-    def __init__(self, action: str, takers: GoalTakers, loop: Loop, kept: float) -> None:
-        self._takers = takers
+    def __init__(self, action: str, handlers: GoalHandlers, loop: Loop, kept: float) -> None:
+        self._handlers = handlers
         self._handles: dict[str, RosGoalHandle] = {}  # of goals that have not ended
-        take_goal = loop.mailbox(100, self._take_goal)
-        take_cancel = loop.mailbox(100, self._take_cancel)
-        self._server = ActionServer(action, MoveBaseAction, take_goal, take_cancel, auto_start=False)
+        handle_goal = loop.mailbox(100, self._take_goal)
+        handle_cancel = loop.mailbox(100, self._take_cancel)
+        self._server = ActionServer(action, MoveBaseAction, handle_goal, handle_cancel, auto_start=False)
         self._server.publish_status = quiet_at_end(self._server.publish_status)  # a thread of its own calls it
         self._goals = rospy.Publisher(f"{action}/goal", MoveBaseActionGoal, queue_size=10)
         rospy.Subscriber(f"{action}_simple/goal", PoseStamped, self._pass_on, queue_size=100)
@@ -97,12 +97,12 @@ class RosGoalServer:
     def _take_goal(self, handle: ServerGoalHandle) -> None:
         own = RosGoalHandle(handle, self._handles.pop)
         self._handles[own.goal.id] = own
-        self._takers.take_goal(own)
+        self._handlers.handle_goal(own)
 
     def _take_cancel(self, handle: ServerGoalHandle) -> None:
         own = self._handles.get(handle.get_goal_id().id)
         if own is not None:
-            self._takers.take_cancel(own)
+            self._handlers.handle_cancel(own)
 
 
 class RosGoalHandle:

@@ -18,7 +18,7 @@ import rospy
 from ur_nodes.codecs import find_codec
 from ur_nodes.loop import Loop
 from ur_nodes.node_base import LoopNode
-from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalServer, GoalTakers
+from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalHandlers, GoalServer
 from ur_nodes.ports.graph import Ends, Graph, make_graph
 from ur_nodes.ports.log import ThrottledLog
 from ur_nodes.ports.node import Location, Sender
@@ -27,7 +27,7 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import ClockTime, Result
-from ur_nodes.ros1.reconfigure import offer_changes
+from ur_nodes.ros1.reconfigure import serve_changes
 from ur_nodes.ros1.repairs.own_clock import follow_clock
 from ur_nodes.ros1.repairs.sending import wait_until_sent
 from ur_nodes.ros1.services import call_service, serve_service
@@ -117,7 +117,7 @@ class RosNode(LoopNode):
         """Start to run callbacks. When one fails, no more are run and `on_failure` is called."""
         self._loop.start(on_failure)
         try:
-            offer_changes(self.parameters, self.change)
+            serve_changes(self.parameters, self.change)
         except ImportError:
             self.log.debug("no package python3-dynamic-reconfigure: parameters are read at the start only")
 
@@ -132,7 +132,7 @@ class RosNode(LoopNode):
 
             topics = TransformTopics()
             self._transforms = tree = Transforms(topics.send, self.log)
-            topics.listen(self._loop.mailbox(_MOST_TRANSFORMS, tree.take), self._loop.mailbox(None, tree.take))
+            topics.listen(self._loop.mailbox(_MOST_TRANSFORMS, tree.receive), self._loop.mailbox(None, tree.receive))
         return self._transforms
 
     @property
@@ -146,15 +146,15 @@ class RosNode(LoopNode):
         topic: str,
         kind: type[Value],
         quality: Quality = Quality.NEWEST,
-        greet: Callable[[], Value | None] | None = None,
+        on_subscriber: Callable[[], Value | None] | None = None,
     ) -> RosPublisher[Value]:
         if kind is ClockTime:
             return cast("RosPublisher[Value]", RosClock(topic, quality))
         publisher = RosPublisher(topic, find_codec(kind), quality)
-        if greet is not None:
+        if on_subscriber is not None:
 
             def answer() -> None:
-                if (value := greet()) is not None:
+                if (value := on_subscriber()) is not None:
                     publisher.send(value)
 
             publisher.watch(lambda: self._loop.post(answer))
@@ -164,49 +164,49 @@ class RosNode(LoopNode):
         self,
         topic: str,
         kind: type[Value],
-        take: Callable[[Value], None],
+        callback: Callable[[Value], None],
         quality: Quality = Quality.NEWEST,
         unreadable: Callable[[str], None] | None = None,
     ) -> RosSubscription[Value]:
         codec = find_codec(kind)
         return RosSubscription(
-            topic, codec, quality, self._loop, lambda value, _message: take(value), unreadable=unreadable
+            topic, codec, quality, self._loop, lambda value, _message: callback(value), unreadable=unreadable
         )
 
     def subscribe_from(
         self,
         topic: str,
         kind: type[Value],
-        take: Callable[[Value, Sender | None], None],
+        callback: Callable[[Value, Sender | None], None],
         quality: Quality = Quality.NEWEST,
     ) -> RosSubscription[Value]:
         return RosSubscription(
-            topic, find_codec(kind), quality, self._loop, lambda value, message: take(value, sender_of(message))
+            topic, find_codec(kind), quality, self._loop, lambda value, message: callback(value, sender_of(message))
         )
 
     def subscribe_fields(
-        self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[Any, ...]], None]
+        self, topic: str, type_name: str, fields: tuple[str, ...], callback: Callable[[tuple[Any, ...]], None]
     ) -> RosSubscription[tuple[Any, ...]]:
         from ur_nodes.codecs.foreign import find_foreign
 
         codec = find_foreign(type_name, fields)
-        return RosSubscription(topic, codec, Quality.EVERY, self._loop, lambda value, _message: take(value))
+        return RosSubscription(topic, codec, Quality.EVERY, self._loop, lambda value, _message: callback(value))
 
     def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
         self.serve_later(service, kind, lambda request, give: give(answer(request)))
 
     def serve_later(
-        self, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
+        self, service: str, kind: type[Value], callback: Callable[[Value, Callable[[Result], None]], None]
     ) -> None:
-        serve_service(self._loop, service, kind, take)
+        serve_service(self._loop, service, kind, callback)
 
-    def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
-        call_service(self._loop, service, request, take, within)
+    def call(self, service: str, request: object, callback: Callable[[Result], None], within: float = 5.0) -> None:
+        call_service(self._loop, service, request, callback, within)
 
-    def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> GoalServer:
+    def serve_goals(self, action: str, handlers: GoalHandlers, kept: float = 5.0) -> GoalServer:
         from ur_nodes.ros1.goals import RosGoalServer
 
-        return RosGoalServer(action, takers, self._loop, kept)
+        return RosGoalServer(action, handlers, self._loop, kept)
 
     def follow_goals(self, action: str, follower: GoalFollower) -> GoalClient:
         from ur_nodes.ros1.goals import RosGoalClient
@@ -216,11 +216,11 @@ class RosNode(LoopNode):
     def now(self) -> int:
         return int(rospy.Time.now().to_nsec())
 
-    def read_graph(self, take: Callable[[Graph | None], None]) -> None:
+    def read_graph(self, callback: Callable[[Graph | None], None]) -> None:
 
-        self.work(lambda: read_graph(self.name), take, "graph")
+        self.work(lambda: read_graph(self.name), callback, "graph")
 
-    def kinds_taken(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:  # noqa: ARG002
+    def subscribed_kinds(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:  # noqa: ARG002
         """See Node. The master knows the types of publishers only."""
         return None
 

@@ -37,15 +37,15 @@ class RosRaw:
         return None if found is None else str(found._full_text)  # noqa: SLF001 - genpy has no other name
 
     def subscribe(
-        self, topic: str, take: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
+        self, topic: str, callback: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
     ) -> RosSubscription[RawMessage]:
         codec = Codec(rospy.AnyMsg, lambda _message, _value: None, _raw_of, _BUFFER)
-        return RosSubscription(topic, codec, quality, self._loop, lambda value, _: take(value), _MOST_WAITING)
+        return RosSubscription(topic, codec, quality, self._loop, lambda value, _: callback(value), _MOST_WAITING)
 
-    def record(self, take: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]) -> TopicRecorder:
+    def record(self, callback: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]) -> TopicRecorder:
         from ur_nodes.ros1.recorder.recorder import RosRecorder
 
-        return RosRecorder(self._loop, str(rospy.get_name()), take, clock)
+        return RosRecorder(self._loop, str(rospy.get_name()), callback, clock)
 
     def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> RosPublisher[Fields | bytes]:
         found = _find_class(type_name, "msg")
@@ -53,7 +53,7 @@ class RosRaw:
             raise LookupError(type_name)
         return RosPublisher(topic, Codec(found, _fill, lambda message: _raw_of(message).data), quality)
 
-    def find_service(self, service: str, take: Callable[[Result], None]) -> None:
+    def find_service(self, service: str, callback: Callable[[Result], None]) -> None:
         full = str(rospy.resolve_name(service))
 
         def find() -> None:
@@ -62,11 +62,11 @@ class RosRaw:
                 result = Result(True, value=ServiceType(kind, str(found._request_class._full_text)))  # noqa: SLF001
             except Exception as problem:  # master and service are third-party programs with any answer
                 result = Result(False, str(problem))
-            self._loop.post(lambda: take(result))
+            self._loop.post(lambda: callback(result))
 
         run_aside(find)
 
-    def call(self, service: str, fields: Fields, take: Callable[[Result], None]) -> None:
+    def call(self, service: str, fields: Fields, callback: Callable[[Result], None]) -> None:
         full = str(rospy.resolve_name(service))
 
         def ask() -> None:
@@ -79,7 +79,7 @@ class RosRaw:
                 result = Result(False, f"value: {problem}")
             except Exception as problem:  # likewise
                 result = Result(False, str(problem))
-            self._loop.post(lambda: take(result))
+            self._loop.post(lambda: callback(result))
 
         run_aside(ask)
 

@@ -20,7 +20,7 @@ _KINDS: dict[type, str] = {bool: "bool", int: "int", float: "double"}
 _UNUSED: dict[str, object] = {"level": 0, "edit_method": ""}
 
 
-def offer_changes(parameters: Parameters, change: Change) -> None:
+def serve_changes(parameters: Parameters, change: Change) -> None:
     """Let other programs set what is live; `change` returns '' or the refusal. Raises ImportError: not installed."""
     from dynamic_reconfigure.server import Server
 

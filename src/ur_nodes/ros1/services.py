@@ -21,9 +21,9 @@ _ANSWER_LIMIT = 60.0  # s
 
 
 def serve_service(
-    loop: Loop, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
+    loop: Loop, service: str, kind: type[Value], callback: Callable[[Value, Callable[[Result], None]], None]
 ) -> None:
-    """Serve requests of a kind; `take` gets each one, and a function to call with the answer."""
+    """Serve requests of a kind; `callback` gets each one, and a function to call with the answer."""
     codec = find_offered(kind)
     if codec is None:
         return
@@ -38,7 +38,7 @@ def serve_service(
                 done.set_exception(rospy.ServiceException(str(problem)))
                 return
             try:
-                take(request, done.set_result)
+                callback(request, done.set_result)
             except Exception as problem:
                 done.set_exception(problem)
                 raise
@@ -62,17 +62,17 @@ def call_service(
     loop: Loop,
     service: str,
     request: object,
-    take: Callable[[Result], None],
+    callback: Callable[[Result], None],
     within: float,
     find: Callable[[str, object, float], Callable[[object], object]] = find_in_ros,
 ) -> None:
-    """Call a service; `take` gets the answer, or a result without success after `within` s.
+    """Call a service; `callback` gets the answer, or a result without success after `within` s.
 
     A call that was reported as failed is not sent later, so that no late release ends an emergency stop.
     """
     codec = find_service(type(request))
     late = Result(False, f"no answer of {rospy.resolve_name(service)} within {within:g} s")
-    waiting = [take]
+    waiting = [callback]
 
     def give(result: Result) -> None:
         if waiting:

@@ -53,7 +53,7 @@ class RosPublisher(Generic[Value]):
         self._codec.fill(message, value)
         self._publisher.publish(message)
 
-    def listeners(self) -> int:
+    def subscribers(self) -> int:
         """See Publisher. Without locks, as it may be asked before each value."""
         implementation = self._publisher.impl
         return len(implementation.connections) if implementation is not None else 0
@@ -87,14 +87,14 @@ class RosSubscription(Generic[Value]):
         codec: KindCodec[Value],
         quality: Quality,
         loop: Loop,
-        take: Callable[[Value, genpy.Message], None],
+        callback: Callable[[Value, genpy.Message], None],
         most: int | None = None,
         unreadable: Callable[[str], None] | None = None,
     ) -> None:
         """At most `most` messages wait, where they are large."""
         self.topic = str(rospy.resolve_name(topic))
         self._codec = codec
-        self._take = take
+        self._take = callback
         self._refusals = Refusals(self.topic, rospy.logerr, unreadable)
         self._open = True
         depth = most if most is not None and quality is Quality.EVERY else _DEPTHS[quality]

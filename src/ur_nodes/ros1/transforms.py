@@ -11,7 +11,7 @@ from ur_nodes.codecs.frames import Newest, fill_transforms, transforms_of
 from ur_nodes.ports.values import Transform
 from ur_nodes.ros1.ending import quiet_at_end
 
-_Take = Callable[[tuple[Transform, ...]], None]
+_Callback = Callable[[tuple[Transform, ...]], None]
 
 
 class TransformTopics:
@@ -23,13 +23,13 @@ class TransformTopics:
         self._fixed: rospy.Publisher | None = None
         self._kept: dict[str, Transform] = {}  # a latched topic keeps one message: all fixed ones go together
 
-    def listen(self, take: _Take, take_fixed: _Take) -> None:
+    def listen(self, callback: _Callback, fixed_callback: _Callback) -> None:
         """Pass all transforms to functions, on any thread; fixed ones arrive once, and must not be lost."""
         rospy.Subscriber(
-            "/tf_static", TFMessage, lambda message: take_fixed(transforms_of(message, fixed=True)), queue_size=100
+            "/tf_static", TFMessage, lambda message: fixed_callback(transforms_of(message, fixed=True)), queue_size=100
         )
         rospy.Subscriber(
-            "/tf", TFMessage, lambda message: take(transforms_of(message)), queue_size=200, tcp_nodelay=True
+            "/tf", TFMessage, lambda message: callback(transforms_of(message)), queue_size=200, tcp_nodelay=True
         )
 
     @quiet_at_end

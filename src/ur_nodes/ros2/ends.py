@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class MessageSender:
-    """Sends messages; `on_listener` is called, on any thread, for each new subscriber."""
+    """Sends messages; `on_subscriber` is called, on any thread, for each new subscriber."""
 
     def __init__(
         self,
@@ -27,13 +27,13 @@ class MessageSender:
         message_class: Any,
         topic: str,
         profile: QoSProfile,
-        on_listener: Callable[[], None] | None = None,
+        on_subscriber: Callable[[], None] | None = None,
     ) -> None:
         def matched(event: MatchedInfo) -> None:
-            if on_listener is not None and event.current_count_change > 0:
-                on_listener()
+            if on_subscriber is not None and event.current_count_change > 0:
+                on_subscriber()
 
-        callbacks = PublisherEventCallbacks(matched=matched) if on_listener is not None else None
+        callbacks = PublisherEventCallbacks(matched=matched) if on_subscriber is not None else None
         self._bare = hasattr(message_class, "BARE")
         self._node = node
         with _type_of(message_class) as kind:
@@ -44,7 +44,7 @@ class MessageSender:
         written = self._bare and not isinstance(message, bytes)
         self._publisher.publish(message.write() if written else message)
 
-    def listeners(self) -> int:
+    def subscribers(self) -> int:
         """The number of subscribers."""
         return int(self._publisher.get_subscription_count())
 
@@ -56,8 +56,8 @@ class MessageSender:
 class Receiver:
     """Receives messages, on the spinning thread.
 
-    Invalid messages are reported and dropped. `take_from` gets messages with the middleware's information about them,
-    instead of `take`.
+    Invalid messages are reported and dropped. `callback_from` gets messages with the middleware's information about
+    them, instead of `callback`.
     """
 
     def __init__(
@@ -66,8 +66,8 @@ class Receiver:
         message_class: Any,
         topic: str,
         profile: QoSProfile,
-        take: Callable[[Any], None],
-        take_from: Callable[[Any, Mapping[str, Any]], None] | None = None,
+        callback: Callable[[Any], None],
+        callback_from: Callable[[Any, Mapping[str, Any]], None] | None = None,
     ) -> None:
         def read(data: bytes) -> None:
             try:
@@ -75,11 +75,11 @@ class Receiver:
             except ValueError as problem:
                 node.get_logger().error(f"{topic}: {problem}", throttle_duration_sec=10.0)
             else:
-                take(message)
+                callback(message)
 
         bare = hasattr(message_class, "BARE")
         self._node = node
-        call = read if bare else take_from or take
+        call = read if bare else callback_from or callback
         with _type_of(message_class) as kind:
             self._subscription = node.create_subscription(kind, topic, call, profile, raw=bare)
 

@@ -56,8 +56,8 @@ def has_node_between(node: Node, subscribed: str, published: str) -> bool:
             full_name(each.node_namespace, each.node_name) for each in ends if not each.node_name.startswith(_UNKNOWN)
         }
 
-    listeners = names(node.get_subscriptions_info_by_topic(subscribed))
-    return bool(listeners & names(node.get_publishers_info_by_topic(published)))
+    subscribers = names(node.get_subscriptions_info_by_topic(subscribed))
+    return bool(subscribers & names(node.get_publishers_info_by_topic(published)))
 
 
 def _tuples(ends: dict[str, list[str]]) -> dict[str, tuple[str, ...]]:

@@ -13,7 +13,7 @@ from ur_nodes.codecs import KindCodec, find_codec
 from ur_nodes.file_facts import FileFacts
 from ur_nodes.loop import Loop
 from ur_nodes.node_base import LoopNode
-from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalServer, GoalTakers
+from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalHandlers, GoalServer
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.log import ThrottledLog
 from ur_nodes.ports.node import Location, Sender
@@ -70,7 +70,7 @@ class RosNode(LoopNode):
 
     def begin(self, on_failure: Callable[[], None] = lambda: None) -> None:
         """Start callbacks. `on_failure` is called after one of them has failed, after which there are no more."""
-        self._stored.offer(self.parameters, self.change)
+        self._stored.serve(self.parameters, self.change)
         self._loop.start(on_failure)
         self._spinner.start()
         self._node.reception.start()
@@ -94,7 +94,7 @@ class RosNode(LoopNode):
 
             topics = TransformTopics(self._node)
             self._transforms = tree = Transforms(topics.send, self.log)
-            topics.listen(self._loop.mailbox(_MOST_TRANSFORMS, tree.take), self._loop.mailbox(None, tree.take))
+            topics.listen(self._loop.mailbox(_MOST_TRANSFORMS, tree.receive), self._loop.mailbox(None, tree.receive))
         return self._transforms
 
     def publish(
@@ -102,63 +102,63 @@ class RosNode(LoopNode):
         topic: str,
         kind: type[Value],
         quality: Quality = Quality.NEWEST,
-        greet: Callable[[], Value | None] | None = None,
+        on_subscriber: Callable[[], Value | None] | None = None,
     ) -> RosPublisher[Value]:
         def answer() -> None:
-            if greet is not None and (value := greet()) is not None:
+            if on_subscriber is not None and (value := on_subscriber()) is not None:
                 publisher.send(value)
 
-        on_listener = None if greet is None else lambda: self._loop.post(answer)
-        publisher = RosPublisher(self._node, topic, kind, find_codec(kind), quality, on_listener)
+        on_subscriber = None if on_subscriber is None else lambda: self._loop.post(answer)
+        publisher = RosPublisher(self._node, topic, kind, find_codec(kind), quality, on_subscriber)
         return publisher
 
     def subscribe(
         self,
         topic: str,
         kind: type[Value],
-        take: Callable[[Value], None],
+        callback: Callable[[Value], None],
         quality: Quality = Quality.NEWEST,
         unreadable: Callable[[str], None] | None = None,
     ) -> RosSubscription[Value]:
-        return self._listen(topic, kind, find_codec(kind), quality, lambda value, _sender: take(value), unreadable)
+        return self._listen(topic, kind, find_codec(kind), quality, lambda value, _sender: callback(value), unreadable)
 
     def subscribe_from(
         self,
         topic: str,
         kind: type[Value],
-        take: Callable[[Value, Sender | None], None],
+        callback: Callable[[Value, Sender | None], None],
         quality: Quality = Quality.NEWEST,
     ) -> RosSubscription[Value]:
-        return self._listen(topic, kind, find_codec(kind), quality, take, senders=True)
+        return self._listen(topic, kind, find_codec(kind), quality, callback, senders=True)
 
     def subscribe_fields(
-        self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[Any, ...]], None]
+        self, topic: str, type_name: str, fields: tuple[str, ...], callback: Callable[[tuple[Any, ...]], None]
     ) -> RosSubscription[tuple[Any, ...]]:
         from ur_nodes.codecs.foreign import find_foreign
 
         codec = find_foreign(type_name, fields)
-        return self._listen(topic, tuple, codec, Quality.EVERY, lambda value, _sender: take(value))
+        return self._listen(topic, tuple, codec, Quality.EVERY, lambda value, _sender: callback(value))
 
     def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
         self.serve_later(service, kind, lambda request, give: give(answer(request)))
 
     def serve_later(
-        self, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
+        self, service: str, kind: type[Value], callback: Callable[[Value, Callable[[Result], None]], None]
     ) -> None:
-        self._services.serve(service, kind, take)
+        self._services.serve(service, kind, callback)
 
-    def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
-        self._services.call(service, request, take, within)
+    def call(self, service: str, request: object, callback: Callable[[Result], None], within: float = 5.0) -> None:
+        self._services.call(service, request, callback, within)
 
-    def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> GoalServer:
+    def serve_goals(self, action: str, handlers: GoalHandlers, kept: float = 5.0) -> GoalServer:
         from ur_nodes.goal_topics import TopicGoalServer
         from ur_nodes.ros2.navigation.server import NavigationActions
 
-        server = TopicGoalServer(self, action, takers, kept)
+        server = TopicGoalServer(self, action, handlers, kept)
         if self._actions is None:
             self._actions = NavigationActions(self._node, self._executor, self._loop.post, self.now)
             self.on_end(self._actions.end)
-        self._actions.offer(self.resolve(f"{action}/goal").removesuffix("/goal"), server, kept)
+        self._actions.serve(self.resolve(f"{action}/goal").removesuffix("/goal"), server, kept)
         return server
 
     def follow_goals(self, action: str, follower: GoalFollower) -> GoalClient:
@@ -175,10 +175,10 @@ class RosNode(LoopNode):
         self.every(LIST_PERIOD, client.beat, steady=True)
         return client
 
-    def read_graph(self, take: Callable[[Graph | None], None]) -> None:
+    def read_graph(self, callback: Callable[[Graph | None], None]) -> None:
         from ur_nodes.ros2.graph import read_graph
 
-        self.work(lambda: read_graph(self._node), take, "graph")
+        self.work(lambda: read_graph(self._node), callback, "graph")
 
     @property
     def raw(self) -> Raw:
@@ -189,7 +189,7 @@ class RosNode(LoopNode):
     def now(self) -> int:
         return int(self._clock.now().nanoseconds) if self._simulated else time.time_ns()
 
-    def kinds_taken(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
+    def subscribed_kinds(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
         return self._known_kinds(self._node.get_subscriptions_info_by_topic(self.resolve(topic)), kinds)
 
     def kinds_sent(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
@@ -222,12 +222,14 @@ class RosNode(LoopNode):
         kind: type,
         codec: KindCodec[Value],
         quality: Quality,
-        take: Callable[[Value, Sender | None], None],
+        callback: Callable[[Value, Sender | None], None],
         unreadable: Callable[[str], None] | None = None,
         *,
         senders: bool = False,
     ) -> RosSubscription[Value]:
-        return RosSubscription(self._node, topic, kind, codec, quality, self._loop, take, unreadable, senders=senders)
+        return RosSubscription(
+            self._node, topic, kind, codec, quality, self._loop, callback, unreadable, senders=senders
+        )
 
 
 def _follow_clock(clock: Clock, call: Callable[[], None]) -> JumpHandle:

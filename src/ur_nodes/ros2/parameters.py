@@ -79,7 +79,7 @@ class RosParameters:
     def names(self) -> list[str]:
         return sorted(self._full(name) for name in self._node.get_parameters_by_prefix(""))
 
-    def offer(self, parameters: Parameters, change: Callable[[dict[str, object]], str]) -> None:
+    def serve(self, parameters: Parameters, change: Callable[[dict[str, object]], str]) -> None:
         """Let other programs see what the node has read, and set what is live; `change` returns '' or the refusal."""
         for full, each in parameters.declared().items():
             own, descriptor = self._own(full), ParameterDescriptor(dynamic_typing=True)

@@ -22,7 +22,7 @@ from ur_nodes.ros2.messages.definitions import find_bare, find_class, find_schem
 from ur_nodes.ros2.names import name_of
 from ur_nodes.ros2.qualities import offered
 from ur_nodes.ros2.recorder.recorder import IntervalRecorder
-from ur_nodes.ros2.recorder.subscriptions import open_subscription, read_offer
+from ur_nodes.ros2.recorder.subscriptions import open_subscription, read_publishers
 
 if TYPE_CHECKING:
     import genpy
@@ -45,12 +45,14 @@ class RosRaw:
         return find_schema(type_name, "msg")
 
     def subscribe(
-        self, topic: str, take: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
+        self, topic: str, callback: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
     ) -> RawSubscription:
-        return RawSubscription(self._node, self._loop, topic, take, quality)
+        return RawSubscription(self._node, self._loop, topic, callback, quality)
 
-    def record(self, take: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]) -> IntervalRecorder:
-        return IntervalRecorder(self._node, self._loop, take, clock)
+    def record(
+        self, callback: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]
+    ) -> IntervalRecorder:
+        return IntervalRecorder(self._node, self._loop, callback, clock)
 
     def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> RawPublisher:
         found = find_class(type_name, "msg") or find_bare(type_name)
@@ -58,45 +60,45 @@ class RosRaw:
             raise LookupError(type_name)
         return RawPublisher(self._node, topic, found, offered(quality))
 
-    def find_service(self, service: str, take: Callable[[Result], None]) -> None:
-        self._find(service, lambda result: take(_service_type(result)))
+    def find_service(self, service: str, callback: Callable[[Result], None]) -> None:
+        self._find(service, lambda result: callback(_service_type(result)))
 
-    def call(self, service: str, fields: Fields, take: Callable[[Result], None]) -> None:
+    def call(self, service: str, fields: Fields, callback: Callable[[Result], None]) -> None:
         def ask(found: Result) -> None:
             if not found.success:
-                take(found)
+                callback(found)
                 return
             value: Any = found.value
             kind, service_class = value
             try:
                 request = make_message(service_class.Request, fields, self._node)
             except ValueError as problem:
-                take(Result(False, f"value: {problem}"))
+                callback(Result(False, f"value: {problem}"))
                 return
             client = self._node.create_client(service_class, name_of(service))
 
             def answer(future: rclpy.Future) -> None:
                 fields = fields_of(future.result())
-                self._loop.post(lambda: take(Result(True, str(fields), ServiceAnswer(kind, fields))))
+                self._loop.post(lambda: callback(Result(True, str(fields), ServiceAnswer(kind, fields))))
                 self._loop.post(lambda: self._node.destroy_client(client))
 
             client.call_async(request).add_done_callback(answer)
 
         self._find(service, ask)
 
-    def _find(self, service: str, take: Callable[[Result], None], left: float = _FIND) -> None:
+    def _find(self, service: str, callback: Callable[[Result], None], left: float = _FIND) -> None:
         """Find a service; the result has the name of its type and its class."""
         full = str(self._node.resolve_service_name(name_of(service)))
         kind = next((types[0] for name, types in self._node.get_service_names_and_types() if name == full), None)
         if kind is None:
             if left > 0.0:
-                self._loop.after(_LOOK, lambda: self._find(service, take, left - _LOOK), steady=True)
+                self._loop.after(_LOOK, lambda: self._find(service, callback, left - _LOOK), steady=True)
             else:
-                take(Result(False, f"{full}: no node offers it now"))
+                callback(Result(False, f"{full}: no node offers it now"))
         elif (found := find_class(kind, "srv")) is None:
-            take(Result(False, f"{full}: {kind} is not installed on this computer, expected its package"))
+            callback(Result(False, f"{full}: {kind} is not installed on this computer, expected its package"))
         else:
-            take(Result(True, value=(kind, found)))
+            callback(Result(True, value=(kind, found)))
 
 
 class RawPublisher:
@@ -110,8 +112,8 @@ class RawPublisher:
     def send(self, value: Fields | bytes) -> None:
         self._sender.send(value if isinstance(value, bytes) else make_message(self._class, value, self._node))
 
-    def listeners(self) -> int:
-        return self._sender.listeners()
+    def subscribers(self) -> int:
+        return self._sender.subscribers()
 
     def close(self) -> None:
         self._sender.close()
@@ -121,10 +123,10 @@ class RawSubscription:
     """See `ports.node.Subscription`. It begins with the first publisher, which gives the type."""
 
     def __init__(
-        self, node: Node, loop: Loop, topic: str, take: Callable[[RawMessage], None], quality: Quality
+        self, node: Node, loop: Loop, topic: str, callback: Callable[[RawMessage], None], quality: Quality
     ) -> None:
         self.topic = str(node.resolve_topic_name(name_of(topic)))
-        self._node, self._loop, self._take, self._quality = node, loop, take, quality
+        self._node, self._loop, self._take, self._quality = node, loop, callback, quality
         self._put = loop.mailbox(1 if quality is Quality.NEWEST else _MOST_WAITING, self._pass_on)
         self._subscription: Subscription | None = None
         self._kind = self._schema = ""
@@ -142,7 +144,7 @@ class RawSubscription:
     def _look(self) -> None:
         if not self._open:
             return
-        offer = read_offer(self._node, self.topic)
+        offer = read_publishers(self._node, self.topic)
         if offer is None:
             self._loop.after(_LOOK, self._look, steady=True)
         else:

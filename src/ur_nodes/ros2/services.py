@@ -36,7 +36,9 @@ class NodeServices:
         self._group = ReentrantCallbackGroup()  # a request that is answered later holds up no other
         self._clients: dict[tuple[str, type], Client] = {}
 
-    def serve(self, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]) -> None:
+    def serve(
+        self, service: str, kind: type[Value], callback: Callable[[Value, Callable[[Result], None]], None]
+    ) -> None:
         """See `ports.node.Node.serve_later`."""
         codec = find_offered(kind)
         if codec is None:
@@ -61,27 +63,27 @@ class NodeServices:
                 except (ValueError, UserError) as problem:
                     give(Result(False, str(problem)))
                     return
-                take(request, give)
+                callback(request, give)
 
             self._loop.post(work)
             return await done
 
         self._node.create_service(codec.service_class, name, respond, callback_group=self._group)
 
-    def call(self, service: str, request: object, take: Callable[[Result], None], within: float) -> None:
+    def call(self, service: str, request: object, callback: Callable[[Result], None], within: float) -> None:
         """See `ports.node.Node.call`."""
         codec = find_service(type(request))
         name, key = resolve(self._node, service), (service, type(request))
         if key not in self._clients:
             self._clients[key] = self._node.create_client(codec.service_class, name)
         client = self._clients[key]
-        waiting = [take]
+        waiting = [callback]
 
         def give(result: Result) -> None:
             if waiting:
                 waiting.pop()(result)
 
-        def take_answer(future: rclpy.Future) -> None:
+        def on_answer(future: rclpy.Future) -> None:
             try:
                 result = usable(codec.result_of(future.result()))
             except (UserError, ValueError, RuntimeError) as problem:
@@ -92,7 +94,7 @@ class NodeServices:
             if not waiting:
                 return
             if client.service_is_ready():
-                client.call_async(codec.request(request)).add_done_callback(take_answer)
+                client.call_async(codec.request(request)).add_done_callback(on_answer)
                 if isinstance(request, READING):
                     self._loop.after(_ASK_AGAIN, ask, steady=True)
             else:

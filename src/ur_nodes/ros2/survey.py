@@ -176,7 +176,7 @@ class OpenRequest:
 
     client: Client
     request: GetParameters.Request | GetState.Request
-    take: Callable[[object], None]
+    callback: Callable[[object], None]
     future: Future | None = None
 
 
@@ -189,27 +189,27 @@ def ask_nodes(
 
     waiting: list[OpenRequest] = []
 
-    def take_time(name: str, answer: GetParameters.Response) -> None:
+    def on_time(name: str, answer: GetParameters.Response) -> None:
         if answer.values and answer.values[0].type == 1:
             simulated[name] = bool(answer.values[0].bool_value)
 
-    def take_state(name: str, answer: GetState.Response) -> None:
+    def on_state(name: str, answer: GetState.Response) -> None:
         states[name] = str(answer.current_state.label)
 
     for name in names:
         if services.get(service := f"{name}/get_parameters") == "rcl_interfaces/srv/GetParameters":
             request = GetParameters.Request(names=["use_sim_time"])
-            waiting.append(OpenRequest(node.create_client(GetParameters, service), request, partial(take_time, name)))
+            waiting.append(OpenRequest(node.create_client(GetParameters, service), request, partial(on_time, name)))
         if services.get(service := f"{name}/get_state") == "lifecycle_msgs/srv/GetState":
             client = node.create_client(GetState, service)
-            waiting.append(OpenRequest(client, GetState.Request(), partial(take_state, name)))
+            waiting.append(OpenRequest(client, GetState.Request(), partial(on_state, name)))
     end = time.monotonic() + ANSWER
     while waiting and time.monotonic() < end:
         for each in list(waiting):
             if each.future is None and each.client.service_is_ready():
                 each.future = each.client.call_async(each.request)
             elif each.future is not None and each.future.done():
-                each.take(each.future.result())
+                each.callback(each.future.result())
                 waiting.remove(each)
         rclpy.spin_once(node, timeout_sec=0.05)
 
@@ -244,22 +244,22 @@ class Listener:
 
         found = self.scans[topic] = {"messages": 0}
 
-        def take(message: LaserScan) -> None:
+        def on_message(message: LaserScan) -> None:
             stamp = message.header.stamp
             age = time.time() - (stamp.sec + stamp.nanosec / 1e9)
             found["messages"] += 1
             found["age"] = min(found.get("age", age), age, key=abs)  # others have waited here
 
-        self._node.create_subscription(LaserScan, topic, take, _LOOSE)
+        self._node.create_subscription(LaserScan, topic, on_message, _LOOSE)
 
     def _receive_battery(self, topic: str) -> None:
         from sensor_msgs.msg import BatteryState
 
-        def take(message: BatteryState) -> None:
+        def on_message(message: BatteryState) -> None:
             if math.isfinite(message.percentage):
                 self.charge[topic] = message.percentage
 
-        self._node.create_subscription(BatteryState, topic, take, _LOOSE)
+        self._node.create_subscription(BatteryState, topic, on_message, _LOOSE)
 
     def _receive_transforms(self, topic: str) -> None:
         try:

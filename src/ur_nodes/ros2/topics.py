@@ -41,19 +41,19 @@ class RosPublisher(Generic[Value]):
         kind: type,
         codec: KindCodec[Value],
         quality: Quality,
-        on_listener: Callable[[], None] | None,
+        on_subscriber: Callable[[], None] | None,
     ) -> None:
         self.topic = resolve(node, topic)
         self._codec = codec
         self._message = codec.message_class()
-        self._sender = ends.MessageSender(node, codec.message_class, self.topic, offered(quality, kind), on_listener)
+        self._sender = ends.MessageSender(node, codec.message_class, self.topic, offered(quality, kind), on_subscriber)
 
     def send(self, value: Value) -> None:
         self._codec.fill(self._message, value)
         self._sender.send(self._message)
 
-    def listeners(self) -> int:
-        return self._sender.listeners()
+    def subscribers(self) -> int:
+        return self._sender.subscribers()
 
     def close(self) -> None:
         self._sender.close()
@@ -62,7 +62,7 @@ class RosPublisher(Generic[Value]):
 class RosSubscription(Generic[Value]):
     """See `ports.node.Subscription`. Messages are decoded on the node's thread, so dropped ones are never decoded.
 
-    `take` gets values and None, or, with `senders`, the sender.
+    `callback` gets values and None, or, with `senders`, the sender.
     """
 
     def __init__(
@@ -73,14 +73,14 @@ class RosSubscription(Generic[Value]):
         codec: KindCodec[Value],
         quality: Quality,
         loop: Loop,
-        take: Callable[[Value, Sender | None], None],
+        callback: Callable[[Value, Sender | None], None],
         unreadable: Callable[[str], None] | None,
         *,
         senders: bool = False,
     ) -> None:
         self.topic = resolve(node, topic)
         self._codec = codec
-        self._take = take
+        self._take = callback
         self._refusals = Refusals(self.topic, node.get_logger().error, unreadable)
         put = loop.mailbox(_DEPTHS.get(quality, _QUEUE), self._deliver)
         finder = Senders(node, self.topic)

@@ -12,7 +12,7 @@ from ur_nodes.codecs.frames import Newest, fill_transforms, transforms_of
 from ur_nodes.ports.values import Transform
 from ur_nodes.ros2.ends import MessageSender, Receiver
 
-_Take = Callable[[tuple[Transform, ...]], None]
+_Callback = Callable[[tuple[Transform, ...]], None]
 
 _MOVING = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
 _FIXED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -31,10 +31,12 @@ class TransformTopics:
         self._fixed: MessageSender | None = None
         self._kept: dict[str, Transform] = {}  # a latched topic keeps one message: all fixed ones go together
 
-    def listen(self, take: _Take, take_fixed: _Take) -> None:
+    def listen(self, callback: _Callback, fixed_callback: _Callback) -> None:
         """Pass all transforms to a function, on any thread; static ones are sent once, and must not be lost."""
-        Receiver(self._node, Transforms, "/tf_static", _FIXED_TAKEN, lambda m: take_fixed(transforms_of(m, fixed=True)))
-        Receiver(self._node, Transforms, "/tf", _MOVING, lambda message: take(transforms_of(message)))
+        Receiver(
+            self._node, Transforms, "/tf_static", _FIXED_TAKEN, lambda m: fixed_callback(transforms_of(m, fixed=True))
+        )
+        Receiver(self._node, Transforms, "/tf", _MOVING, lambda message: callback(transforms_of(message)))
 
     def send(self, transforms: tuple[Transform, ...]) -> None:
         """Send transforms together."""

@@ -115,7 +115,7 @@ class Operation:
             self._clock.send(ClockTime(stamp))
         if joints:
             self._next_joints = tick.time + 1.0 / self._settings.joint_rate - 1e-6
-        if placed and not self._bench and self._transforms.listeners():
+        if placed and not self._bench and self._transforms.subscribers():
             self._transforms.send(tuple(robot.transform(stamp) for robot in self._robots))
         self._send_robots(tick, stamp, joints=joints)
         if tick.odometry:
@@ -123,7 +123,7 @@ class Operation:
         for sensors in self._sensors:
             sensors.send(tick, stamp)
         if tick.picture and self._camera:
-            self._camera.offer(stamp, self._simulation.state())
+            self._camera.publish(stamp, self._simulation.state())
 
     def _send_robots(self, tick: SimulationTick, stamp: int, *, joints: bool) -> None:
         simulation = self._simulation
@@ -137,7 +137,7 @@ class Operation:
             robot.send_collisions(collisions, strikes)
 
     def _send_people(self, stamp: int) -> None:
-        if self._people and self._people.listeners():
+        if self._people and self._people.subscribers():
             self._people.send(Poses(stamp, self._settings.frames.map, self._simulation.people))
 
     def _watch(self, camera: SimulatedCameraTopics) -> None:

@@ -16,7 +16,7 @@ _EXACT = np.diag((1e-9, 1e-9, 1e-9))
 
 
 class RobotTopics:
-    """Publishers and the subscription of one robot. Topics without listeners cost nothing, latched ones aside."""
+    """Publishers and the subscription of one robot. Topics without subscribers cost nothing, latched ones aside."""
 
     def __init__(
         self,
@@ -61,14 +61,14 @@ class RobotTopics:
 
     def send_odometry(self, stamp: int) -> None:
         """Send the odometry of the encoders, and the ground truth."""
-        if self._odom and self._odom.listeners():
+        if self._odom and self._odom.subscribers():
             odometry = self._simulation.odometry(self._robot)
             covariance = covariance_matrix(odometry.covariance)
             twist = Twist(*odometry.velocity)
             self._odom.send(
                 Odometry(stamp, self._odom_frame, self._base, odometry.pose, twist, covariance, self._speed_covariance)
             )
-        if self._truth.listeners():
+        if self._truth.subscribers():
             forward, left, turn = self._simulation.velocity(self._robot)
             pose = self._simulation.pose(self._robot)
             twist = Twist(forward, turn, left)
@@ -77,7 +77,7 @@ class RobotTopics:
     def send_scan(self, stamp: int) -> None:
         """Send a scan of the lidar, taken in an instant."""
         lidar = self._lidar
-        if lidar and self._scan and self._scan.listeners():
+        if lidar and self._scan and self._scan.subscribers():
             self._scan.send(
                 Scan(
                     stamp,
@@ -94,7 +94,7 @@ class RobotTopics:
 
     def send_joints(self, stamp: int) -> None:
         """Send the angles of the wheels, and how fast they turn."""
-        if self._joints and self._joints.listeners():
+        if self._joints and self._joints.subscribers():
             angles, speeds = self._simulation.wheel_angles(self._robot), self._simulation.wheel_speeds(self._robot)
             self._joints.send(Joints(stamp, self._wheels, angles, speeds))
 

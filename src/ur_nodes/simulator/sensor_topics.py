@@ -11,7 +11,7 @@ from ur_nodes.simulator.simulation import Simulation
 
 
 class SensorTopics:
-    """Publishers for what the base has. Topics without listeners cost nothing, latched ones aside."""
+    """Publishers for what the base has. Topics without subscribers cost nothing, latched ones aside."""
 
     def __init__(
         self,

@@ -32,7 +32,7 @@ class SimulatorSettings:
 
     @property
     def quality(self) -> Quality:
-        """At full speed the simulation waits for its listeners, and nothing is lost."""
+        """At full speed the simulation waits for its subscribers, and nothing is lost."""
         return Quality.LOSSLESS if self.speed == 0.0 else Quality.EVERY
 
 

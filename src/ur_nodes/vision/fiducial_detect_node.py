@@ -49,8 +49,8 @@ class FiducialDetect:
             DetectionRequest(
                 picture,
                 self._camera if self._settings.estimate else None,
-                draw and bool(self._images.listeners()),
-                draw and bool(self._jpegs.listeners()),
+                draw and bool(self._images.subscribers()),
+                draw and bool(self._jpegs.subscribers()),
             )
         )
 

@@ -38,7 +38,7 @@ class FiducialMapOutput:
             node.on_end(self._save, within=_END_LIMIT)
 
     def _show(self) -> None:
-        if self._markers.listeners() or self._map.listeners():
+        if self._markers.subscribers() or self._map.subscribers():
             self._node.work(self._slam.poses, self._publish, MAP)
 
     def _publish(self, poses: Mapping[int, Floats]) -> None:

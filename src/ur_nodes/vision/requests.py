@@ -34,11 +34,11 @@ class FiducialMapRequests:
         self._node.log.warn(f"initialpose in frame {given.frame!r} is of no use now, expected {wanted}")
 
     def _forget(self, _request: Silent, give: Callable[[Result], None]) -> None:
-        def take(_done: None) -> None:
+        def on_done(_done: None) -> None:
             self._on_forget()
             give(Result(True))
 
-        self._node.work(self._slam.forget, take, MAP)
+        self._node.work(self._slam.forget, on_done, MAP)
 
     def _clear(self, _request: Silent, give: Callable[[Result], None]) -> None:
         if self._settings.read_only:

@@ -137,20 +137,20 @@ def lose(world: World) -> None:
 class Refusing:
     """Navigation that refuses each goal."""
 
-    def take_goal(self, handle: GoalHandle) -> None:
+    def handle_goal(self, handle: GoalHandle) -> None:
         handle.refuse("no path")
 
-    def take_cancel(self, handle: GoalHandle) -> None:
+    def handle_cancel(self, handle: GoalHandle) -> None:
         """Nothing."""
 
 
 class Ignoring:
     """A client that does not care what becomes of its goals."""
 
-    def take_states(self, states: tuple[GoalState, ...]) -> None:
+    def on_states(self, states: tuple[GoalState, ...]) -> None:
         """Nothing."""
 
-    def take_goal_end(self, state: GoalState) -> None:
+    def on_goal_end(self, state: GoalState) -> None:
         """Nothing."""
 
 

@@ -17,8 +17,8 @@ class ThreadedNode:
         write = sys.stderr.write
         self.log = ThrottledLog(write, write, write, write, lambda: 0.0)
 
-    def work(self, job: Callable[[], Any], take: Callable[[Any], None], lane: str = "") -> None:
-        threading.Thread(target=lambda: take(job()), name=lane, daemon=True).start()
+    def work(self, job: Callable[[], Any], callback: Callable[[Any], None], queue: str = "") -> None:
+        threading.Thread(target=lambda: callback(job()), name=queue, daemon=True).start()
 
     def after(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> None:
         assert steady

@@ -60,7 +60,7 @@ class ExploreWorld:
         )
         return self.statuses[-1]
 
-    def take_goal(self, handle: GoalHandle) -> None:
+    def handle_goal(self, handle: GoalHandle) -> None:
         if self._handle is not None:
             self._handle.cancel("replaced")
         handle.accept()
@@ -68,7 +68,7 @@ class ExploreWorld:
         self.goals.append(handle.goal.target.pose)
         self._node.after(self.takes, lambda: self._arrive(handle))
 
-    def take_cancel(self, handle: GoalHandle) -> None:
+    def handle_cancel(self, handle: GoalHandle) -> None:
         if handle is self._handle:
             self._handle = None
             handle.cancel("cancelled")

@@ -11,7 +11,7 @@ from tests.ur_nodes.lock_step.stored import StoredReader, find_reader
 from ur.recordings.mcap_file import RecordingFile, StoredMessage
 from ur.recordings.message_types import full_type_name
 from ur.source.diagnostic import UserError
-from ur_nodes.memory.carrier import BusListener, Carrier, Deliver, Offer
+from ur_nodes.memory.carrier import BusPublisher, BusSubscription, Carrier, Deliver
 from ur_nodes.memory.node import TRANSFORMS, MemoryNode
 from ur_nodes.one_process.bus import LiveBus, LiveNode
 from ur_nodes.ports.node import Location
@@ -24,9 +24,9 @@ Value = TypeVar("Value")
 class StepNode(LiveNode):
     """A node of the bus: its jobs run at once, and its time is that of the recording."""
 
-    def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
+    def work(self, job: Callable[[], Value], callback: Callable[[Value], None], queue: str = "") -> None:
         """See Node."""
-        MemoryNode.work(self, job, take, lane)
+        MemoryNode.work(self, job, callback, queue)
 
     def steady(self) -> float:
         """See Node."""
@@ -86,7 +86,7 @@ class StepBus(LiveBus):
         self._subscribed = {each.topic.name for each in recording.messages() if each.topic.sender in tested}
         self._tested, self._latched = tested, latched
         self._feeds: dict[str, dict[tuple[str, type], _Feed]] = {}
-        self._offers: dict[tuple[str, type, str], Offer] = {}
+        self._offers: dict[tuple[str, type, str], BusPublisher] = {}
         self._kept: dict[tuple[str, str], StoredMessage] = {}
         self._senders: set[str] = set()
         self._frames: set[str] = set()  # whose transforms a node under test sends
@@ -106,7 +106,7 @@ class StepBus(LiveBus):
     def advance(self, time: int) -> None:
         """Let time pass."""
         while self._next_time() <= time:
-            self._take_event()
+            self._run_next()
         self._time = max(self._time, time)
 
     def deliver(self, message: StoredMessage) -> None:
@@ -125,16 +125,16 @@ class StepBus(LiveBus):
         """Locate a node that was recorded."""
         return Location("localhost", here=True) if name in self._senders else None
 
-    def offer(self, topic: str, offer: Offer) -> None:
+    def add_publisher(self, topic: str, publisher: BusPublisher) -> None:
         """See Carrier. What a node under test had sent had a subscriber: the recorder at least."""
-        super().offer(topic, offer)
-        if offer.sender not in self._tested:
+        super().add_publisher(topic, publisher)
+        if publisher.sender not in self._tested:
             return
-        reader = find_reader(topic, offer.kind) if isinstance(offer.kind, type) else None
+        reader = find_reader(topic, publisher.kind) if isinstance(publisher.kind, type) else None
         self._own |= {reader.topic if reader is not None else topic} - {TRANSFORMS}
         if topic in self._subscribed:
-            nothing = BusListener("recording", offer.kind, None, 1, lambda *_: None, lambda _reason: None)
-            self.topics[topic].listeners.append(nothing)
+            nothing = BusSubscription("recording", publisher.kind, None, 1, lambda *_: None, lambda _reason: None)
+            self.topics[topic].subscribers.append(nothing)
 
     def listen(
         self,
@@ -144,7 +144,7 @@ class StepBus(LiveBus):
         quality: Quality,
         deliver: Deliver,
         unreadable: Callable[[str], None],
-    ) -> BusListener:
+    ) -> BusSubscription:
         """See Carrier."""
         own = kind[0] if isinstance(kind, tuple) else kind
         reader = find_reader(topic, own)
@@ -155,7 +155,7 @@ class StepBus(LiveBus):
                     self._pass(feed, message)
         return super().listen(node, topic, kind, quality, deliver, unreadable)
 
-    def send(self, topic: str, offer: Offer, value: object) -> None:
+    def send(self, topic: str, offer: BusPublisher, value: object) -> None:
         """See Carrier."""
         if offer.sender in self._tested:
             self.outputs.append(SentValue(self._time, topic, value))
@@ -178,6 +178,6 @@ class StepBus(LiveBus):
         offer = self._offers.get(key)
         if offer is None:
             latched = topic.latched or topic.name in self._latched
-            offer = self._offers[key] = Offer(topic.sender, feed.kind, latched, None, topic.type_name)
-            self.offer(feed.topic, offer)
+            offer = self._offers[key] = BusPublisher(topic.sender, feed.kind, latched, None, topic.type_name)
+            self.add_publisher(feed.topic, offer)
         Carrier.send(self, feed.topic, offer, value)

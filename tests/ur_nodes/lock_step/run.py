@@ -118,7 +118,7 @@ def _judge(bus: StepBus, tested: frozenset[str]) -> tuple[Outcome, Outcome]:
     readers = [
         found
         for topic, entry in bus.topics.items()
-        for each in entry.offers
+        for each in entry.publishers
         if each.sender in tested and isinstance(each.kind, type) and each.kind in (*_STATES, GoalState)
         if (found := find_reader(topic, each.kind)) is not None
     ]

@@ -16,7 +16,7 @@ from ur_nodes.black_box.tape import Tape, TapeTopic, read_tape
 from ur_nodes.codecs import find_codec
 from ur_nodes.codecs.places import fill_placed
 from ur_nodes.memory.bus import Bus
-from ur_nodes.memory.carrier import Offer
+from ur_nodes.memory.carrier import BusPublisher
 from ur_nodes.ports.actions import Goal, GoalState, GoalStates
 from ur_nodes.ports.values import PlacedPose
 
@@ -44,7 +44,7 @@ class WireBus(Bus):
         self.sent: list[tuple[str, int, str, object]] = []
         """Senders, times, topics and values of all that was sent."""
 
-    def send(self, topic: str, offer: Offer, value: object) -> None:
+    def send(self, topic: str, offer: BusPublisher, value: object) -> None:
         """See Carrier."""
         self.sent.append((offer.sender, self.now, topic, value))
         reader = find_reader(topic, offer.kind if isinstance(offer.kind, type) else type(value))

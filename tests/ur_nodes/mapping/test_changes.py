@@ -19,7 +19,7 @@ from ur.maps.picture_file import write_picture
 from ur.maps.store import MapStore
 from ur.source.diagnostic import UserError
 from ur_nodes.geometry.grid import load_map
-from ur_nodes.mapping.changes import attempt, change_walls, read_change, take_changes
+from ur_nodes.mapping.changes import attempt, change_walls, read_change, subscribe_changes
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.qualities import Quality
 
@@ -60,7 +60,7 @@ def test_text_that_is_no_request_is_reported_once_in_a_while() -> None:
     bus = Bus()
     node = bus.node("map_server")
     taken: list[Mapping[str, Any]] = []
-    take_changes(node, "wall_request", taken.append)
+    subscribe_changes(node, "wall_request", taken.append)
     client = bus.node("client").publish("wall_request", str, Quality.EVERY)
     for text in ("", "[]", '{"id": "a"}'):
         client.send(text)

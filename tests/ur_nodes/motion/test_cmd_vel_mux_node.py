@@ -267,7 +267,7 @@ def test_disk_master_and_terminal_that_hang_delay_neither_outputs_nor_challenges
     driver.wanted = AHEAD
     robot.bus.run(0.5)
     hanging: list[object] = []
-    robot.mux.work = lambda job, take, lane="": hanging.append((job, take, lane))  # type: ignore[method-assign]
+    robot.mux.work = lambda job, callback, queue="": hanging.append((job, callback, queue))  # type: ignore[method-assign]
     other = LeaseDriver(robot.bus, "b")
     robot.bus.run(0.5)
     other.lease.take()  # the disk hangs

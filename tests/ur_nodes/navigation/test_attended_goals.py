@@ -36,7 +36,7 @@ class Attended(RobotStage):
 
     def takes_goals(self) -> bool:
         """Whether `move_base` offers its action."""
-        return self._goals.listeners() > 0
+        return self._goals.subscribers() > 0
 
     def drive_away(self) -> str:
         """A goal in the other room that the robot drives to, and that laptop attends."""

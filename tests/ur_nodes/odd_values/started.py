@@ -80,7 +80,7 @@ class StartedNode:
         return {
             topic: kind[0] if isinstance(kind := each.kind, tuple) else kind
             for topic, entry in self.bus.topics.items()
-            for each in entry.listeners
+            for each in entry.subscribers
             if each.node == self.node.name and each.kind is not object
         }
 
@@ -93,7 +93,7 @@ class StartedNode:
         return {
             topic: offer.kind
             for topic, entry in self.bus.topics.items()
-            for offer in entry.offers
+            for offer in entry.publishers
             if offer.sender == self.node.name and offer.kind in (Twist, StampedTwist)
         }
 

@@ -25,7 +25,7 @@ class PictureClient:
         message = CompressedImage(format="jpeg", data=b"nonsense" if bad else self.good)
         message.header.frame_id, message.header.stamp = "raspicam", rospy.Time.now()
         self.publisher.publish(message)
-        return {"listeners": self.publisher.get_num_connections()}
+        return {"subscribers": self.publisher.get_num_connections()}
 
 
 def make_jpeg() -> bytes:

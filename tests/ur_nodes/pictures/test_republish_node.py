@@ -26,16 +26,16 @@ def test_compressed_pictures_are_unpacked_while_there_are_subscribers(bus: Bus) 
     pictures = camera.publish("camera/image/compressed", PackedPicture)
     got: list[Picture] = []
     bus.run(1.0)
-    assert pictures.listeners() == 0
+    assert pictures.subscribers() == 0
     subscription = viewer.subscribe("camera/unpacked", Picture, got.append)
     bus.run(1.0)
-    assert pictures.listeners() == 1
+    assert pictures.subscribers() == 1
     pictures.send(PackedPicture(7, "raspicam", "jpeg", DATA))
     bus.run(0.1)
     assert got == [Picture(7, "raspicam", 64, 48, "rgb8", 192, decode_picture(DATA).tobytes())]
     subscription.close()
     bus.run(1.0)
-    assert pictures.listeners() == 0
+    assert pictures.subscribers() == 0
 
 
 def test_picture_that_is_none_is_reported(bus: Bus) -> None:

@@ -35,7 +35,7 @@ def check_raw_message_is_made_of_fields(stage: Stage) -> None:
     publisher = stage.one.raw.publish("fields", stage.string_type)
     stage.other.raw.subscribe("fields", got.append, Quality.EVERY)
     stage.begin()
-    stage.until(lambda: publisher.listeners() == 1)
+    stage.until(lambda: publisher.subscribers() == 1)
     with pytest.raises(ValueError, match="colour"):
         publisher.send({"colour": 1})
     for wrong in ([1], {"data": "hello"}, 1):
@@ -61,7 +61,7 @@ def check_topic_is_heard_raw_and_by_its_kind(stage: Stage) -> None:
     stage.other.raw.subscribe("both", raw.append)
     stage.other.subscribe("both", str, typed.append)
     stage.begin()
-    stage.until(lambda: publisher.listeners() > 0)
+    stage.until(lambda: publisher.subscribers() > 0)
     stage.one.every(0.05, lambda: publisher.send("hello"))
     stage.until(lambda: bool(raw and typed))
     assert typed[0] == "hello"
@@ -75,7 +75,7 @@ def check_closed_raw_subscription_hears_nothing(stage: Stage) -> None:
     stage.other.raw.subscribe("raw_closed", heard.append).close()
     stage.begin()
     publisher.send(stage.wire)
-    stage.until(lambda: publisher.listeners() == 0)
+    stage.until(lambda: publisher.subscribers() == 0)
     stage.other.raw.subscribe("raw_closed", got.append)
     stage.until(lambda: bool(got))
     assert heard == []

@@ -89,10 +89,10 @@ class Follower:
         self.open: set[str] = set()
         self.ends: list[GoalState] = []
 
-    def take_states(self, states: tuple[GoalState, ...]) -> None:
+    def on_states(self, states: tuple[GoalState, ...]) -> None:
         self.open = {each.id for each in states if each.open}
 
-    def take_goal_end(self, state: GoalState) -> None:
+    def on_goal_end(self, state: GoalState) -> None:
         self.ends.append(state)
 
 
@@ -103,10 +103,10 @@ class Takers:
         self.got: list[GoalHandle] = []
         self.cancelled: list[str] = []
 
-    def take_goal(self, handle: GoalHandle) -> None:
+    def handle_goal(self, handle: GoalHandle) -> None:
         self.got.append(handle)
 
-    def take_cancel(self, handle: GoalHandle) -> None:
+    def handle_cancel(self, handle: GoalHandle) -> None:
         self.cancelled.append(handle.goal.id)
         handle.cancel("as you wish")
 
@@ -130,7 +130,7 @@ class TopicGoalClient:
         node.subscribe(f"{action}/feedback", PlacedPose, self._take_feedback)
 
     def is_connected(self) -> bool:
-        return min(self._goals.listeners(), self._cancels.listeners()) > 0
+        return min(self._goals.subscribers(), self._cancels.subscribers()) > 0
 
     def send(self, target: PlacedPose) -> str:
         self._between.append(self._node.now())

@@ -15,9 +15,9 @@ def make_map() -> Map:
 
 def test_update_changes_its_cells_of_its_own_copy_and_no_others() -> None:
     kept, given = KeptMap(), make_map()
-    assert kept.take_update(MapUpdate(0, "map", 3, 2, np.array([[7, 8]], np.int8))) == ""
-    kept.take(given)
-    assert kept.take_update(MapUpdate(0, "map", 3, 2, np.array([[7, 8]], np.int8))) == ""
+    assert kept.apply(MapUpdate(0, "map", 3, 2, np.array([[7, 8]], np.int8))) == ""
+    kept.replace(given)
+    assert kept.apply(MapUpdate(0, "map", 3, 2, np.array([[7, 8]], np.int8))) == ""
     assert kept.map is not None
     assert kept.map.grid.values[3].tolist() == [0, 0, 7, 8, 0]
     assert not kept.map.grid.values[:3].any()
@@ -27,7 +27,7 @@ def test_update_changes_its_cells_of_its_own_copy_and_no_others() -> None:
 @pytest.mark.parametrize(("row", "column"), [(4, 0), (0, 4), (-1, 0), (0, -1)])
 def test_update_that_does_not_fit_is_refused(row: int, column: int) -> None:
     kept = KeptMap()
-    kept.take(make_map())
-    assert "inside the grid of 5 x 4" in kept.take_update(MapUpdate(0, "map", row, column, np.ones((1, 2), np.int8)))
+    kept.replace(make_map())
+    assert "inside the grid of 5 x 4" in kept.apply(MapUpdate(0, "map", row, column, np.ones((1, 2), np.int8)))
     assert kept.map is not None
     assert not kept.map.grid.values.any()

@@ -35,7 +35,7 @@ def check_each_counts_in_order_where_every_one_counts(stage: Stage) -> None:
     publisher = stage.one.publish("every", int, Quality.EVERY)
     stage.other.subscribe("every", int, got.append, Quality.EVERY)
     stage.begin()
-    stage.until(lambda: publisher.listeners() == 1)
+    stage.until(lambda: publisher.subscribers() == 1)
     for number in range(50):
         publisher.send(number)
     stage.until(lambda: len(got) == 50)
@@ -47,7 +47,7 @@ def check_none_is_lost_where_sending_waits(stage: Stage) -> None:
     publisher = stage.one.publish("lossless", int, Quality.LOSSLESS)
     stage.other.subscribe("lossless", int, got.append, Quality.LOSSLESS)
     stage.begin()
-    stage.until(lambda: publisher.listeners() == 1)
+    stage.until(lambda: publisher.subscribers() == 1)
     for number in range(500):
         publisher.send(number)
     stage.until(lambda: len(got) == 500)
@@ -59,7 +59,7 @@ def check_newest_replaces_those_that_wait(stage: Stage) -> None:
     publisher = stage.one.publish("newest", int)
     stage.other.subscribe("newest", int, got.append)
     stage.begin()
-    stage.until(lambda: publisher.listeners() == 1)
+    stage.until(lambda: publisher.subscribers() == 1)
     for number in range(1000):  # no callback comes between them
         publisher.send(number)
     stage.until(lambda: 999 in got)
@@ -141,7 +141,7 @@ def check_latched_topic_keeps_values_where_both_ends_are_latched(stage: Stage) -
     stage.other.subscribe("not_kept", str, each.append, Quality.EVERY)
     stage.other.subscribe("not_kept", str, unmatched.append, Quality.LATCHED)
     stage.begin()
-    stage.until(lambda: min(kept.listeners(), plain.listeners()) > 0)
+    stage.until(lambda: min(kept.subscribers(), plain.subscribers()) > 0)
     stage.one.every(0.05, lambda: kept.send("new"))
     stage.one.every(0.05, lambda: plain.send("new"))
     stage.until(lambda: "new" in late and len(each) > 2)
@@ -165,7 +165,7 @@ def check_latched_value_comes_first_where_each_counts(stage: Stage) -> None:
 
 def check_who_begins_to_listen_is_greeted(stage: Stage) -> None:
     got: list[float] = []
-    stage.one.publish("greeted", float, greet=lambda: 0.5)
+    stage.one.publish("greeted", float, on_subscriber=lambda: 0.5)
     stage.other.subscribe("greeted", float, got.append)
     stage.begin()
     stage.until(lambda: bool(got))
@@ -178,11 +178,11 @@ def check_closed_subscription_hears_nothing(stage: Stage) -> None:
     heard: list[int] = []
     closed = stage.other.subscribe("closed", int, heard.append, Quality.EVERY)
     stage.begin()
-    stage.until(lambda: publisher.listeners() == 1)
+    stage.until(lambda: publisher.subscribers() == 1)
     closed.close()
-    stage.until(lambda: publisher.listeners() == 0)
+    stage.until(lambda: publisher.subscribers() == 0)
     stage.other.subscribe("closed", int, got.append, Quality.EVERY)
-    stage.until(lambda: publisher.listeners() == 1)
+    stage.until(lambda: publisher.subscribers() == 1)
     publisher.send(3)
     stage.until(lambda: got == [3])
     assert heard == []

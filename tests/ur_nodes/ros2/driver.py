@@ -47,7 +47,7 @@ class PlainDriver:
         self._stopped = stopped if self._stopped is None else self._stopped
 
     def _drive(self) -> None:
-        if self._first is None or self._stopped is None or not self._commands.listeners():
+        if self._first is None or self._stopped is None or not self._commands.subscribers():
             return
         longest = _LONG_BLOCKED if self._stopped else _LONG
         if self._moved() < _FAR and self._sent * _PERIOD < longest:

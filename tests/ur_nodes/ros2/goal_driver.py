@@ -41,10 +41,10 @@ class GoalDriver:
         node.every(_LOOK, self._send, steady=True)
         node.after(_PATIENCE, lambda: self._finish(f"no end within {_PATIENCE:g} s"), steady=True)
 
-    def take_states(self, states: tuple[GoalState, ...]) -> None:
+    def on_states(self, states: tuple[GoalState, ...]) -> None:
         """See GoalFollower."""
 
-    def take_goal_end(self, state: GoalState) -> None:
+    def on_goal_end(self, state: GoalState) -> None:
         """See GoalFollower."""
         self._finish(f"{state.state}: {state.text}")
 
@@ -58,7 +58,7 @@ class GoalDriver:
         self._planned = len(path.poses)
 
     def _send(self) -> None:
-        if not self._sent and self._localised and self._poses.listeners() and self._goals.servers():
+        if not self._sent and self._localised and self._poses.subscribers() and self._goals.servers():
             self._sent = True
             self._poses.send(PlacedPose(self._node.now(), "map", _GOAL))
 

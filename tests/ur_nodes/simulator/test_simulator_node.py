@@ -37,7 +37,7 @@ SENSORS = {"sensor_msgs/Range", "sensor_msgs/LaserScan", "sensor_msgs/Imu", "sen
 def test_simulated_base_publishes_what_its_file_says(name: str, variant: str) -> None:
     expected = list_topics(load(name, variant))
     topics = DrivenStage(base=name, variant=variant).bus.topics
-    known = {topic: TYPES.get(offer.kind, "") for topic, ends in topics.items() for offer in ends.offers}
+    known = {topic: TYPES.get(offer.kind, "") for topic, ends in topics.items() for offer in ends.publishers}
     assert {topic: known.get(topic) for topic in expected} == expected
     assert {topic for topic, kind in known.items() if kind in SENSORS} <= set(expected)
 

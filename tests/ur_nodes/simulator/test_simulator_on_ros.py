@@ -33,7 +33,7 @@ class Ros(RosSession):
     def go_by_its_clock(self) -> None:
         xmlrpc.client.ServerProxy(self.env["ROS_MASTER_URI"]).setParam("/test", "/use_sim_time", True)
 
-    def listeners(self, topic: str) -> list[str]:
+    def subscribers(self, topic: str) -> list[str]:
         """The nodes that subscribe to a topic."""
         answer: Any = xmlrpc.client.ServerProxy(self.env["ROS_MASTER_URI"]).getSystemState("/test")
         return next((nodes for name, nodes in answer[2][1] if name == topic), [])
@@ -58,7 +58,7 @@ def test_topics_types_and_services_are_those_of_ros(ros: Ros) -> None:
     known = ros.types()
     assert {topic: known.get(topic) for topic in expected} == expected
     assert (known["/tf"], known["/clock"]) == ("tf2_msgs/TFMessage", "rosgraph_msgs/Clock")
-    assert "/simulator" not in ros.listeners("/clock")  # it has the time without a message to itself
+    assert "/simulator" not in ros.subscribers("/clock")  # it has the time without a message to itself
     assert known["/simulator/collisions"] == "std_msgs/Int32"
     assert ros.ask("call", service="step") == [False, "not paused, expected ~pause with true before ~step"]
     assert ros.ask("call", service="pause", data=True) == [True, "paused"]

@@ -35,8 +35,8 @@ class FakeRobot:
         node.serve_goals("move_base", self)
         node.every(STEP, self._step)
 
-    def take_goal(self, handle: GoalHandle) -> None:
-        """See GoalTakers."""
+    def handle_goal(self, handle: GoalHandle) -> None:
+        """See GoalHandlers."""
         if self._goal is not None:
             self._goal.cancel("another goal took its place")
         target = handle.goal.target
@@ -50,8 +50,8 @@ class FakeRobot:
         poses = np.array([(pose.x, pose.y, pose.yaw) for pose in (self.pose, target.pose)])
         self._plan.send(Path(self._node.now(), "map", poses))
 
-    def take_cancel(self, handle: GoalHandle) -> None:
-        """See GoalTakers."""
+    def handle_cancel(self, handle: GoalHandle) -> None:
+        """See GoalHandlers."""
         handle.cancel("cancelled")
         self._goal = None
 

@@ -181,7 +181,7 @@ def test_layers_that_pages_show_are_found_by_the_types_of_their_topics(world: Ro
     world.end.take_view({"viewers": 1, "layers": []})
     world.bus.run(1.0)
     assert world.view.newest(Kind.OVERLAY, Layer.SONARS) == {}
-    assert sonars.listeners() == 0
+    assert sonars.subscribers() == 0
 
 
 @pytest.mark.parametrize(("variance", "spread"), [(0.02, 0.2), (float("inf"), None), (float("nan"), None)])

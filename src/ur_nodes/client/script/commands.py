@@ -34,9 +34,9 @@ class VelocityCommands:
         self._lease = lease
         self._publisher = FreshPublisher(self._topic, lease.link, lease.client)
 
-    def listeners(self) -> int:
+    def subscribers(self) -> int:
         """Return the number of subscribers of the velocities."""
-        return self._publisher.listeners()
+        return self._publisher.subscribers()
 
     @property
     def on(self) -> bool:

@@ -219,7 +219,7 @@ class Robot:
 
         def is_connected() -> bool:
             known = snapshot().lease.state != "unknown"  # else it could still be that of a program that was lost
-            return known and link.newest() is not None and commands.listeners() > 0
+            return known and link.newest() is not None and commands.subscribers() > 0
 
         if not until(is_connected, PATIENCE):
             raise Lost("nothing from the mux, whose challenges prove the age of commands; is the robot running?")

@@ -41,10 +41,10 @@ class SensorValues:
         return cast("Value", self._values[topic][0])
 
     def _subscribe(self, topic: str, kind: type[Value], quality: Quality) -> None:
-        def take(value: Value) -> None:
+        def on_value(value: Value) -> None:
             self._values[topic] = (value, self._node.steady())
 
-        self._node.subscribe(topic, kind, take, quality)
+        self._node.subscribe(topic, kind, on_value, quality)
 
 
 def find_nearest(scan: Scan, width: float, direction: float) -> float:

@@ -65,7 +65,7 @@ class PatrolGoal:
             self._goals.cancel(self._goal)
             self._goal = ""
 
-    def take_states(self, states: tuple[actions.GoalState, ...]) -> None:
+    def on_states(self, states: tuple[actions.GoalState, ...]) -> None:
         if self._goal:
             now = self._node.steady()
             self._tracker = track_status(self._tracker, states, now)
@@ -75,7 +75,7 @@ class PatrolGoal:
             if each.open and each.id.startswith(self._prefix) and each.id != self._goal:
                 self._goals.cancel(each.id)
 
-    def take_goal_end(self, state: actions.GoalState) -> None:
+    def on_goal_end(self, state: actions.GoalState) -> None:
         if self._goal:
             self._tracker = track_result(self._tracker, state, self._node.steady())
 

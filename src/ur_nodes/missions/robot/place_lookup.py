@@ -37,12 +37,12 @@ class PlaceLookup:
         self._map: Subscription | None = None
         self._late: Timer | None = None
 
-    def find(self, route: PatrolRoute, take: Take) -> None:
-        """Look up the places of a route, after those of earlier routes, and pass the result to `take`.
+    def find(self, route: PatrolRoute, callback: Take) -> None:
+        """Look up the places of a route, after those of earlier routes, and pass the result to `callback`.
 
         Of more than _MOST_WAITING waiting requests, the oldest is dropped.
         """
-        self._waiting.append((route, take))
+        self._waiting.append((route, callback))
         if len(self._waiting) == 1:
             self._begin()
         elif len(self._waiting) > 1 + _MOST_WAITING:

@@ -228,8 +228,8 @@ class ForeignCommands:
     Subscribes to Twist or TwistStamped, depending on the publishers; the stamp in a header is not trusted.
     """
 
-    def __init__(self, node: Node, topic: str, take: Callable[[Twist, Sender | None], None]) -> None:
-        self._node, self._topic, self._take = node, topic, take
+    def __init__(self, node: Node, topic: str, callback: Callable[[Twist, Sender | None], None]) -> None:
+        self._node, self._topic, self._take = node, topic, callback
         self._received_at = -math.inf
         self.kind: type = Twist
         self._subscription = self._subscribe()  # at once: a program's first commands do not wait for the graph

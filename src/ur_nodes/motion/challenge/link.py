@@ -66,9 +66,9 @@ class FreshPublisher:
         """The full name of the topic."""
         return self._publisher.topic
 
-    def listeners(self) -> int:
+    def subscribers(self) -> int:
         """The number of subscribers."""
-        return self._publisher.listeners()
+        return self._publisher.subscribers()
 
 
 class AdaptivePublisher:
@@ -87,7 +87,7 @@ class AdaptivePublisher:
     @property
     def plain(self) -> bool:
         """Return whether commands are now published as plain ones."""
-        return not self._link.received and not self._fresh.listeners() and self._plain.listeners() > 0
+        return not self._link.received and not self._fresh.subscribers() and self._plain.subscribers() > 0
 
     def send(self, twist: Twist) -> None:
         """Publish a command if it can be stamped, or as a plain one if `plain`."""
@@ -99,11 +99,11 @@ class AdaptivePublisher:
     @property
     def topic(self) -> str:
         """The full name of the topic in use."""
-        return self._plain.topic if self.plain or not self._fresh.listeners() else self._fresh.topic
+        return self._plain.topic if self.plain or not self._fresh.subscribers() else self._fresh.topic
 
-    def listeners(self) -> int:
+    def subscribers(self) -> int:
         """The number of subscribers of the topic in use."""
-        return self._plain.listeners() if self.plain else self._fresh.listeners()
+        return self._plain.subscribers() if self.plain else self._fresh.subscribers()
 
 
 def stamped_name(node: Node, topic: str) -> str:

@@ -82,7 +82,7 @@ def start(node: Node) -> None:
         nonlocal state
         state = replace(state, settings=fresh.settings)
 
-    def take(joystick: Joystick, sender: Sender | None) -> None:
+    def on_joystick(joystick: Joystick, sender: Sender | None) -> None:
         nonlocal state
         accepted = origin.accepts(sender)
         state, twist, request = step_joy_teleop(state, JoystickState(joystick.axes, joystick.buttons))
@@ -103,7 +103,7 @@ def start(node: Node) -> None:
         else:
             node.log.error(f"{service}: {answer.text}, expected the answer of a cmd_vel_mux")
 
-    node.subscribe_from("joy", Joystick, take)
+    node.subscribe_from("joy", Joystick, on_joystick)
 
 
 def _velocity_of(twist: JoyTwist) -> Twist:

@@ -104,7 +104,7 @@ class LeaseClient:
     def _step(self) -> None:
         if self._hangs():
             return
-        linked = self.link.newest(REQUEST_FRESHNESS / 2.0) is not None and self._publisher.listeners() > 0
+        linked = self.link.newest(REQUEST_FRESHNESS / 2.0) is not None and self._publisher.subscribers() > 0
         self._requests, action = step_requests(self._requests, self._node.steady(), linked=linked)
         if action:
             self._send(action)

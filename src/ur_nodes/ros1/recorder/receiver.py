@@ -80,10 +80,10 @@ class TopicLink:
 
 
 class LinkReceiver:
-    """Reads links, and gives what arrives to `take`, on a thread of its own, from the first link to `close`."""
+    """Reads links, and gives what arrives to `callback`, on a thread of its own, from the first link to `close`."""
 
-    def __init__(self, take: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]) -> None:
-        self._take, self._clock = take, clock
+    def __init__(self, callback: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]) -> None:
+        self._take, self._clock = callback, clock
         self._new: deque[TopicLink | None] = deque()
         self._links: dict[int, TopicLink] = {}
         self._buffer = memoryview(bytearray(_BUFFER))

@@ -36,7 +36,7 @@ class RosRecorder:
         self,
         loop: Loop,
         name: str,
-        take: Callable[[Sequence[RecordedMessage]], None],
+        callback: Callable[[Sequence[RecordedMessage]], None],
         clock: Callable[[], int],
         find: Callable[[str, str, str], Address] = find_publisher,
     ) -> None:
@@ -46,7 +46,7 @@ class RosRecorder:
         self._caller = f"{name}_recorder"  # publishers keep one connection for a name
         self._states: dict[_Key, _State] = {}
         self._addresses: dict[str, Address] = {}
-        self._receiver = LinkReceiver(lambda batch: loop.post(lambda: take(batch)), clock)
+        self._receiver = LinkReceiver(lambda batch: loop.post(lambda: callback(batch)), clock)
 
     def record(self, topics: Sequence[RecordedTopic]) -> None:
         now = time.monotonic()

@@ -86,13 +86,13 @@ def is_abandoned(sock: socket.socket) -> bool:
 def unless_abandoned(accept: Callable[[object, socket.socket, Address], None]) -> Callable[..., None]:
     """Accept as `accept` does, but close an abandoned connection in silence: rospy warns of it, with a traceback."""
 
-    def take(server: object, sock: socket.socket, address: Address) -> None:
+    def accept_or_close(server: object, sock: socket.socket, address: Address) -> None:
         if is_abandoned(sock):
             sock.close()
         else:
             accept(server, sock, address)
 
-    return take
+    return accept_or_close
 
 
 def is_link_trouble(problem: BaseException | None) -> bool:

@@ -70,17 +70,17 @@ class Nav2Goals:
         ] = {}  # goals that have ended, and for how long a reason is awaited
         self.used = self._there = False
 
-        def take_status(message: GoalStatusArray) -> None:
+        def on_status(message: GoalStatusArray) -> None:
             found = [(bytes(each.goal_info.goal_id.uuid), int(each.status)) for each in message.status_list]
             post(lambda: self._take_list(found))
 
-        def take_feedback(message: NavigateToPose.Impl.FeedbackMessage) -> None:
+        def on_feedback(message: NavigateToPose.Impl.FeedbackMessage) -> None:
             key, count = bytes(message.goal_id.uuid), max(0, int(message.feedback.number_of_recoveries))
             post(lambda: self._recoveries.update({self._id_of(key): count}))
 
-        node.create_subscription(GoalStatusArray, f"{name}/_action/status", take_status, _LATCHED)
+        node.create_subscription(GoalStatusArray, f"{name}/_action/status", on_status, _LATCHED)
         feedback = action.Impl.FeedbackMessage
-        node.create_subscription(feedback, f"{name}/_action/feedback", take_feedback, QoSProfile(depth=10))
+        node.create_subscription(feedback, f"{name}/_action/feedback", on_feedback, QoSProfile(depth=10))
 
     def servers(self) -> int:
         """Return whether a server accepts goals, as 1 or 0."""
@@ -96,11 +96,11 @@ class Nav2Goals:
         request.goal_id = key_message(key)
         fill_target(request.goal, goal.target)
 
-        def take(future: Future) -> None:
+        def on_answer(future: Future) -> None:
             accepted = bool(future.result().accepted)
             self._post(lambda: None if accepted else self._end(GoalState(goal.id, "aborted", _REFUSED)))
 
-        self._goals.call_async(request).add_done_callback(take)
+        self._goals.call_async(request).add_done_callback(on_answer)
 
     def cancel(self, id: str = "") -> None:
         known = [key for key, own in self._ids.items() if own == id]
@@ -124,7 +124,7 @@ class Nav2Goals:
             else:
                 self._end(state)
         if there and self.used:
-            self._follower.take_states((*map(self._describe, self._listed.values()), *self._waiting.values()))
+            self._follower.on_states((*map(self._describe, self._listed.values()), *self._waiting.values()))
 
     def _describe(self, state: GoalState) -> GoalState:
         """Return the state to pass on, with the reason of its end."""
@@ -154,11 +154,11 @@ class Nav2Goals:
         request = self._action.Impl.GetResultService.Request()
         request.goal_id = key_message(key)
 
-        def take(future: Future) -> None:
+        def on_answer(future: Future) -> None:
             text = reason_of(future.result().result)
             self._post(lambda: self._end(GoalState(state.id, state.state, text)) if state.id in self._ending else None)
 
-        self._results.call_async(request).add_done_callback(take)
+        self._results.call_async(request).add_done_callback(on_answer)
 
     def _end(self, state: GoalState) -> None:
         self._waiting.pop(state.id, None)
@@ -166,7 +166,7 @@ class Nav2Goals:
         if state.id in self._listed:
             self._listed[state.id] = state
         if self.used:
-            self._follower.take_goal_end(state)
+            self._follower.on_goal_end(state)
 
     def _id_of(self, key: bytes) -> str:
         return self._ids.get(key) or key.hex()

@@ -63,7 +63,7 @@ class Pursuit:
         self._cancelled = True
         self._server.cancel_goal(self._id)
 
-    def take_state(self, state: GoalState) -> None:
+    def report_state(self, state: GoalState) -> None:
         if state.open:
             return
         if state.state != "succeeded" or len(self._targets) == 1:
@@ -73,7 +73,7 @@ class Pursuit:
         self._id = f"{self._name}-{len(self._targets)}"
         self._post(self._send)  # the node is still at the end of the one before
 
-    def take_place(self, place: PlacedPose) -> None:
+    def report_pose(self, place: PlacedPose) -> None:
         if not self._ended:
             there, here = self._targets[0].pose, place.pose
             seconds = (self._now() - self._began) / 1e9
@@ -85,7 +85,7 @@ class Pursuit:
         if self._cancelled:
             self.finish(GoalState(self._id, "cancelled", "cancelled"))
         else:
-            self._server.take_goal(Goal(self._id, self._targets[0]), self)
+            self._server.handle_goal(Goal(self._id, self._targets[0]), self)
 
     def finish(self, state: GoalState) -> None:
         """End the goal, once."""
@@ -109,7 +109,7 @@ class NavigationActions:
         self._servers: list[ActionServer] = []
         self._pursuits: dict[bytes, Pursuit] = {}
 
-    def offer(self, name: str, server: TopicGoalServer, kept: float) -> None:
+    def serve(self, name: str, server: TopicGoalServer, kept: float) -> None:
         """Offer the action of that full name, and beside `navigate_to_pose` the one through poses."""
         self._offer("NavigateToPose", name, server, kept)
         if name.endswith(f"/{TO_POSE}"):

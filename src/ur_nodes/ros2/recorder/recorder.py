@@ -15,7 +15,7 @@ from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import RecordedMessage, RecordedTopic, RecordedType
 from ur_nodes.ros2.recorder.arrivals import Arrivals
-from ur_nodes.ros2.recorder.subscriptions import TopicOffer, open_subscription, read_offer
+from ur_nodes.ros2.recorder.subscriptions import TopicPublishers, open_subscription, read_publishers
 
 if TYPE_CHECKING:
     from rclpy.node import Node, Subscription
@@ -33,7 +33,7 @@ class _OpenTopic:
     """A topic that is recorded: its publishers, its subscription, and the times of its messages."""
 
     publishers: _Publishers
-    offer: TopicOffer
+    offer: TopicPublishers
     subscription: Subscription
     kind: RecordedType
     arrivals: Arrivals = field(default_factory=Arrivals)
@@ -55,9 +55,9 @@ class IntervalRecorder:
     """See `ports.raw.TopicRecorder`. A message has the time at which the middleware received it."""
 
     def __init__(
-        self, node: Node, loop: Loop, take: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]
+        self, node: Node, loop: Loop, callback: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]
     ) -> None:
-        self._node, self._take, self._clock = node, take, clock
+        self._node, self._take, self._clock = node, callback, clock
         self._group = _Unserved()
         self._open: dict[str, _OpenTopic] = {}
         self._periods: dict[str, int] = {}
@@ -75,7 +75,7 @@ class IntervalRecorder:
 
     def _subscribe(self, topic: str, publishers: _Publishers) -> None:
         """Subscribe as the present publishers of a topic need it, which may be as before."""
-        offer = read_offer(self._node, topic)
+        offer = read_publishers(self._node, topic)
         before = self._open.get(topic)
         if offer is None:
             return

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class TopicOffer:
+class TopicPublishers:
     """Type of a topic, whether all its publishers keep the newest message, and whether one of them is best effort."""
 
     kind: str
@@ -28,7 +28,7 @@ class TopicOffer:
     loose: bool
 
 
-def read_offer(node: Node, topic: str) -> TopicOffer | None:
+def read_publishers(node: Node, topic: str) -> TopicPublishers | None:
     """Read what the publishers of a topic offer; None: it has none."""
     found = node.get_publishers_info_by_topic(topic)
     if not found:
@@ -37,24 +37,26 @@ def read_offer(node: Node, topic: str) -> TopicOffer | None:
     message_class = find_class(kind, "msg") or _bare_class_of(found[0])
     latched = all(each.qos_profile.durability.name == "TRANSIENT_LOCAL" for each in found)
     loose = any(each.qos_profile.reliability.name == "BEST_EFFORT" for each in found)
-    return TopicOffer(kind, message_class, latched, loose)
+    return TopicPublishers(kind, message_class, latched, loose)
 
 
 def open_subscription(
     node: Node,
     topic: str,
-    offer: TopicOffer,
+    publishers: TopicPublishers,
     quality: Quality,
-    take: Callable[[bytes], None],
+    callback: Callable[[bytes], None],
     group: CallbackGroup | None = None,
 ) -> tuple[Subscription, str]:
     """Subscribe to the bytes of a topic; returns its schema, too."""
-    profile = requested(Quality.LATCHED_EVERY if offer.latched else quality, object)
-    if offer.loose:
+    profile = requested(Quality.LATCHED_EVERY if publishers.latched else quality, object)
+    if publishers.loose:
         profile.reliability = ReliabilityPolicy.BEST_EFFORT  # the only one that connects to all of them
-    subscription = node.create_subscription(offer.message_class, topic, take, profile, callback_group=group, raw=True)
+    subscription = node.create_subscription(
+        publishers.message_class, topic, callback, profile, callback_group=group, raw=True
+    )
     reset_error()
-    return subscription, find_schema(offer.kind, "msg") or ""
+    return subscription, find_schema(publishers.kind, "msg") or ""
 
 
 def _bare_class_of(publisher: TopicEndpointInfo) -> type:

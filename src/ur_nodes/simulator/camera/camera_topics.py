@@ -66,7 +66,7 @@ class SimulatedCameraTopics:
     Nothing is started or drawn before there is a subscriber. A picture that is due while the last one is still being
     drawn is left out, unless the simulation goes as fast as it can: then it waits (`wait`). When many are left out that
     is logged once. Where nothing can draw, an error in the log explains why, and it is tried again every 10 s: the
-    listeners' own messages repeat it (`ur_nodes.pictures.silence`).
+    subscribers' own messages repeat it (`ur_nodes.pictures.silence`).
     """
 
     def __init__(
@@ -96,7 +96,7 @@ class SimulatedCameraTopics:
         """Return whether to draw pictures: there is a subscriber, and no recent failure."""
         return any(robot.wanted for robot in self._robots) and self._node.steady() >= self._try_at
 
-    def offer(self, stamp: int, state: npt.NDArray[np.float64]) -> None:
+    def publish(self, stamp: int, state: npt.NDArray[np.float64]) -> None:
         """Draw the picture that is due at a time (ns); called between ticks."""
         if short := self._count.note(stamp * 1e-9, made=not self._busy):
             self._node.log.warn(short)
@@ -105,7 +105,7 @@ class SimulatedCameraTopics:
         self._busy = self._started = True
         wants = [(each.wants_pixels, each.wants_jpeg) if each.wanted else None for each in self._robots]
 
-        def take(drawn: list[Drawing | None] | UserError) -> None:
+        def on_drawn(drawn: list[Drawing | None] | UserError) -> None:
             self._busy = False
             if isinstance(drawn, UserError):
                 self._report(drawn)
@@ -115,9 +115,9 @@ class SimulatedCameraTopics:
                     robot.send(stamp, drawing)
 
         if self._wait:
-            take(self._draw(state, wants))
+            on_drawn(self._draw(state, wants))
         else:
-            self._node.work(lambda: self._draw(state, wants), take)
+            self._node.work(lambda: self._draw(state, wants), on_drawn)
 
     def _draw(
         self, state: npt.NDArray[np.float64], wants: Sequence[tuple[bool, bool] | None]
@@ -165,15 +165,15 @@ class _Robot:
 
     @property
     def wants_pixels(self) -> bool:
-        return self._raw.listeners() > 0
+        return self._raw.subscribers() > 0
 
     @property
     def wants_jpeg(self) -> bool:
-        return self._compressed.listeners() > 0
+        return self._compressed.subscribers() > 0
 
     @property
     def wanted(self) -> bool:
-        return self.wants_pixels or self.wants_jpeg or self._info.listeners() > 0
+        return self.wants_pixels or self.wants_jpeg or self._info.subscribers() > 0
 
     def send(self, stamp: int, drawing: Drawing) -> None:
         own = self._calibration

@@ -79,7 +79,7 @@ class BatterySense(Sense):
         publisher = node.publish(prefix + self._battery.topic, State, quality)
 
         def send(_time: float, stamp: int) -> None:
-            if publisher.listeners():
+            if publisher.subscribers():
                 now, battery = self.charge, self._battery
                 state = now.voltage, now.current, now.charge, battery.design_capacity, now.fraction
                 publisher.send(State(stamp, *state, technology=battery.technology))

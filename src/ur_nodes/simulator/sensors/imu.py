@@ -123,7 +123,7 @@ class ImuSense(Sense):
         variances = _ORIENTATION_VARIANCE, self._imu.gyro_noise**2, self._imu.accel_noise**2
 
         def send(_time: float, stamp: int) -> None:
-            if publisher.listeners():
+            if publisher.subscribers():
                 reading = self.read()
                 measured = reading.orientation, reading.turning, reading.force
                 publisher.send(Message(stamp, prefix + self._imu.frame, *measured, *variances))

@@ -1,4 +1,4 @@
-"""A sensor of one simulated robot: sampled at its rate, sent while its topics have listeners."""
+"""A sensor of one simulated robot: sampled at its rate, sent while its topics have subscribers."""
 
 from __future__ import annotations
 

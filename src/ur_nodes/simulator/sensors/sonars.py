@@ -94,7 +94,7 @@ class SonarSense(Sense):
         limits = self._sonars.field_of_view, self._sonars.range_min, self._sonars.range_max
 
         def send(_time: float, stamp: int) -> None:
-            if publisher.listeners():
+            if publisher.subscribers():
                 for sonar, value in zip(self._sonars.at, self.ranges().tolist(), strict=True):
                     publisher.send(Range(stamp, prefix + sonar.frame, value, *limits))
 

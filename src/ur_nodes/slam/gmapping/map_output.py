@@ -64,16 +64,16 @@ class GridMapOutput:
 
         self.state(lambda state: self.draw(state, compare))
 
-    def state(self, take: Callable[[MapState], None]) -> None:
-        """Pass the present map to `take`."""
-        self._node.work(self._slam.state, take, SCANS)
+    def state(self, callback: Callable[[MapState], None]) -> None:
+        """Pass the present map to `callback`."""
+        self._node.work(self._slam.state, callback, SCANS)
 
-    def draw(self, state: MapState, take: Callable[[Grid], None]) -> None:
-        """Pass the picture of a map with at least one keyframe to `take`."""
-        self._node.work(lambda: self._draw(state), take, _DRAWING)
+    def draw(self, state: MapState, callback: Callable[[Grid], None]) -> None:
+        """Pass the picture of a map with at least one keyframe to `callback`."""
+        self._node.work(lambda: self._draw(state), callback, _DRAWING)
 
-    def _picture(self, take: Callable[[Grid | None], None]) -> None:
-        self.state(lambda state: self.draw(state, take) if state.poses else take(None))
+    def _picture(self, callback: Callable[[Grid | None], None]) -> None:
+        self.state(lambda state: self.draw(state, callback) if state.poses else callback(None))
 
     def _draw(self, state: MapState) -> Grid:
         self._drawn.update(state.poses, state.scans, state.drives)

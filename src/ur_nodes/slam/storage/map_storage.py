@@ -85,12 +85,12 @@ class MapStorage:
         node.after(every, self._save_again, steady=True)
         node.log.info(f"saving the map as '{name}', every {every:g} s and at the end")
 
-    def _save(self, take: Callable[[str], None]) -> None:
-        """Write the map if it has changed; `take` gets the reason of a failure, '' on success."""
+    def _save(self, callback: Callable[[str], None]) -> None:
+        """Write the map if it has changed; `callback` gets the reason of a failure, '' on success."""
 
         def compare(state: MapState) -> None:
             if not state.poses or _same(state, self._saved):
-                take("")
+                callback("")
             else:
                 self._output.draw(state, lambda grid: write(state, grid))
 
@@ -100,7 +100,7 @@ class MapStorage:
         def end(state: MapState, problem: str) -> None:
             if not problem:
                 self._saved = state
-            take(problem)
+            callback(problem)
 
         self._output.state(compare)
 

@@ -62,7 +62,7 @@ class LeasedCommander:
 
     def link(self) -> CommandTopic:
         """The topic and its subscribers."""
-        return CommandTopic(self._publisher.topic, self._publisher.listeners())
+        return CommandTopic(self._publisher.topic, self._publisher.subscribers())
 
     def view(self) -> LeaseView | None:
         """Return the lease as this client sees it; None where there is no lease."""
@@ -114,7 +114,7 @@ class PlainCommander:
         """The topic and its subscribers."""
         publisher = self._stamped or self._plain
         assert publisher is not None, "one of them is made"
-        return CommandTopic(publisher.topic, publisher.listeners())
+        return CommandTopic(publisher.topic, publisher.subscribers())
 
     def view(self) -> None:
         """There is no lease."""

@@ -33,7 +33,7 @@ class CommandTopic:
     """The topic of the commands: its full name and its number of subscribers."""
 
     topic: str
-    listeners: int
+    subscribers: int
 
 
 def draw_drive_screen(
@@ -47,7 +47,7 @@ def draw_drive_screen(
         return [cut_styled(line, columns) for line in _small_screen(state, link, mux, driver, columns, rows)][:rows]
     lines = [
         "",
-        f"  {BOLD}{CYAN}keyboard drive{RESET}   {_listeners(link)}",
+        f"  {BOLD}{CYAN}keyboard drive{RESET}   {_subscribers(link)}",
         "",
         *_keys(state, columns),
         "",
@@ -166,7 +166,7 @@ def _motion_line(state: DriveState, mux: MuxView, driver: DriverLine) -> str:
 
 def _notes(state: DriveState, link: CommandTopic, mux: MuxView, driver: DriverLine) -> list[str]:
     note = driver.text or state.note
-    if not note and not link.listeners:
+    if not note and not link.subscribers:
         note = f"no subscriber on {link.topic}; is the robot running?"
     elif not note and mux.stopped is None:
         note = "no cmd_vel_mux: space stops this program only, no other client"
@@ -177,8 +177,8 @@ def _notes(state: DriveState, link: CommandTopic, mux: MuxView, driver: DriverLi
     return [f"{YELLOW}{note}{RESET}"]
 
 
-def _listeners(link: CommandTopic) -> str:
-    who = "1 subscriber" if link.listeners == 1 else f"{link.listeners} subscribers"
+def _subscribers(link: CommandTopic) -> str:
+    who = "1 subscriber" if link.subscribers == 1 else f"{link.subscribers} subscribers"
     return f"{DIM}{link.topic} · {who}{RESET}"
 
 

@@ -83,10 +83,10 @@ class PipeDriver:
         """Wait for a subscriber, then for the lease; return whether the first key may drive."""
         now, link = self._node.steady(), self._commander.link()
         if not self._linked:
-            if not link.listeners and now - self._began < _LISTENER_WAIT:
+            if not link.subscribers and now - self._began < _LISTENER_WAIT:
                 return False
             self._linked, self._linked_at = True, now
-            if not link.listeners:
+            if not link.subscribers:
                 self.warning = (
                     f"no subscriber on {link.topic} after {_LISTENER_WAIT:g} s; is the robot running? Driving anyway"
                 )

@@ -51,7 +51,7 @@ class Publishing:
         self._node.work(lambda: self._node.raw.find_schema(request.kind), begin, "schemas")
 
     def _send(self, publisher: Publisher[Message], fields: Fields, deadline: float, answer: Answer) -> None:
-        count = publisher.listeners()
+        count = publisher.subscribers()
         if not count and self._node.steady() < deadline:
             again = partial(self._send, publisher, fields, deadline, answer)
             self._node.after(_CONNECT_EVERY, again, steady=True)

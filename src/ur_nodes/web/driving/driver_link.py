@@ -68,7 +68,7 @@ class DriverLink:
     @property
     def connected(self) -> bool:
         """Return whether a mux takes velocities."""
-        return self._velocities.listeners() > 0
+        return self._velocities.subscribers() > 0
 
     def link_age(self) -> float:
         """Return the seconds since the mux's last challenge; infinite before the first."""

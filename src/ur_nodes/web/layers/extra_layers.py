@@ -96,11 +96,11 @@ class ExtraLayers:
             self._put(lambda: [points_frame(Layer.PARTICLES, points)])
 
     def _take_costmap(self, layer: Layer, costmap: Map) -> None:
-        self._costmaps[layer].take(costmap)
+        self._costmaps[layer].replace(costmap)
         self._changed.add(layer)
 
     def _take_update(self, layer: Layer, update: MapUpdate) -> None:
-        if problem := self._costmaps[layer].take_update(update):
+        if problem := self._costmaps[layer].apply(update):
             self._node.log.warn(problem, every=_LOGGED_EVERY)
         elif self._costmaps[layer].map is not None:
             self._changed.add(layer)

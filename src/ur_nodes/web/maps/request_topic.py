@@ -34,7 +34,7 @@ class RequestTopic(Generic[State]):
 
     def served(self) -> bool:
         """Return whether a node takes requests."""
-        return self._requests.listeners() > 0
+        return self._requests.subscribers() > 0
 
     def ask(self, request: Mapping[str, object], done: Done) -> bool:
         """Send a request; return False without calling `done` if no node takes requests."""

@@ -22,8 +22,8 @@ class QueuedNode:
         self.jobs: list[tuple[Callable[[], Any], Callable[[Any], None]]] = []
         self.timers: list[float] = []
 
-    def work(self, job: Callable[[], Any], take: Callable[[Any], None], _lane: str = "") -> None:
-        self.jobs.append((job, take))
+    def work(self, job: Callable[[], Any], callback: Callable[[Any], None], _lane: str = "") -> None:
+        self.jobs.append((job, callback))
 
     def after(self, seconds: float, _call: Callable[[], None], *, steady: bool = False) -> None:
         assert steady

@@ -214,7 +214,7 @@ def test_old_and_latched_requests_start_nothing(stage: PatrolStage) -> None:
     stage.bus.run(1.5)
     answers = list(divmod(challenge, SECOND))
     assert "arrived late" in stage.ask("start", [SOFA], client="ab12", answers=answers)
-    (listener,) = stage.bus.topics["/patrol/request"].listeners
+    (listener,) = stage.bus.topics["/patrol/request"].subscribers
     old = json.dumps({"do": "start", "id": "kept", "places": [SOFA]})
     listener.deliver(old, "/old", True)  # as on ROS 1, where all subscribers get what a topic has kept
     stage.bus.run(0.1)

@@ -38,7 +38,7 @@ def test_adaptive_commands_are_plain_only_where_no_challenge_ever_was() -> None:
     mux.subscribe("cmd_vel", Twist, plain.append)
     publisher = AdaptivePublisher("cmd_vel", ChallengeLink(node, "mux"), "me")
     publisher.send(AHEAD)
-    assert (publisher.plain, publisher.topic, publisher.listeners()) == (True, "/cmd_vel", 1)
+    assert (publisher.plain, publisher.topic, publisher.subscribers()) == (True, "/cmd_vel", 1)
     mux.publish("mux/challenge", Time).send(Time(1))
     bus.run(10.0)
     publisher.send(AHEAD)

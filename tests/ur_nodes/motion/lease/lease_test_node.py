@@ -48,7 +48,7 @@ class Clients:
         os.environ |= {"UR_CLIENT": client, "UR_CLIENT_NAME": f"{client}-host", "UR_LEASE": conduct}
         self.node.ask(lambda: self.add(client))
         joined = self.clients[client]
-        wait_until(lambda: bool(self.fresh[client].listeners()) and joined.view().state != "unknown", 60.0, "the mux")
+        wait_until(lambda: bool(self.fresh[client].subscribers()) and joined.view().state != "unknown", 60.0, "the mux")
         if conduct == "drive":
             self.node.ask(joined.acquire)
         return self.view(client)

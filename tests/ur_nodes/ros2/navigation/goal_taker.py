@@ -24,8 +24,8 @@ class GoalTaker:
         node.serve_goals("move_base", self)
         node.every(_BEAT, self._beat)
 
-    def take_goal(self, handle: GoalHandle) -> None:
-        """See GoalTakers."""
+    def handle_goal(self, handle: GoalHandle) -> None:
+        """See GoalHandlers."""
         old, self._handle = self._handle, None
         if old is not None:
             old.cancel("a new goal has replaced this one")
@@ -35,8 +35,8 @@ class GoalTaker:
         handle.accept()
         self._handle, self._beats = handle, 0
 
-    def take_cancel(self, handle: GoalHandle) -> None:
-        """See GoalTakers."""
+    def handle_cancel(self, handle: GoalHandle) -> None:
+        """See GoalHandlers."""
         self._handle = None
         handle.cancel("cancelled")
 

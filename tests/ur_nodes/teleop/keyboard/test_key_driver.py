@@ -120,7 +120,7 @@ def test_keys_drive_the_robot_through_its_mux_and_release_the_lease_at_the_end(h
     robot = MuxRobot(home)
     rig = Driving(robot.bus, topic="key_vel")
     rig.bus.run(0.5)
-    assert rig.driver.view().link.listeners == 1
+    assert rig.driver.view().link.subscribers == 1
     rig.press(KITTY + UP, 0.9)
     assert robot.outputs[-1][1].forward == pytest.approx(0.4)
     view = rig.commander.view()

@@ -51,8 +51,8 @@ def test_speed_keys_take_no_time_and_ctrl_c_ends() -> None:
 def test_first_key_waits_for_a_subscriber_and_then_drives_with_a_warning() -> None:
     bus = Bus()
     pipe = Pipe(bus)
-    for listener in list(bus.topics["/cmd_vel"].listeners):
-        bus.topics["/cmd_vel"].listeners.remove(listener)
+    for listener in list(bus.topics["/cmd_vel"].subscribers):
+        bus.topics["/cmd_vel"].subscribers.remove(listener)
     pipe.press(b"i")
     bus.run(4.9)
     assert (pipe.driver.busy, pipe.driver.warning) == (True, "")

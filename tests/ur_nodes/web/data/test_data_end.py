@@ -89,10 +89,10 @@ def test_page_that_has_left_gets_nothing_and_topics_are_left(world: DataWorld) -
     words = world.other.raw.publish("words", STRING)
     world.say(7, t="show", topics=["/words"])
     world.frames(3.0)
-    assert words.listeners() == 1
+    assert words.subscribers() == 1
     world.say(7)
     world.frames(3.0)
-    assert words.listeners() == 0
+    assert words.subscribers() == 0
     assert world.frames() == []
 
 

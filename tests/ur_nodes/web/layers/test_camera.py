@@ -69,7 +69,7 @@ class CameraRobot:
         self.bus.run(5.0)
         state: Any = self.view.describe()
         shown = state["topic"]
-        assert [name for name, each in self.publishers.items() if each.listeners()] == ([shown] if shown else [])
+        assert [name for name, each in self.publishers.items() if each.subscribers()] == ([shown] if shown else [])
         return shown, state["topics"]
 
     def end_cameras(self) -> None:
@@ -86,7 +86,7 @@ def test_camera_is_changed_at_once_and_an_unknown_one_changes_nothing() -> None:
     robot.view.want("", wanted=False)
     robot.view.step()
     assert robot.view.describe() == {"topic": "", "topics": []}
-    assert robot.publishers["/c/compressed"].listeners() == 0
+    assert robot.publishers["/c/compressed"].subscribers() == 0
 
 
 def test_chosen_camera_is_shown_again_when_it_is_back_and_one_that_answers_without_the_master() -> None:

@@ -43,9 +43,9 @@ def test_only_what_is_wanted_is_subscribed_to() -> None:
     world = LayersWorld()
     world.want(Layer.SCAN, Layer.MAP, 99)
     topics = (world.local, world.whole, world.updates, world.particles)
-    assert [each.listeners() for each in topics] == [0, 0, 0, 0]
+    assert [each.subscribers() for each in topics] == [0, 0, 0, 0]
     world.want(Layer.LOCAL, Layer.PARTICLES)
-    assert [each.listeners() for each in topics] == [1, 0, 0, 1]
+    assert [each.subscribers() for each in topics] == [1, 0, 0, 1]
 
 
 def test_costmap_is_placed_in_the_map_and_forgotten_when_no_page_wants_it() -> None:
@@ -59,7 +59,7 @@ def test_costmap_is_placed_in_the_map_and_forgotten_when_no_page_wants_it() -> N
     expected = PLACES["odom"].compose(Pose2(0.5, 0.0, 0.0))
     assert struct.unpack_from("<4f", grid, 10)[1:] == pytest.approx(tuple(expected), abs=1e-5)
     world.want()
-    assert world.local.listeners() == 0
+    assert world.local.subscribers() == 0
     assert generation_of(world.sent[-1]) != generation_of(grid)  # so that pages drop its tiles
     assert key_of(world.sent[-1])[:2] == (Kind.GRID, Layer.LOCAL)
 

@@ -57,7 +57,7 @@ class Scene:
         self.publishers[topic].send(value)
 
     def subscribed(self) -> list[str]:
-        return [name for name, topic in self.bus.topics.items() if topic.listeners]
+        return [name for name, topic in self.bus.topics.items() if topic.subscribers]
 
     def show(self, layer: Layer, *values: tuple[str, Any]) -> Any:
         """Want a layer, publish values, and return what is sent."""

@@ -105,14 +105,14 @@ def test_plots_are_sampled_while_they_are_wanted() -> None:
     plots = Plots()
     plots.feed.want([SPEED, TURN, "/strange:x", "no plot"], shown=False)
     plots.bus.run(0.5)
-    assert (plots.odometry.listeners(), plots.other.listeners()) == (1, 0)
+    assert (plots.odometry.subscribers(), plots.other.subscribers()) == (1, 0)
     for speed in (0.1, 0.2):
         plots.odometry.send(odometry(speed))
     assert [each["v"] for each in plots.take(Kind.VALUES)] == [{SPEED: 0.2, TURN: 0.0}]
     assert plots.take(Kind.VALUES) == [], "no sample without a message"
     plots.feed.want([], shown=False)
     plots.bus.run(4.0)
-    assert plots.odometry.listeners() == 0
+    assert plots.odometry.subscribers() == 0
 
 
 def test_messages_that_take_long_to_read_are_read_beside_the_node_one_sample_at_a_time() -> None:

@@ -63,10 +63,10 @@ def test_topics_that_can_be_shown_are_offered_and_only_those_that_are_shown_are_
     world.run()
     offered = [["/cloud", KINDS["/cloud"]], ["/many", KINDS["/many"]], ["/one", KINDS["/one"]]]
     assert world.last(7, "scene")["topics"] == offered
-    assert (world.one.listeners(), world.many.listeners(), world.clouds.listeners()) == (1, 0, 0)
+    assert (world.one.subscribers(), world.many.subscribers(), world.clouds.subscribers()) == (1, 0, 0)
     world.shows.clear()
     world.run()
-    assert world.one.listeners() == 0
+    assert world.one.subscribers() == 0
 
 
 def test_frames_are_sent_when_they_change_and_to_each_new_page() -> None:

@@ -57,7 +57,7 @@ def test_diagnostics_are_heard_while_a_page_shows_them() -> None:
     node.every(0.05, lambda: feed.step(shown))
     publisher = driver.raw.publish("/diagnostics", KIND)
     bus.run(1.0)
-    assert publisher.listeners() == 0
+    assert publisher.subscribers() == 0
     shown.append(4)
     bus.run(0.5)
     publisher.send(diagnosis(2, "motors"))
@@ -71,7 +71,7 @@ def test_diagnostics_are_heard_while_a_page_shows_them() -> None:
     assert [level for level, line in node.lines if "/diagnostics: message of 10 bytes" in line] == ["warn"]
     shown.clear()
     bus.run(1.0)
-    assert publisher.listeners() == 0
+    assert publisher.subscribers() == 0
 
 
 def test_page_that_is_new_gets_the_state_at_once() -> None:

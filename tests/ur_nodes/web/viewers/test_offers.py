@@ -98,9 +98,9 @@ def test_topic_is_subscribed_to_while_a_viewer_wants_it() -> None:
     words.send(b"one")
     world.bus.run(0.1)
     world.offers.change("/words", -1)
-    assert words.listeners() == 1
+    assert words.subscribers() == 1
     world.offers.change("/words", -1)
-    assert words.listeners() == 0
+    assert words.subscribers() == 0
     words.send(b"two")
     world.bus.run(0.1)
     assert world.channels[0].messages == [b"one"]
