@@ -93,7 +93,7 @@ def make_simulate() -> Path:
     simulation = Simulation(world, base)
     process = CameraProcess(world, base, base.raspicam, 1)
     try:
-        jpeg = process.take(0, simulation.state(), pixels=False, jpeg=True).jpeg
+        jpeg = process.render(0, simulation.state(), pixels=False, jpeg=True).jpeg
     finally:
         process.close()
     Image.open(io.BytesIO(jpeg)).quantize(64).save(path, optimize=True)

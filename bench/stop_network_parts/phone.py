@@ -44,7 +44,7 @@ def drive(phone: Phone, ended: threading.Event) -> int:
     tty.setraw(0)
     node, lease = phone.node, phone.lease
     turn, until = 0.0, 0.0
-    ask = {"d": lease.take, "a": lease.ask, "y": lease.grant}
+    ask = {"d": lease.take_over, "a": lease.ask, "y": lease.grant}
     while not ended.is_set():
         keys = os.read(0, 64).decode(errors="replace") if select.select([0], [], [], _PERIOD)[0] else ""
         for key in keys:

@@ -85,9 +85,9 @@ class TopicGoalServer:
         self._states = node.publish(f"{action}/state", GoalState, Quality.EVERY)
         self._status = node.publish(f"{action}/status", GoalStates)
         self._feedback = node.publish(f"{action}/feedback", PlacedPose)
-        node.subscribe(f"{action}/goal", Goal, self._take_goal, Quality.EVERY)
-        node.subscribe(f"{action}/cancel", GoalId, self._take_cancel, Quality.EVERY)
-        node.subscribe(f"{action}_simple/goal", PlacedPose, self._take_pose, Quality.EVERY)
+        node.subscribe(f"{action}/goal", Goal, self._on_goal, Quality.EVERY)
+        node.subscribe(f"{action}/cancel", GoalId, self._on_cancel, Quality.EVERY)
+        node.subscribe(f"{action}_simple/goal", PlacedPose, self._on_pose, Quality.EVERY)
         node.every(_STATUS_PERIOD, self.publish_status)
 
     def publish_status(self) -> None:
@@ -114,9 +114,9 @@ class TopicGoalServer:
 
     def cancel_goal(self, id: str) -> None:
         """Have the goal with this id end; where there is none, nothing happens."""
-        self._take_cancel(GoalId(id))
+        self._on_cancel(GoalId(id))
 
-    def _take_goal(self, goal: Goal) -> None:
+    def _on_goal(self, goal: Goal) -> None:
         self._take(TopicGoalHandle(goal, self._node.now(), self._states.send, self._feedback.send))
 
     def _take(self, handle: TopicGoalHandle) -> None:
@@ -124,11 +124,11 @@ class TopicGoalServer:
             self._handles[handle.goal.id] = handle
             self._handlers.handle_goal(handle)
 
-    def _take_pose(self, pose: PlacedPose) -> None:
+    def _on_pose(self, pose: PlacedPose) -> None:
         self._poses += 1
-        self._take_goal(Goal(f"{self._node.name}-{self._poses}-{self._node.now()}", pose))
+        self._on_goal(Goal(f"{self._node.name}-{self._poses}-{self._node.now()}", pose))
 
-    def _take_cancel(self, cancel: GoalId) -> None:
+    def _on_cancel(self, cancel: GoalId) -> None:
         for handle in list(self._handles.values()):
             meant = handle.goal.id == cancel.id or handle.arrived <= cancel.stamp or cancel == GoalId()
             if meant and handle.open:
@@ -146,7 +146,7 @@ class TopicGoalClient:
         self._connected = 0  # subscribers, when a server was among them
         self._goals = node.publish(f"{action}/goal", Goal, Quality.EVERY)
         self._cancels = node.publish(f"{action}/cancel", GoalId, Quality.EVERY)
-        node.subscribe(f"{action}/status", GoalStates, self._take_states)
+        node.subscribe(f"{action}/status", GoalStates, self._on_states)
         node.subscribe(
             f"{action}/state", GoalState, lambda state: None if state.open else self._end(state), Quality.EVERY
         )
@@ -167,7 +167,7 @@ class TopicGoalClient:
             self._connected = subscribers if subscribers and self._is_connected() else 0
         return self._connected
 
-    def _take_states(self, states: GoalStates) -> None:
+    def _on_states(self, states: GoalStates) -> None:
         self.lists += 1
         self._follower.on_states(states.goals)
 

@@ -66,13 +66,13 @@ class LoopNode:
             answers.append(f"the node has not answered within {_CHANGE_LIMIT:g} s")
         return answers[0]
 
-    def finish(self, leave: Callable[[], None]) -> None:
-        """Make the calls of the end on the node's thread; after them `leave`, which lets what was sent last leave."""
-        self._loop.end(lambda: self._finish(leave), _END_LIMIT + self._end_limit)
+    def finish(self, shutdown: Callable[[], None]) -> None:
+        """Make the calls of the end on the node's thread; after them `shutdown`, which sends what waits."""
+        self._loop.end(lambda: self._finish(shutdown), _END_LIMIT + self._end_limit)
         self._lanes.end()
         self._lanes.join()
 
-    def _finish(self, leave: Callable[[], None]) -> None:
+    def _finish(self, shutdown: Callable[[], None]) -> None:
         self._lanes.drop()
         self._ending = True
         for call in self._at_end:
@@ -86,7 +86,7 @@ class LoopNode:
             self._unfinished -= 1
             self._attempt(take)
         if self._at_end:
-            leave()
+            shutdown()
 
     def _attempt(self, call: Callable[[], None]) -> None:
         """Make a call of the end; where it fails, the others are made all the same."""

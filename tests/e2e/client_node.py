@@ -158,7 +158,7 @@ class DrivingClient:
         """Take the lease, as a person would after a program that was killed, and let others have it."""
         wait_until(lambda: self.lease.view().state != "unknown", seconds, "the lease of the mux")
         if self.lease.view().state != "free":
-            self.node.ask(self.lease.take)
+            self.node.ask(self.lease.take_over)
             wait_until(lambda: self.lease.view().mine, seconds, "the lease")
             self.node.ask(lambda: self.lease.release(final=False))
             wait_until(lambda: not self.lease.view().mine, seconds, "the release of the lease")

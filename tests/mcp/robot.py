@@ -45,7 +45,7 @@ class BusLink:
     def send(self, message: Values) -> None:
         self.beats += message["do"] == "beat"
         if not self.silent:
-            self.session.take(json.loads(json.dumps(message)))
+            self.session.handle(json.loads(json.dumps(message)))
 
     async def close(self) -> None:
         """End nothing: the robot's end is the test's."""

@@ -75,7 +75,7 @@ class OtherDriver:
         """Do something now and then; return whether no assistant may drive from now on."""
         kind = choose.choice(("nothing",) * 8 + ("take", "stop"))
         if kind == "take":
-            self._lease.take()
+            self._lease.take_over()
         elif kind == "stop":
             self._mux.ask("stop")
         return kind != "nothing"

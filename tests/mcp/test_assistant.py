@@ -164,7 +164,7 @@ async def test_person_who_takes_over_ends_the_grant(robot: AssistedRobot) -> Non
     async with robot.connect() as client:
         task = asyncio.create_task(client.call_tool("drive", {"speed": 0.1, "turn": 0.3, "seconds": 5.0}))
         await wait_for_motion(robot)
-        person.take()
+        person.take_over()
         assert "desk (keyboard) has taken over" in text_of(await task)
         assert robot.files.find(robot.assistant.id) is None
         assert "no grant is in force" in text_of(await client.call_tool("drive", {"speed": 0.1}))

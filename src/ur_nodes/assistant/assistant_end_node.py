@@ -22,7 +22,7 @@ def main() -> int:
 
 def start(node: Node, connection: socket.socket) -> None:
     """Join the socket to the robot."""
-    read_lines(node, {connection: AssistantSession(node, Outlet(node, connection)).take})
+    read_lines(node, {connection: AssistantSession(node, Outlet(node, connection)).handle})
 
 
 if __name__ == "__main__":

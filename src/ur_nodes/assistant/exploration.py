@@ -51,7 +51,7 @@ class AssistedExploration:
         """Take the end of the goal at the last place."""
         self._end = GoalEnd(reached, text)
 
-    def take_place(self, robot: Pose2, grid: Grid | None, allows: Allows) -> NextPlace:
+    def choose_place(self, robot: Pose2, grid: Grid | None, allows: Allows) -> NextPlace:
         """The next place, once. One that is not allowed counts as not reached."""
         now = self._node.steady()
         if grid is not self._grid:
@@ -63,10 +63,10 @@ class AssistedExploration:
             self._due, self._busy = now + self._settings.period, True
             seen = ExplorerInputs(now, self._grid, self._version, robot, self._obstacles.points(), self._end)
             self._end = None
-            self._node.work(lambda: self._explorer.step(seen), self._take_outputs)
+            self._node.work(lambda: self._explorer.step(seen), self._on_outputs)
         return found
 
-    def _take_outputs(self, out: ExplorerOutputs) -> None:
+    def _on_outputs(self, out: ExplorerOutputs) -> None:
         self._busy, self.status = False, out.status
         self._next = NextPlace(out.goal, out.cancel)
 

@@ -81,7 +81,7 @@ class AssistedDriving:
         """
         self._node, self._topics, self._stop, self._identity = node, topics, stop, identity
         self._give, self._revoke, self._pass_on = answer, revoke, pass_on
-        self.link = ChallengeLink(node, mux, self._take_challenge)
+        self.link = ChallengeLink(node, mux, self._on_challenge)
         self.lease: Lease | None = None
         self._held: HeldGrant | None = None
         self._motion: AssistedMotion | None = None
@@ -92,7 +92,7 @@ class AssistedDriving:
         self._numbers = itertools.count(1)
         self._requests = node.publish(f"{mux}/lease_request", str, Quality.EVERY)
         self._velocities = node.publish(stamped_name(node, _SOURCE), StampedTwist, Quality.FRESH)
-        node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED)
+        node.subscribe(f"{mux}/lease", str, self._on_lease, Quality.LATCHED)
         node.every(0.1, self._check, steady=True)
         node.on_end(lambda: self.stop("the server has ended"))
 
@@ -134,7 +134,7 @@ class AssistedDriving:
         if self._motion is not None:
             self._finish(why)
 
-    def _take_challenge(self) -> None:
+    def _on_challenge(self) -> None:
         """Pass a challenge on, so that the assistant's sign of life answers it: the mux then knows the age of that."""
         newest = self.link.newest()
         if self._motion is not None and newest is not None:
@@ -192,7 +192,7 @@ class AssistedDriving:
             return f"stopped: call again to go on; {describe_status(self._exploration.status)}"
         return ""
 
-    def _take_lease(self, text: str) -> None:
+    def _on_lease(self, text: str) -> None:
         lease = read_lease(text)
         if lease is not None:
             self.lease = lease
@@ -256,7 +256,7 @@ class AssistedDriving:
         if motion.goal and goal.over:
             exploration.note_end(goal.state is LastGoalState.REACHED, goal.text)
             motion = replace(motion, goal=0)
-        found = exploration.take_place(
+        found = exploration.choose_place(
             robot, self._topics.snapshot().grid, lambda place: grant.allows(place.x, place.y)
         )
         if found.place is not None:

@@ -53,9 +53,9 @@ class AssistantSession:
             self._pass_challenge,
         )
         self._battery: Battery | None = None
-        node.subscribe("battery_state", Battery, self._take_battery)
+        node.subscribe("battery_state", Battery, self._on_battery)
 
-    def take(self, message: Mapping[str, object]) -> None:
+    def handle(self, message: Mapping[str, object]) -> None:
         """Take a message of the server. Raises BadJsonError."""
         found: Message = convert_json(message, Message)
         match found:
@@ -92,7 +92,7 @@ class AssistantSession:
             values["map"] = _draw(seen.grid) if seen.grid is not None else None
         return values
 
-    def _take_battery(self, battery: Battery) -> None:
+    def _on_battery(self, battery: Battery) -> None:
         self._battery = battery
 
     def _answer(self, id: int, ok: bool, text: str) -> None:

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 from ur.recordings.black_boxes import REPORT_REQUEST
 from ur.source.printable import printable
+from ur_nodes.black_box.history import LARGE_BYTES, HistoryTopic, MessageHistory
 from ur_nodes.black_box.recording_file import RecordingError
 from ur_nodes.black_box.ring import Ring
 from ur_nodes.black_box.selection import MOST_TOPICS, select_topics
-from ur_nodes.black_box.tape import LARGE_BYTES, Tape, TapeTopic
 from ur_nodes.black_box.triggers import Triggers
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node
@@ -60,8 +60,8 @@ class BlackBox:
     ) -> None:
         self._node, self._settings, self._write_file = node, settings, write
         self._steady = steady_ns
-        self._tape = Tape(ring, settings.seconds)
-        self._types: dict[RecordedType, TapeTopic] = {}
+        self._history = MessageHistory(ring, settings.seconds)
+        self._types: dict[RecordedType, HistoryTopic] = {}
         self._large: set[str] = set()
         self._bumpers: set[str] = set()
         self._reasons: list[str] = []
@@ -78,7 +78,7 @@ class BlackBox:
     def happened(self, text: str) -> None:
         """Schedule a file because of an event."""
         now = self._steady()
-        self._tape.note_event(now, text)
+        self._history.note_event(now, text)
         first = not self._reasons
         if len(self._reasons) < _MOST_REASONS:
             self._reasons.append(text)
@@ -111,11 +111,11 @@ class BlackBox:
         for kind, moment, data in batch:
             topic = self._types.get(kind)
             if topic is None:
-                topic = TapeTopic(kind.topic, kind.type_name, kind.schema, kind.sender, kind.latched)
+                topic = HistoryTopic(kind.topic, kind.type_name, kind.schema, kind.sender, kind.latched)
                 self._types[kind] = topic
             if len(data) > LARGE_BYTES:
                 self._large.add(kind.topic)
-            self._tape.note(topic, moment, data)
+            self._history.note(topic, moment, data)
 
     def _write(self) -> None:
         reasons, self._reasons = self._reasons, []
@@ -137,9 +137,9 @@ class BlackBox:
                 self._node.log.error(f"no recording of '{reasons[0]}': {problem}")
             for give in waiting:
                 give(Result(bool(path), f"{socket.gethostname()}:{path}" if path else problem))
-            for name, count in self._tape.left_out.items():
+            for name, count in self._history.left_out.items():
                 self._node.log.warn(f"{name}: {count} messages were too large for the black box")
-            self._tape.left_out.clear()
+            self._history.left_out.clear()
 
         self._node.work(write, report, "black box")
 

@@ -97,17 +97,17 @@ def main(arguments: list[str]) -> int:
         received += data
     if received == _CLEAN:
         return 0
+    from ur_nodes.black_box.history import read_history
     from ur_nodes.black_box.recording_file import RecordingError, write_recording
     from ur_nodes.black_box.ring import copy_ring
-    from ur_nodes.black_box.tape import read_tape
 
     reasons = received.decode().splitlines() or [_KILLED]
     with mmap.mmap(memory, os.fstat(memory).st_size) as block:
-        tape = tuple(read_tape(copy_ring(block)))
-    if not tape and not received:
+        history = tuple(read_history(copy_ring(block)))
+    if not history and not received:
         return 0  # it ended before it had anything
     try:
-        path = write_recording(folder, tape, reasons, time.time_ns() - time.monotonic_ns(), kept)
+        path = write_recording(folder, history, reasons, time.time_ns() - time.monotonic_ns(), kept)
     except (RecordingError, ImportError) as problem:
         sys.stderr.write(f"error: {problem}\n" if received else f"error: {_KILLED}, and not written: {problem}\n")
         return 1

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from ur.recordings.mcap_channels import dialect_of, register_channel, start_writer
-from ur_nodes.black_box.tape import TapeEvent, TapeMessage, TapeTopic
+from ur_nodes.black_box.history import HistoryEvent, HistoryMessage, HistoryTopic
 
 FREE_BYTES = 200_000_000
 """Bytes that stay free on the disk."""
@@ -33,15 +33,15 @@ def list_recordings(folder: Path) -> list[Path]:
 
 def write_recording(
     folder: Path,
-    tape: Iterable[TapeMessage | TapeEvent],
+    history: Iterable[HistoryMessage | HistoryEvent],
     reasons: Sequence[str],
     to_unix: int,
     kept: int,
     free: int | None = None,
 ) -> Path:
-    """Write a tape, and remove the oldest recordings beyond `kept`.
+    """Write a history, and remove the oldest recordings beyond `kept`.
 
-    `to_unix` converts a time of the tape to Unix time, in ns; `free` are the free bytes of the disk, which is asked by
+    `to_unix` converts a time of the history to Unix time, in ns; `free` are the free bytes of the disk, asked for by
     default. Raises RecordingError.
     """
     try:
@@ -57,7 +57,7 @@ def write_recording(
         try:
             with unfinished.open("wb") as file:
                 os.fchmod(file.fileno(), 0o600)
-                _write(file, tape, reasons, to_unix)
+                _write(file, history, reasons, to_unix)
                 file.flush()
                 os.fsync(file.fileno())
             unfinished.replace(path)
@@ -80,16 +80,18 @@ def _new_path(folder: Path) -> Path:
     return path
 
 
-def _write(file: BinaryIO, tape: Iterable[TapeMessage | TapeEvent], reasons: Sequence[str], to_unix: int) -> None:
-    messages = list(tape)
-    topics = {each.topic for each in messages if isinstance(each, TapeMessage)}
+def _write(
+    file: BinaryIO, history: Iterable[HistoryMessage | HistoryEvent], reasons: Sequence[str], to_unix: int
+) -> None:
+    messages = list(history)
+    topics = {each.topic for each in messages if isinstance(each, HistoryMessage)}
     dialects = {dialect_of(topic.type_name, topic.schema) for topic in topics} - {""}
     writer = start_writer(file, dialects.pop() if len(dialects) == 1 else "", metadata=True)
-    channels: dict[TapeTopic, int] = {}
+    channels: dict[HistoryTopic, int] = {}
     events: dict[str, str] = {}
     sequence = 0
     for each in messages:
-        if isinstance(each, TapeEvent):
+        if isinstance(each, HistoryEvent):
             events[f"{(each.time + to_unix) / 1e9:.3f}"] = each.text
             continue
         if each.topic not in channels:

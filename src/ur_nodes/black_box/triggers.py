@@ -33,9 +33,9 @@ class Triggers:
     def subscribe(self, node: Node, mux: str, navigation: str, localiser: str) -> None:
         """Subscribe to the topics of the mux, navigation and localisation, by the names of their nodes."""
         self._listen_to_switch(node, f"{mux}/stopped", "the emergency stop was pressed")
-        node.subscribe(f"{mux}/lease", str, self.take_lease, _LATCHED)
+        node.subscribe(f"{mux}/lease", str, self.on_lease, _LATCHED)
         self._since[_LOST] = self.clock()
-        node.subscribe(f"{localiser}/lost", str, self.take_lost, _LATCHED)
+        node.subscribe(f"{localiser}/lost", str, self.on_lost, _LATCHED)
         node.follow_goals(navigation, self)
 
     def listen_to_bumper(self, node: Node, topic: str) -> None:
@@ -53,7 +53,7 @@ class Triggers:
         if on and not before:
             self.happened(text)
 
-    def take_lost(self, text: str) -> None:
+    def on_lost(self, text: str) -> None:
         """Handle the reason why localisation is lost; empty while it is not."""
         before = self._is_early(_LOST) if self._lost is None else bool(self._lost)
         self._lost = text
@@ -74,7 +74,7 @@ class Triggers:
             while len(self._goals) > _MOST_GOALS:
                 del self._goals[next(iter(self._goals))]
 
-    def take_lease(self, text: str) -> None:
+    def on_lease(self, text: str) -> None:
         """Handle the lease: a new driver is an event, unless the robot was free before."""
         lease: Lease | None = read_lease(text)
         if lease is None or not lease.client:

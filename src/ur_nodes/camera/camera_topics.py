@@ -71,7 +71,7 @@ class CameraTopics:
             )
         self._calibration = describe_camera(calibration, mode.width, mode.height, self._frame)
 
-    def take(self, shot: Shot) -> None:
+    def on_shot(self, shot: Shot) -> None:
         stamp = max(0, self._node.now() - round(shot.age * SECOND))
         if self._info.subscribers():
             self._info.send(replace(self._calibration, stamp=stamp))

@@ -34,7 +34,7 @@ class Consumer(Protocol[Shot]):
     def begin(self, mode: Mode) -> None:
         """Take note of a camera that was opened."""
 
-    def take(self, shot: Shot) -> None:
+    def on_shot(self, shot: Shot) -> None:
         """Take a picture that was read and prepared."""
 
     def report(self, problem: CameraError) -> None:
@@ -57,7 +57,7 @@ class CameraLoop(Generic[Shot]):
 
     def begin(self, first: PictureSource | CameraError) -> None:
         """Begin with an open camera, or with the reason why none is open."""
-        self._take_opened(first)
+        self._on_opened(first)
 
     def pause(self, released: Callable[[], None]) -> None:
         """Release the camera, then call `released`."""
@@ -77,9 +77,9 @@ class CameraLoop(Generic[Shot]):
         if self._timer:
             self._timer.cancel()
         if not self._paused:
-            self._work(partial(_attempt, self._open), self._take_opened)
+            self._work(partial(_attempt, self._open), self._on_opened)
 
-    def _take_opened(self, opened: PictureSource | CameraError) -> None:
+    def _on_opened(self, opened: PictureSource | CameraError) -> None:
         if not isinstance(opened, CameraError):
             self._use(opened)
             return
@@ -102,9 +102,9 @@ class CameraLoop(Generic[Shot]):
             frame = source.read(_READ_SECONDS, wanted=wanted)
             return None if frame is None else develop(frame)
 
-        self._work(partial(_attempt, read), partial(self._take_read, source))
+        self._work(partial(_attempt, read), partial(self._on_read, source))
 
-    def _take_read(self, source: PictureSource, shot: Shot | CameraError | None) -> None:
+    def _on_read(self, source: PictureSource, shot: Shot | CameraError | None) -> None:
         now = self._node.steady()
         if shot is None and now - self._last >= STALLED:
             mode = source.mode
@@ -118,14 +118,14 @@ class CameraLoop(Generic[Shot]):
             return
         if shot is not None:
             self._reported, self._last = None, now
-            self._consumer.take(shot)
+            self._consumer.on_shot(shot)
         self._read(source)
 
     def _close(self, source: PictureSource) -> None:
         self._source = None
-        self._work(source.close, self._take_closed)
+        self._work(source.close, self._on_closed)
 
-    def _take_closed(self, _closed: None) -> None:
+    def _on_closed(self, _closed: None) -> None:
         self._release()
         self._try()
 

@@ -50,22 +50,22 @@ class ExplorationTopics:
     def __init__(self, node: Node) -> None:
         self.frontiers: tuple[FrontierPoint, ...] = ()
         self._seen = RobotSnapshot()
-        node.subscribe("frontiers", Markers, self._take_frontiers, Quality.LATCHED)
-        node.subscribe("plan", Path, self._take_path)
-        node.subscribe("current_goal", PlacedPose, self._take_goal, Quality.LATCHED)
+        node.subscribe("frontiers", Markers, self._on_frontiers, Quality.LATCHED)
+        node.subscribe("plan", Path, self._on_path)
+        node.subscribe("current_goal", PlacedPose, self._on_goal, Quality.LATCHED)
 
     def add(self, snapshot: RobotSnapshot) -> RobotSnapshot:
         """Return the snapshot with goal and path."""
         return replace(snapshot, goal=self._seen.goal, path=self._seen.path)
 
-    def _take_frontiers(self, markers: Markers) -> None:
+    def _on_frontiers(self, markers: Markers) -> None:
         shown = [each for each in markers.markers if len(each.points)][:_MOST_FRONTIERS]
         self.frontiers = tuple(_frontier_of(each) for each in shown)
 
-    def _take_path(self, path: Path) -> None:
+    def _on_path(self, path: Path) -> None:
         self._seen = replace(self._seen, path=path.poses[:, :2])
 
-    def _take_goal(self, goal: PlacedPose) -> None:
+    def _on_goal(self, goal: PlacedPose) -> None:
         report = GoalReport(self._seen.goal.number + 1, goal.pose, LastGoalState.DRIVING)
         self._seen = replace(self._seen, goal=report)
 

@@ -61,9 +61,9 @@ class MuxLink:
         self._view = MuxView()
         self._asked_at = 0.0
         self._number = 0
-        self._stopped = node.subscribe(f"{mux}/stopped", bool, self._take_stopped, Quality.LATCHED)
-        node.subscribe(f"{mux}/active", str, self._take_active, Quality.LATCHED)
-        node.subscribe(f"{mux}/obstacle_stop", str, self._take_obstacles, Quality.LATCHED)
+        self._stopped = node.subscribe(f"{mux}/stopped", bool, self._on_stopped, Quality.LATCHED)
+        node.subscribe(f"{mux}/active", str, self._on_active, Quality.LATCHED)
+        node.subscribe(f"{mux}/obstacle_stop", str, self._on_obstacles, Quality.LATCHED)
 
     def view(self) -> MuxView:
         """Return the newest state."""
@@ -85,7 +85,7 @@ class MuxLink:
         service = f"{self._mux}/{request if emergency else 'set_obstacle_stop'}"
         value = Trigger() if emergency else Switch(request == "obstacles on")
         within = _STOP_WITHIN if request == "stop" else _WITHIN
-        self._node.call(service, value, lambda result: self._take_answer(number, request, service, result), within)
+        self._node.call(service, value, lambda result: self._on_answer(number, request, service, result), within)
         if request == "stop":
             self._node.after(_WITHIN, lambda: self._report_silence(number, service), steady=True)
 
@@ -102,7 +102,7 @@ class MuxLink:
         reason = f": {text}" if self._stopped.publishers() else " does not answer: is the robot running?"
         return describe_refusal(request, f"service {self._node.resolve(service)}{reason}")
 
-    def _take_answer(self, number: int, request: MuxRequest, service: str, result: Result) -> None:
+    def _on_answer(self, number: int, request: MuxRequest, service: str, result: Result) -> None:
         if number != self._number:
             return  # asked for something else since
         if not result.success:
@@ -113,13 +113,13 @@ class MuxLink:
         else:
             self._view = replace(self._view, asked=None, problem="")
 
-    def _take_stopped(self, stopped: bool) -> None:
+    def _on_stopped(self, stopped: bool) -> None:
         self._view = replace(self._view, stopped=stopped)
 
-    def _take_active(self, active: str) -> None:
+    def _on_active(self, active: str) -> None:
         self._view = replace(self._view, active="" if active == _IDLE else active)
 
-    def _take_obstacles(self, text: str) -> None:
+    def _on_obstacles(self, text: str) -> None:
         self._view = replace(self._view, obstacles=read_report(text) or NO_REPORT)
 
 

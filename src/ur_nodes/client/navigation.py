@@ -59,7 +59,7 @@ class RobotState:
         self._moved_at = -math.inf
         self._scan: tuple[str, NDArray[np.float64]] | None = None
         self._tree.watch(self._note_transform)
-        node.subscribe("scan", Scan, self._take_scan)
+        node.subscribe("scan", Scan, self._on_scan)
 
     @property
     def silent(self) -> bool:
@@ -106,7 +106,7 @@ class RobotState:
         if stamp is not None and stamp != self._stamp:
             self._stamp, self._moved_at = stamp, self._node.steady()
 
-    def _take_scan(self, scan: Scan) -> None:
+    def _on_scan(self, scan: Scan) -> None:
         # Held in the base's parent, so that a robot that turns does not drag the scan along until the next one.
         base = self._base()
         parent = self._tree.parent(base) or base
@@ -130,12 +130,12 @@ class NavigationTopics:
         self._goals = node.follow_goals("move_base", self)
         self._continues = node.publish("move_base/continue", GoalId)
         self._poses = node.publish("initialpose", PoseEstimate)
-        node.subscribe("map", Map, self._take_map, Quality.LATCHED)
-        node.subscribe("amcl_pose", PoseEstimate, self._take_estimate, Quality.LATCHED)
-        node.subscribe(names.plan_topic, Path, self._take_plan)
-        node.subscribe("move_base/current_goal", PlacedPose, self._take_current_goal, Quality.LATCHED)
-        node.subscribe("amcl/lost", str, self._take_lost, Quality.LATCHED)
-        node.subscribe("move_base/hold", str, self._take_hold, Quality.LATCHED)
+        node.subscribe("map", Map, self._on_map, Quality.LATCHED)
+        node.subscribe("amcl_pose", PoseEstimate, self._on_estimate, Quality.LATCHED)
+        node.subscribe(names.plan_topic, Path, self._on_plan)
+        node.subscribe("move_base/current_goal", PlacedPose, self._on_current_goal, Quality.LATCHED)
+        node.subscribe("amcl/lost", str, self._on_lost, Quality.LATCHED)
+        node.subscribe("move_base/hold", str, self._on_hold, Quality.LATCHED)
 
     def snapshot(self) -> RobotSnapshot:
         """Return the newest state, without mux, lease and silence."""
@@ -205,29 +205,29 @@ class NavigationTopics:
             missing.append(f"navigation (action {self._node.resolve('move_base')})")
         return tuple(missing)
 
-    def _take_map(self, value: Map) -> None:
+    def _on_map(self, value: Map) -> None:
         self._seen = replace(self._seen, grid=value.grid)
 
-    def _take_estimate(self, estimate: PoseEstimate) -> None:
+    def _on_estimate(self, estimate: PoseEstimate) -> None:
         variance = float(estimate.covariance[0, 0] + estimate.covariance[1, 1])
         self._seen = replace(self._seen, spread=math.sqrt(max(0.0, variance)))
 
-    def _take_lost(self, text: str) -> None:
+    def _on_lost(self, text: str) -> None:
         self._seen = replace(self._seen, lost=one_line(text[:LONGEST_TEXT]))
 
-    def _take_plan(self, path: Path) -> None:
+    def _on_plan(self, path: Path) -> None:
         self._seen = replace(self._seen, path=path.poses[:, :2])
         if self._driven_to and self._tracker.report.over and len(path.poses):
             # Nav2 does not publish the goals of other clients: the path to one ends there.
             self._tracker = track_current(self._tracker, Pose2(*path.poses[-1]), self._node.steady())
 
-    def _take_current_goal(self, goal: PlacedPose) -> None:
+    def _on_current_goal(self, goal: PlacedPose) -> None:
         kept, self._kept = self._kept, False
         if kept and self._tracker.goal_id and not self._tracker.report.over:
             return  # it may be older than the goal that was sent meanwhile, whose state tells if another replaces it
         self._tracker = track_current(self._tracker, goal.pose, self._node.steady())
 
-    def _take_hold(self, text: str) -> None:
+    def _on_hold(self, text: str) -> None:
         hold = read_hold(text)
         if hold is not None:
             self._tracker = track_hold(self._tracker, hold)

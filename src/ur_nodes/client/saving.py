@@ -37,7 +37,7 @@ class Saving:
         """Start to save, unless a call is in progress."""
         self._node.post(self._ask)
 
-    def take_news(self) -> str:
+    def pop_news(self) -> str:
         """Return the newest line once; '' when there is none."""
         news = self._news
         if news:

@@ -29,12 +29,12 @@ class LocalCostmap:
         self._costmap = RollingCostmap(settings.side, settings.resolution, settings.reach, settings.inflation)
         self._waiting: deque[tuple[str, float, Beams]] = deque(maxlen=_WAITING)
 
-    def take_scan(self, scan: Scan) -> None:
+    def on_scan(self, scan: Scan) -> None:
         """Keep a scan for the next update."""
         beams = beams_of_scan(scan, inf_is_valid=self._settings.inf_is_valid)
         self._waiting.append((scan.frame, seconds_of(scan.stamp), beams))
 
-    def take_range(self, sonar: Range) -> None:
+    def on_range(self, sonar: Range) -> None:
         """Keep a range for the next update."""
         beams = beams_of_range(sonar.range, sonar.field_of_view, sonar.range_min, sonar.range_max)
         self._waiting.append((sonar.frame, seconds_of(sonar.stamp), beams))

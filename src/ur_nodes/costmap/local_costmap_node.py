@@ -38,9 +38,9 @@ def start(node: Node) -> None:
             outlines.send(Outline(node.now(), settings.frame, settings.footprint.outline_at(costmap.robot)))
 
     if settings.scan:
-        node.subscribe(settings.scan, Scan, costmap.take_scan)
+        node.subscribe(settings.scan, Scan, costmap.on_scan)
     for topic in settings.sonars:
-        node.subscribe(topic, Range, costmap.take_range, Quality.EVERY)
+        node.subscribe(topic, Range, costmap.on_range, Quality.EVERY)
     node.every(1.0 / settings.update_frequency, update)
     node.every(1.0 / settings.publish_frequency, publish)
 

@@ -83,7 +83,7 @@ class MapCostmap:
         """The present costs. Its array changes with the next update."""
         return Costmap(self._costs, self._plain.resolution, self._plain.origin)
 
-    def take_changes(self) -> Box | None:
+    def pop_changes(self) -> Box | None:
         """Return the box of what has changed since the last call, None for nothing."""
         box, self._changed = self._changed, None
         return box

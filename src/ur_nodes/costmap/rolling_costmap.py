@@ -34,7 +34,7 @@ class RollingCostmap:
         self._roll(robot)
         trace_beams(self._occupied, self._frame(), sensor, beams, self._reach, behind=self._behind)
 
-    def lay(self, robot: Pose2, known: Costmap, place: Pose2) -> None:
+    def overlay(self, robot: Pose2, known: Costmap, place: Pose2) -> None:
         """Roll the window to the robot and take obstacles from a map that lies at `place` in the window's frame.
 
         For a robot without a scan: what was laid before goes, and clearing leaves the map's obstacles.

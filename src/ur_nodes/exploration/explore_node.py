@@ -84,7 +84,7 @@ class ExploreNode:
         self._navigation = ExplorationNavigation(node, self._settings)
         self._saver = MapSaveClient(node, self._settings.save_service)
         self._obstacles = Obstacles(node, self._settings.costmap, self._settings.costmap_updates)
-        node.subscribe("map", Map, self._take_map, Quality.LATCHED)
+        node.subscribe("map", Map, self._on_map, Quality.LATCHED)
         self._poll = node.every(_POLL, self._look)
 
     def _change(self, settings: ExploreSettings) -> None:
@@ -103,7 +103,7 @@ class ExploreNode:
         elif not self._busy:
             if now < self._due - settings.period:  # time was reset
                 self._due = now
-            end, pause = self._navigation.take_end(), self._navigation.pause(now)
+            end, pause = self._navigation.pop_end(), self._navigation.pause(now)
             if now < self._due and end is None and bool(pause) == bool(self._paused):
                 return
             self._paused, self._due, self._busy = pause, now + settings.period, True
@@ -126,7 +126,7 @@ class ExploreNode:
         else:
             self._output.publish(out.status.with_map(self._saver.save_once()))
 
-    def _take_map(self, given: Map) -> None:
+    def _on_map(self, given: Map) -> None:
         self._grid = given.grid
         self._version += 1
 

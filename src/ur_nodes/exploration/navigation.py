@@ -75,9 +75,9 @@ class ExplorationNavigation:
         self._alive = False
         self._start = f"{node.name}-{uuid.uuid4().hex[:8]}-"  # of our goals' ids
         self._goals = node.follow_goals(settings.navigation, self)
-        node.subscribe(f"{settings.mux}/stopped", bool, self._take_stopped, Quality.LATCHED)
-        node.subscribe(f"{settings.mux}/active", str, self._take_active, Quality.LATCHED)
-        node.subscribe(f"{settings.mux}/lease", str, self._take_lease, Quality.LATCHED)
+        node.subscribe(f"{settings.mux}/stopped", bool, self._on_stopped, Quality.LATCHED)
+        node.subscribe(f"{settings.mux}/active", str, self._on_active, Quality.LATCHED)
+        node.subscribe(f"{settings.mux}/lease", str, self._on_lease, Quality.LATCHED)
 
     def ready(self) -> bool:
         """Return whether the action server is available."""
@@ -100,7 +100,7 @@ class ExplorationNavigation:
         if goal:
             self._goals.cancel(goal)
 
-    def take_end(self) -> GoalEnd | None:
+    def pop_end(self) -> GoalEnd | None:
         """Return the result of the goal, once."""
         end, self._end = self._end, None
         return end
@@ -127,13 +127,13 @@ class ExplorationNavigation:
         if not result.success:
             self._node.log.warn(f"the costmaps are not cleared: {result.text}")
 
-    def _take_stopped(self, stopped: bool) -> None:
+    def _on_stopped(self, stopped: bool) -> None:
         self._drivers = replace(self._drivers, stopped=stopped)
 
-    def _take_active(self, active: str) -> None:
+    def _on_active(self, active: str) -> None:
         self._drivers = replace(self._drivers, active=active)
 
-    def _take_lease(self, text: str) -> None:
+    def _on_lease(self, text: str) -> None:
         lease = read_lease(text)
         if lease is not None:
             self._drivers = replace(self._drivers, lease=lease)

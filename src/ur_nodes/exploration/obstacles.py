@@ -21,8 +21,8 @@ class Obstacles:
         self._log = node.log
         self._costs = KeptMap()
         self._found: NDArray[np.floating] | None = None
-        node.subscribe(updates, MapUpdate, self._take_update, Quality.EVERY)
-        node.subscribe(costmap, Map, self._take_costmap)
+        node.subscribe(updates, MapUpdate, self._on_update, Quality.EVERY)
+        node.subscribe(costmap, Map, self._on_costmap)
 
     def points(self) -> NDArray[np.floating] | None:
         """Return the centres (n, 2) of cells with an obstacle, in m; None while there is no costmap."""
@@ -31,11 +31,11 @@ class Obstacles:
             self._found = grid.points_of_cells(np.argwhere(grid.values == _LETHAL))
         return self._found
 
-    def _take_costmap(self, given: Map) -> None:
+    def _on_costmap(self, given: Map) -> None:
         self._costs.replace(given)
         self._found = None
 
-    def _take_update(self, update: MapUpdate) -> None:
+    def _on_update(self, update: MapUpdate) -> None:
         if problem := self._costs.apply(update):
             self._log.warn(f"costmap: {problem}", every=_LOGGED_EVERY)
         else:

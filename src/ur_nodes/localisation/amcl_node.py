@@ -36,9 +36,9 @@ class MapSource:
     def _ask(self) -> None:
         if not self._asking:
             self._asking = True
-            self._node.call("static_map", AskMap(), self._take_answer, _PATIENCE)
+            self._node.call("static_map", AskMap(), self._on_answer, _PATIENCE)
 
-    def _take_answer(self, answer: Result) -> None:
+    def _on_answer(self, answer: Result) -> None:
         self._asking = False
         if isinstance(answer.value, Map):
             self._timer.cancel()
@@ -113,9 +113,9 @@ class AmclNode:
         node.serve("request_nomotion_update", Silent, lambda _request: self._amcl.request_update())
         node.serve("set_map", UseMap, self._set_map)
         node.serve("set_initial_pose", SetInitialPose, self._set_pose)
-        self._source = MapSource(node, self._take_map, topic=settings.use_map_topic)
+        self._source = MapSource(node, self._on_map, topic=settings.use_map_topic)
 
-    def _take_map(self, given: Map) -> None:
+    def _on_map(self, given: Map) -> None:
         if not (self._settings.first_map_only and self._amcl.has_map):
             self._amcl.use_map(given)
 

@@ -28,8 +28,8 @@ class MuxControls:
         self._log = AsideLog(node)
         self._limit = node.publish("~speed_limit_in_force", float, Quality.LATCHED)
         self._limit.send(100.0 * share)
-        node.subscribe("~speed_limit", float, self._take_limit)
-        node.parameters.follow(read_limit, self._take_limit)
+        node.subscribe("~speed_limit", float, self._on_limit)
+        node.parameters.follow(read_limit, self._on_limit)
         node.serve_later("~stop", Trigger, lambda _, give: self._switch(EmergencyStopped(), give, stopped=True))
         node.serve_later("~release", Trigger, lambda _, give: self._switch(EmergencyReleased(), give, stopped=False))
 
@@ -49,7 +49,7 @@ class MuxControls:
 
         self._writes.write(STOPPED, partial(self._node.parameters.keep, STOPPED, stopped), answer)
 
-    def _take_limit(self, percent: float) -> None:
+    def _on_limit(self, percent: float) -> None:
         """Limit all sources to a percentage of the base's speeds, as Nav2 does with `speed_limit`; 0: no limit."""
         share = read_share(percent)
         if share is None:

@@ -48,12 +48,12 @@ class VelocityOutput:
     def __init__(self, link: ChallengeLink, mux: str, *, stamped: bool) -> None:
         """Without `stamped`, commands are always plain."""
         self.share = 1.0
-        link.node.subscribe(f"{mux}/speed_limit_in_force", float, self._take_limit, Quality.LATCHED)
+        link.node.subscribe(f"{mux}/speed_limit_in_force", float, self._on_limit, Quality.LATCHED)
         self._plain = link.node.publish("cmd_vel", Twist)
         self._stamped = FreshPublisher("cmd_vel", link) if stamped else None
         self._to_mux = False
 
-    def _take_limit(self, percent: float) -> None:
+    def _on_limit(self, percent: float) -> None:
         self.share = percent / 100.0 if 0.0 < percent <= 100.0 else 1.0
 
     def send(self, velocity: DriveVelocity) -> None:
@@ -131,7 +131,7 @@ class MoveBase:
         self._beats = 0
         self._tick = 0  # of control periods
         self._last = 0.0  # s: the time of the last one
-        self._plans = NewestWork(node, "plans", self._plan, self._take_plan)
+        self._plans = NewestWork(node, "plans", self._plan, self._on_plan)
         self._server: GoalServer | None = None  # of the goals that clients send
         self._watch = GoalWatch(node, settings.mux, watch, self._offer_goals)
         self._output = VelocityOutput(self._watch.link, settings.mux, stamped=settings.stamped)
@@ -191,7 +191,7 @@ class MoveBase:
             self._halt()
             handle.cancel("cancelled")
 
-    def take_stop(self, stopped: bool) -> None:
+    def on_stop(self, stopped: bool) -> None:
         """End the goal after an emergency stop, so that the robot does not move after the release."""
         self._stopped = stopped
         if stopped and self._handle is not None:
@@ -343,7 +343,7 @@ class MoveBase:
         steering = Steering(self._settings.limits.radius, sideways=self._settings.limits.lateral > 0.0)
         return answer_request(request, self._settings.planner, self._settings.footprint, steering)
 
-    def _take_plan(self, request: PlanRequest, answer: PlanAnswer) -> None:
+    def _on_plan(self, request: PlanRequest, answer: PlanAnswer) -> None:
         if request.key == self._key:
             self._answer = answer
 

@@ -19,7 +19,7 @@ def start(node: Node) -> None:
     settings = node.parameters.follow(read_settings, lambda changed: move_base.use(changed))
     move_base = MoveBase(node, settings, read_watch_settings(node.parameters, settings.mux))
     stopped = f"{settings.mux}/stopped"
-    node.subscribe(stopped, bool, move_base.take_stop, Quality.LATCHED_EVERY)  # one that ended counts, too
+    node.subscribe(stopped, bool, move_base.on_stop, Quality.LATCHED_EVERY)  # one that ended counts, too
     node.serve_later("~make_plan", AskPath, move_base.make_plan)
     node.serve("~clear_costmaps", Silent, move_base.clear_costmaps)
     for costmap in ("global", "local"):  # both are made of the same obstacles

@@ -80,7 +80,7 @@ class MoveBaseView:
         layered = self._world.global_costmap
         if layered is None or not self._global.subscribers():
             return
-        changed = layered.take_changes()
+        changed = layered.pop_changes()
         new, self._maps_shown = self._maps_shown != self._world.maps, self._world.maps
         if new or self._arrived:
             self._arrived = False

@@ -97,7 +97,7 @@ class Navigator:
         self._track.remember(inputs.motion.pose)
         run.recovery = run.recovery.forgotten(inputs.motion.pose, self._settings.progress_distance)
         if inputs.answer is not None:
-            ended = self._take_answer(run, inputs.answer, inputs)
+            ended = self._on_answer(run, inputs.answer, inputs)
             if ended is not None:
                 return ended
         step = {
@@ -129,7 +129,7 @@ class Navigator:
             return self._end(Ending.FAILED, trouble)
         return NavigatorOutputs(command=AT_REST, log=f"stopped: {trouble}" if first else "")
 
-    def _take_answer(self, run: GoalPursuit, answer: PlanAnswer, inputs: NavigatorInputs) -> NavigatorOutputs | None:
+    def _on_answer(self, run: GoalPursuit, answer: PlanAnswer, inputs: NavigatorInputs) -> NavigatorOutputs | None:
         run.asked = None
         if answer.path is not None:
             run.path, run.last_turn, run.reason = answer.path, answer.last_turn, ""

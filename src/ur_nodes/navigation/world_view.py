@@ -43,15 +43,15 @@ class ZoneMasks:
         self.speed: Grid | None = None
         self._forbid = forbid
         if keep_out_topic:
-            node.subscribe(keep_out_topic, Map, self._take_keep_out, Quality.LATCHED)
+            node.subscribe(keep_out_topic, Map, self._on_keep_out, Quality.LATCHED)
         if speed_topic:
-            node.subscribe(speed_topic, Map, self._take_speed, Quality.LATCHED)
+            node.subscribe(speed_topic, Map, self._on_speed, Quality.LATCHED)
 
-    def _take_keep_out(self, mask: Map) -> None:
+    def _on_keep_out(self, mask: Map) -> None:
         self.keep_out = mask.grid
         self._forbid()
 
-    def _take_speed(self, mask: Map) -> None:
+    def _on_speed(self, mask: Map) -> None:
         self.speed = mask.grid
 
 
@@ -105,10 +105,10 @@ class WorldView:
         self._new_maps: NewestWork[_MapRequest, MapCostmap] = NewestWork(
             node, "maps", self._make_costmap, self._use_costmap
         )
-        node.subscribe(settings.map_topic, Map, self._take_map, Quality.LATCHED, unreadable=self._refuse_map)
+        node.subscribe(settings.map_topic, Map, self._on_map, Quality.LATCHED, unreadable=self._refuse_map)
         self._ranges: deque[Range] = deque(maxlen=_WAITING)
         if settings.local.scan:
-            node.subscribe(settings.local.scan.topic, Scan, self._take_scan)
+            node.subscribe(settings.local.scan.topic, Scan, self._on_scan)
         for topic in () if settings.local.scan else settings.local.sonars:
             node.subscribe(topic, Range, self._ranges.append, Quality.EVERY)
 
@@ -140,7 +140,7 @@ class WorldView:
         self._used = scan.stamp
         place = self.odom()
         if self._laid and self.global_costmap is not None and place is not None:
-            self.local_costmap.lay(robot.newest, self.global_costmap.zones or _NOTHING, place)
+            self.local_costmap.overlay(robot.newest, self.global_costmap.zones or _NOTHING, place)
             self._laid = self.global_costmap.zones is not None
         sensor, beams = level_beams(mount, beams_of_scan(scan, inf_is_valid=source.inf_is_valid))
         self.local_costmap.update(robot.newest, robot.in_odom.compose(sensor), beams)
@@ -262,7 +262,7 @@ class WorldView:
     def _lay_map(self) -> None:
         robot, place = self.robot_in_odom(), self.odom()
         if self.global_costmap is not None and robot is not None and place is not None:
-            self.local_costmap.lay(robot, self.global_costmap.static, place)
+            self.local_costmap.overlay(robot, self.global_costmap.static, place)
 
     def _use_range(self, sonar: Range) -> None:
         """Mark an echo as an obstacle, unless the map has a wall there."""
@@ -300,7 +300,7 @@ class WorldView:
             return _Place(newest, in_odom, None)
         return _Place(newest, in_odom, odom.compose(in_odom))
 
-    def _take_map(self, value: Map) -> None:
+    def _on_map(self, value: Map) -> None:
         self._new_maps.ask((value.grid, self.zones.keep_out))
 
     def _refuse_map(self, reason: str) -> None:
@@ -339,5 +339,5 @@ class WorldView:
         if costmap is not None and costmap.inflation != self._settings.world.inflation and not self._new_maps.busy:
             self._new_maps.ask((costmap, self.zones.keep_out))
 
-    def _take_scan(self, scan: Scan) -> None:
+    def _on_scan(self, scan: Scan) -> None:
         self._scan = scan

@@ -50,11 +50,11 @@ class SilenceMonitor:
         """Return the reason as far as it is known by now; empty at first."""
         now = self._node.steady()
         if self._log is None:
-            self._log = self._node.subscribe(_LOG, LogLine, self._take_line, Quality.LATCHED_EVERY)
+            self._log = self._node.subscribe(_LOG, LogLine, self._on_line, Quality.LATCHED_EVERY)
             self._asked_at = now - _ASK_EVERY
         if not self._asking and now - self._asked_at >= _ASK_EVERY:
             self._asked_at, self._asking = now, True
-            self._node.read_graph(self._take_graph)
+            self._node.read_graph(self._on_graph)
         if self._publishers is None:
             return ""
         return explain_silence(self._publishers, connections, self._errors)
@@ -65,11 +65,11 @@ class SilenceMonitor:
             self._log.close()
             self._log, self._publishers, self._errors = None, None, {}
 
-    def _take_line(self, line: LogLine) -> None:
+    def _on_line(self, line: LogLine) -> None:
         if line.level == "error":
             self._errors[line.node] = printable(line.text)
 
-    def _take_graph(self, graph: Graph | None) -> None:
+    def _on_graph(self, graph: Graph | None) -> None:
         self._asking = False
         if self._log is not None and graph is not None:
             topic = graph.topics.get(self._topic)

@@ -57,7 +57,7 @@ class ReplayNode:
         self._clock = node.publish("/clock", ClockTime, Quality.NEWEST) if node.facts.simulated_time else None
         self._player = Player(recording, self._publishers.keys(), node.steady() + _SETTLE, speed=speed)
         self._printed = 0.0
-        self._take_goals(recording)
+        self._on_goals(recording)
         self._print(f"{path}: {recording.seconds:.1f} s, {len(self._publishers)} topics")
         start = own.number("playback_start", 0.0, minimum=0.0)
         node.after(_SETTLE, lambda: self._jump(start), steady=True)
@@ -82,7 +82,7 @@ class ReplayNode:
             self._node.log.warn(f"not played, because their packages are not installed: {', '.join(missing)}")
         return publishers
 
-    def _take_goals(self, recording: RecordingFile) -> None:
+    def _on_goals(self, recording: RecordingFile) -> None:
         # Clients wait for who takes their goals; here nothing does.
         for name, topic in recording.topics.items():
             action, _, part = name.rpartition("/")

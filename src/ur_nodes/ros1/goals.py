@@ -76,8 +76,8 @@ class RosGoalServer:
     def __init__(self, action: str, handlers: GoalHandlers, loop: Loop, kept: float) -> None:
         self._handlers = handlers
         self._handles: dict[str, RosGoalHandle] = {}  # of goals that have not ended
-        handle_goal = loop.mailbox(100, self._take_goal)
-        handle_cancel = loop.mailbox(100, self._take_cancel)
+        handle_goal = loop.mailbox(100, self._on_goal)
+        handle_cancel = loop.mailbox(100, self._on_cancel)
         self._server = ActionServer(action, MoveBaseAction, handle_goal, handle_cancel, auto_start=False)
         self._server.publish_status = quiet_at_end(self._server.publish_status)  # a thread of its own calls it
         self._goals = rospy.Publisher(f"{action}/goal", MoveBaseActionGoal, queue_size=10)
@@ -94,12 +94,12 @@ class RosGoalServer:
         goal.goal.target_pose = message
         self._goals.publish(goal)
 
-    def _take_goal(self, handle: ServerGoalHandle) -> None:
+    def _on_goal(self, handle: ServerGoalHandle) -> None:
         own = RosGoalHandle(handle, self._handles.pop)
         self._handles[own.goal.id] = own
         self._handlers.handle_goal(own)
 
-    def _take_cancel(self, handle: ServerGoalHandle) -> None:
+    def _on_cancel(self, handle: ServerGoalHandle) -> None:
         own = self._handles.get(handle.get_goal_id().id)
         if own is not None:
             self._handlers.handle_cancel(own)

@@ -32,7 +32,7 @@ def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = Fals
     threading.excepthook = fail
     try:
         with attach(name, start, ended.set, quiet=own_terminal) as (_wired, node):
-            node.leaving = limit_leaving
+            node.leaving = limit_shutdown
             ended.wait()
         return int(node.failed or bool(failures))
     except UserError as problem:
@@ -40,7 +40,7 @@ def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = Fals
         return 2
 
 
-def limit_leaving(seconds: float = _LEAVE) -> None:
+def limit_shutdown(seconds: float = _LEAVE) -> None:
     """End this process with exit code 1 if it has not ended in so many seconds.
 
     Threads of Fast DDS can deadlock when many nodes leave a domain at once. Python's lock is held then, so neither a

@@ -61,7 +61,7 @@ def survey(node: Node) -> dict[str, object]:
         simulated,
         states,
     )
-    listener = Listener(node, kinds)
+    subscriptions = SurveySubscriptions(node, kinds)
     end = time.monotonic() + LISTEN
     while time.monotonic() < end:
         rclpy.spin_once(node, timeout_sec=0.1)
@@ -70,9 +70,9 @@ def survey(node: Node) -> dict[str, object]:
         "topics": topics,
         "simulated": simulated,
         "states": states,
-        "scans": listener.scans,
-        "charge": listener.charge,
-        "frames": listener.frames,
+        "scans": subscriptions.scans,
+        "charge": subscriptions.charge,
+        "frames": subscriptions.frames,
     }
 
 
@@ -214,7 +214,7 @@ def ask_nodes(
         rclpy.spin_once(node, timeout_sec=0.05)
 
 
-class Listener:
+class SurveySubscriptions:
     """Receives scans, battery states and tf, by topic or frame, as lists for output."""
 
     def __init__(self, node: Node, kinds: dict[str, str]) -> None:
@@ -269,9 +269,9 @@ class Listener:
         for end in self._node.get_publishers_info_by_topic(topic):
             self._owners[bytes(end.endpoint_gid)[:_GID]] = full_name(end.node_namespace, end.node_name)
         profile = QoSProfile(depth=200, reliability=ReliabilityPolicy.BEST_EFFORT)
-        self._node.create_subscription(TFMessage, topic, self._take_transforms, profile)
+        self._node.create_subscription(TFMessage, topic, self._on_transforms, profile)
 
-    def _take_transforms(self, message: TFMessage, details: Mapping[str, object]) -> None:
+    def _on_transforms(self, message: TFMessage, details: Mapping[str, object]) -> None:
         number = details.get("publisher_gid") if isinstance(details, dict) else None
         data = number.get("data", b"") if isinstance(number, dict) else b""
         sender = self._owners.get(bytes(data)[:_GID], "")  # "" where the release does not tell it

@@ -144,7 +144,7 @@ class Operation:
         """Schedule pictures only while their topics have subscribers."""
         if camera.wanted != self._taking_pictures:
             self._taking_pictures = not self._taking_pictures
-            self._simulation.take_pictures(camera.camera.rate if self._taking_pictures else 0.0)
+            self._simulation.enable_pictures(camera.camera.rate if self._taking_pictures else 0.0)
 
     def _stamp(self, simulated: float) -> int:
         """Simulated time (ns) when it is the clock; otherwise the nodes' time at which the moment was due."""

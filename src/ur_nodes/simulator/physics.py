@@ -92,7 +92,7 @@ class Physics:
         return float(self._data.qvel[left]), float(self._data.qvel[right])
 
     def state(self) -> npt.NDArray[np.float64]:
-        """A copy of all positions; see `take_state`."""
+        """A copy of all positions; see `restore_state`."""
         data = self._data
         return np.concatenate((data.qpos, data.mocap_pos.ravel(), data.mocap_quat.ravel()))
 
@@ -197,7 +197,7 @@ class Physics:
         return int(joint.qposadr[0]), int(joint.dofadr[0])
 
 
-def take_state(model: mujoco.MjModel, data: mujoco.MjData, state: npt.NDArray[np.float64]) -> None:
+def restore_state(model: mujoco.MjModel, data: mujoco.MjData, state: npt.NDArray[np.float64]) -> None:
     """Restore the positions of `Physics.state` of the same model."""
     data.qpos[:], places, turns = np.split(state, (model.nq, model.nq + 3 * model.nmocap))
     data.mocap_pos[:], data.mocap_quat[:] = places.reshape(-1, 3), turns.reshape(-1, 4)

@@ -49,9 +49,9 @@ class RobotTopics:
         self._strikes = node.publish(f"~{prefix}people_struck", int, Quality.LATCHED) if simulation.has_people else None
         self._sent_collisions = self._sent_strikes = -1
         if not real:
-            node.subscribe(f"{prefix}cmd_vel", Twist, self._take_command)
+            node.subscribe(f"{prefix}cmd_vel", Twist, self._on_command)
 
-    def _take_command(self, command: Twist) -> None:
+    def _on_command(self, command: Twist) -> None:
         self._simulation.command(self._robot, command.forward, command.turn, command.left)
 
     def transform(self, stamp: int) -> Transform:

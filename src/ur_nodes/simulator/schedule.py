@@ -17,7 +17,7 @@ class Schedule:
         self._number = math.floor(after / self._steps + 1e-6) + 1
         self.step = max(after + 1, self._step_of(self._number))
 
-    def take(self, step: int) -> bool:
+    def consume(self, step: int) -> bool:
         """Return True when the event is due at a step, and schedule the next one."""
         if step < self.step:
             return False

@@ -101,7 +101,7 @@ class Simulation:
         """A velocity command that arrives now: m/s, rad/s. It takes effect with the next control period."""
         self._drives[robot].command(linear, angular, self.time, left)
 
-    def take_wheels(self, robot: int) -> None:
+    def control_wheels(self, robot: int) -> None:
         """From now on `turn_wheels` moves a robot, and `command` does not."""
         self._taken.add(robot)
 
@@ -115,7 +115,7 @@ class Simulation:
         self._physics.step(due - self._step)
         self._step = due
         self._notice_touch()
-        now = [name for name, schedule in self._schedules.items() if due >= schedule.step and schedule.take(due)]
+        now = [name for name, schedule in self._schedules.items() if due >= schedule.step and schedule.consume(due)]
         placed = not self._placed.isdisjoint(now)
         if placed:
             self._read_encoders()
@@ -128,7 +128,7 @@ class Simulation:
             self._move_people(1.0 / CONTROL_RATE)
         return SimulationTick(self.time, frozenset(now), placed)
 
-    def take_pictures(self, rate: float) -> None:
+    def enable_pictures(self, rate: float) -> None:
         """Make a picture due `rate` times a second from now on; 0: never."""
         self._picture_rate = rate
         self._schedules.pop("picture", None)
@@ -136,7 +136,7 @@ class Simulation:
             self._schedules["picture"] = Schedule(rate, self._step)
 
     def state(self) -> npt.NDArray[np.float64]:
-        """A copy of where everything is, for the process that draws it; see `physics.take_state`."""
+        """A copy of where everything is, for the process that draws it; see `physics.restore_state`."""
         return self._physics.state()
 
     def odometry(self, robot: int) -> EncoderOdometry:
@@ -224,7 +224,7 @@ class Simulation:
         rates |= {name: sense.rate for name, sense in own.items()}
         self._placed = _PLACED | {name for name, sense in own.items() if sense.placed}
         self._schedules = {name: Schedule(rate) for name, rate in rates.items() if rate > 0.0}
-        self.take_pictures(self._picture_rate)
+        self.enable_pictures(self._picture_rate)
         self._crowd = Pedestrians(self._world, self._seed, self._starts) if self._world.people else None
         self._strikes = Strikes(self.robots)
         self._move_people(0.0)

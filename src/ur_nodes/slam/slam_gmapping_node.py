@@ -39,7 +39,7 @@ class SlamGmappingNode:
         node.transforms.ignore((self._child,))
         self._feed = ScanFeed(node, settings.odom_frame, settings.base_frame, self._use_scan, settings.throttle_scans)
         self._lidars = Lidars(node, self._feed, settings.other_scans)
-        node.subscribe("imu", Imu, self._take_imu, Quality.EVERY)
+        node.subscribe("imu", Imu, self._on_imu, Quality.EVERY)
         if settings.transform_publish_period > 0.0:
             node.every(settings.transform_publish_period, self._send_transform)
 
@@ -53,11 +53,11 @@ class SlamGmappingNode:
         if readings:
             self._feed.hold()
             heading = self._headings.at(seconds_of(scan.stamp), odometry) if odometry else None
-            self._node.work(lambda: self._slam.step(readings, odometry, heading), self._take_step, SCANS)
+            self._node.work(lambda: self._slam.step(readings, odometry, heading), self._on_step, SCANS)
 
-    def _take_step(self, step: SlamStep) -> None:
+    def _on_step(self, step: SlamStep) -> None:
         self._correction = step.correction
-        self._reports.take(step)
+        self._reports.on_step(step)
         if step.odometry:
             if not step.estimate.still:
                 self._headings.judge(None if step.lost else step.estimate.step, step.estimate.wheels)
@@ -67,7 +67,7 @@ class SlamGmappingNode:
             self._output.publish()
         self._feed.release()
 
-    def _take_imu(self, imu: Imu) -> None:
+    def _on_imu(self, imu: Imu) -> None:
         mount = self._feed.find_mount(imu.frame)
         has_rates = imu.turning_variance != -1.0  # sensor_msgs/Imu
         if mount and has_rates:

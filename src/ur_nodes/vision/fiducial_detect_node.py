@@ -30,13 +30,13 @@ class FiducialDetect:
         self._jpegs = node.publish("fiducial_images/compressed", PackedPicture)
         detector = Detector(settings.dictionary, settings.sizes)
         self._work = NewestWork(node, "pictures", partial(answer_request, detector), self._send)
-        node.subscribe("camera_info", Calibration, self._take_calibration)
+        node.subscribe("camera_info", Calibration, self._on_calibration)
         if settings.raw:
             node.subscribe("camera", Picture, self._take)
         else:
             node.subscribe("camera/compressed", PackedPicture, self._take)
 
-    def _take_calibration(self, calibration: Calibration) -> None:
+    def _on_calibration(self, calibration: Calibration) -> None:
         self._camera = camera_model(calibration)
         if self._camera is None and not self._warned:
             self._warned = True

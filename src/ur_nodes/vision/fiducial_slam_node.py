@@ -34,7 +34,7 @@ class PoseOutput:
         self._pose = node.publish("fiducial_pose", PoseEstimate)
         node.every(settings.interval, self._send_transform)
 
-    def take(self, _moment: Moment, step: FiducialStep) -> None:
+    def on_step(self, _moment: Moment, step: FiducialStep) -> None:
         """Log and send a step."""
         for line in step.warnings:
             self._node.log.warn(line)
@@ -68,15 +68,15 @@ class FiducialSlamNode:
         self._camera: CameraModel | None = None
         self._waiting: SeenFiducials | None = None
         output = PoseOutput(node, settings)
-        self._work = NewestWork(node, MAP, slam.step, output.take)
+        self._work = NewestWork(node, MAP, slam.step, output.on_step)
         node.transforms.ignore((settings.odom_frame,))
         node.transforms.watch(self._try)
-        node.subscribe("camera_info", Calibration, self._take_calibration)
+        node.subscribe("camera_info", Calibration, self._on_calibration)
         node.subscribe("fiducial_vertices", SeenFiducials, self._take)
         FiducialMapRequests(node, settings, slam, output.forget)
         FiducialMapOutput(node, settings, sizes, slam)
 
-    def _take_calibration(self, calibration: Calibration) -> None:
+    def _on_calibration(self, calibration: Calibration) -> None:
         self._camera = camera_model(calibration)
 
     def _take(self, seen: SeenFiducials) -> None:

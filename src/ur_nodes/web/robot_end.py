@@ -37,7 +37,7 @@ class RobotSession:
         names, facts, self._outlet = Names(), RobotFacts(node), drive
         topics, mux, patrol = NavigationTopics(node, names), MuxLink(node, names.mux), PatrolLink(node)
         places, zones, maps = PlaceFile(node), ZoneLink(node), MapLink(node)
-        link = DriverLink(node, names.mux, facts.limits, self._take_challenge)
+        link = DriverLink(node, names.mux, facts.limits, self._on_challenge)
         changes = MapChanges(places, zones, maps, self._reply)
         robot = DrivenRobot(mux, PageGoals(node, topics, link, places.find), places, patrol, changes)
         self._drives = DriverSession(node, link, robot, self._reply)
@@ -69,6 +69,6 @@ class RobotSession:
     def _reply(self, page: str, answer: Mapping[str, object]) -> None:
         self._outlet.send_line({"page": page, "m": answer})
 
-    def _take_challenge(self, challenge: Stamp) -> None:
+    def _on_challenge(self, challenge: Stamp) -> None:
         self._outlet.send_line({"n": challenge})
         self._drives.expire()

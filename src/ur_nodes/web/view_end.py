@@ -88,8 +88,8 @@ class ViewerSession:
         self._path: NDArray[np.float64] | None = None
         self._battery: dict[str, object] | None = None
         self._limit: int | None = None
-        node.subscribe(f"{mux_name}/speed_limit_in_force", float, self._take_limit, Quality.LATCHED)
-        node.subscribe("battery_state", Battery, self._take_battery)
+        node.subscribe(f"{mux_name}/speed_limit_in_force", float, self._on_limit, Quality.LATCHED)
+        node.subscribe("battery_state", Battery, self._on_battery)
         self._due = node.steady()
         self._timer = node.after(0.0, self._beat, steady=True)
 
@@ -112,7 +112,7 @@ class ViewerSession:
         now = self._node.steady()
         if not self._asking and self._graph_every.due(now):
             self._asking = True
-            self._node.read_graph(self._take_graph)
+            self._node.read_graph(self._on_graph)
         if not self._sender.busy and self._alone < _ALONE:
             self._step(now)
         self._due = max(self._due + _PERIOD, now) if self._viewers else now + _IDLE_PERIOD
@@ -184,7 +184,7 @@ class ViewerSession:
     def _published(self) -> list[tuple[str, str]]:
         return self._graph.published()
 
-    def _take_graph(self, graph: Graph | None) -> None:
+    def _on_graph(self, graph: Graph | None) -> None:
         self._asking = False
         if graph is not None:
             self._graph = graph
@@ -204,10 +204,10 @@ class ViewerSession:
         else:
             self._alone, self._met = 0, True
 
-    def _take_limit(self, percent: float) -> None:
+    def _on_limit(self, percent: float) -> None:
         self._limit = round(percent) if 0.0 < percent <= 100.0 else None
         if not self._sources:  # the mux has its parameters by now
-            self._node.work(self._read_sources, self._take_sources)
+            self._node.work(self._read_sources, self._on_sources)
 
     def _read_sources(self) -> list[str]:
         try:
@@ -215,10 +215,10 @@ class ViewerSession:
         except Exception:  # a parameter server that does not answer: they are asked for again
             return []
 
-    def _take_sources(self, sources: list[str]) -> None:
+    def _on_sources(self, sources: list[str]) -> None:
         self._sources = sources
 
-    def _take_battery(self, battery: Battery) -> None:
+    def _on_battery(self, battery: Battery) -> None:
         self._battery = describe_battery(battery)
 
 

@@ -14,9 +14,9 @@ from ur.recordings.black_boxes import notify_black_boxes
 from ur.recordings.mcap_file import open_recording
 from ur_nodes.black_box.black_box import BlackBox, BlackBoxSettings
 from ur_nodes.black_box.black_box_node import EventSocket, read_settings, share_memory
+from ur_nodes.black_box.history import MessageHistory, read_history
 from ur_nodes.black_box.recording_file import list_recordings, write_recording
 from ur_nodes.black_box.ring import Ring
-from ur_nodes.black_box.tape import Tape, read_tape
 from ur_nodes.black_box.triggers import Triggers
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
@@ -47,7 +47,7 @@ class World:
 
     def write(self, reasons: Sequence[str]) -> str:
         """Write a file as the process that the black box starts for that does."""
-        return str(write_recording(self.folder, tuple(read_tape(self.ring)), reasons, self.unix, 3))
+        return str(write_recording(self.folder, tuple(read_history(self.ring)), reasons, self.unix, 3))
 
     def _speak(self) -> None:
         self.count += 1
@@ -269,7 +269,7 @@ def test_parameters_of_the_node_are_used(tmp_path: Path) -> None:
         bus.parameters[f"/black_box/{name}"] = value
     assert read_settings(node.parameters) == BlackBoxSettings(60.0, 2.0, "mux", cameras=False)
     memory = share_memory(node.parameters)
-    Tape(Ring(memoryview(memory.block))).note_event(1, "one")
+    MessageHistory(Ring(memoryview(memory.block))).note_event(1, "one")
     assert len(memory.block) == 1_000_000
     assert {Path(memory.write(["one"])).parent for _ in range(2)} == {tmp_path}
     assert len(list_recordings(tmp_path)) == 1

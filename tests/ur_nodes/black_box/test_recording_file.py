@@ -17,13 +17,13 @@ from mcap.reader import make_reader
 
 from ur.recordings.mcap_file import open_recording
 from ur_nodes.black_box.guard import GuardedMemory
+from ur_nodes.black_box.history import HistoryEvent, HistoryMessage, HistoryTopic, MessageHistory
 from ur_nodes.black_box.recording_file import RecordingError, list_recordings, write_recording
 from ur_nodes.black_box.ring import Ring, copy_ring
-from ur_nodes.black_box.tape import Tape, TapeEvent, TapeMessage, TapeTopic
 
-SCAN = TapeTopic("/scan", "sensor_msgs/LaserScan", "float32[] ranges")
-ODOM = TapeTopic("/odom", "nav_msgs/msg/Odometry", "string child_frame_id")
-TAPE = (TapeMessage(SCAN, 10, b"one"), TapeEvent(15, "bumper left was touched"), TapeMessage(SCAN, 20, b"two"))
+SCAN = HistoryTopic("/scan", "sensor_msgs/LaserScan", "float32[] ranges")
+ODOM = HistoryTopic("/odom", "nav_msgs/msg/Odometry", "string child_frame_id")
+TAPE = (HistoryMessage(SCAN, 10, b"one"), HistoryEvent(15, "bumper left was touched"), HistoryMessage(SCAN, 20, b"two"))
 
 
 def test_recording_is_an_mcap_file_with_messages_and_reasons(tmp_path: Path) -> None:
@@ -50,7 +50,7 @@ def test_recording_is_an_mcap_file_with_messages_and_reasons(tmp_path: Path) -> 
 
 
 def test_messages_of_ros2_are_cdr(tmp_path: Path) -> None:
-    path = write_recording(tmp_path, [TapeMessage(ODOM, 1, b"\0\1\0\0")], [], 0, 3)
+    path = write_recording(tmp_path, [HistoryMessage(ODOM, 1, b"\0\1\0\0")], [], 0, 3)
     with path.open("rb") as file:
         (found,) = make_reader(file).iter_messages()
     assert found[0] is not None
@@ -63,8 +63,8 @@ def test_newest_recordings_are_kept(tmp_path: Path) -> None:
     assert len(list(tmp_path.iterdir())) == 3
 
 
-def full_disk() -> Iterator[TapeMessage]:
-    yield TapeMessage(SCAN, 10, b"one")
+def full_disk() -> Iterator[HistoryMessage]:
+    yield HistoryMessage(SCAN, 10, b"one")
     raise OSError(28, "No space left on device")
 
 
@@ -81,11 +81,11 @@ import os, signal, sys
 from pathlib import Path
 from ur_nodes.black_box.guard import GuardedMemory
 from ur_nodes.black_box.ring import Ring
-from ur_nodes.black_box.tape import Tape, TapeTopic
+from ur_nodes.black_box.history import MessageHistory, HistoryTopic
 memory = GuardedMemory(1_000_000, Path(sys.argv[1]), 3)
-tape = Tape(Ring(memoryview(memory.block)))
+history = MessageHistory(Ring(memoryview(memory.block)))
 for number in range(1000):
-    tape.note(TapeTopic("/scan", "sensor_msgs/LaserScan", "float32[] ranges"), number, b"%d" % number)
+    history.note(HistoryTopic("/scan", "sensor_msgs/LaserScan", "float32[] ranges"), number, b"%d" % number)
 sys.stdout.write(str(memory.guard.pid))
 sys.stdout.flush()
 os.kill(os.getpid(), signal.SIGKILL)
@@ -106,7 +106,7 @@ def test_guard_writes_all_messages_of_a_process_that_was_killed(tmp_path: Path) 
 
 def test_guard_that_is_ended_writes_nothing(tmp_path: Path) -> None:
     memory = GuardedMemory(100_000, tmp_path, 3)
-    Tape(Ring(memoryview(memory.block))).note(SCAN, 1, b"one")
+    MessageHistory(Ring(memoryview(memory.block))).note(SCAN, 1, b"one")
     memory.end()
     assert memory.guard.returncode == 0
     assert list_recordings(tmp_path) == []
@@ -114,10 +114,10 @@ def test_guard_that_is_ended_writes_nothing(tmp_path: Path) -> None:
 
 def test_file_is_written_by_a_process_of_its_own(tmp_path: Path) -> None:
     memory = GuardedMemory(100_000, tmp_path / "folder", 3)
-    tape = Tape(Ring(memoryview(memory.block)))
-    tape.note(SCAN, 1, b"one")
+    history = MessageHistory(Ring(memoryview(memory.block)))
+    history.note(SCAN, 1, b"one")
     path = memory.write(["bumper left was touched", "/camera died"])
-    tape.note(SCAN, 2, b"two")
+    history.note(SCAN, 2, b"two")
     assert list_recordings(tmp_path / "folder") == [Path(path)]
     recording = open_recording(Path(path))
     assert [each.data for each in recording.messages()] == [b"one"]

@@ -24,7 +24,7 @@ class Consumer:
     def begin(self, mode: Mode) -> None:
         self.events.append(f"begin {mode.width}")
 
-    def take(self, shot: str) -> None:
+    def on_shot(self, shot: str) -> None:
         self.events.append(shot)
 
     def report(self, problem: CameraError) -> None:

@@ -123,15 +123,15 @@ def test_map_is_saved_once_at_a_time(bus: Bus) -> None:
 
     mapper.serve_later("save", Trigger, save)
     saving = MapSaving(bus.node("screen"), "save")
-    assert saving.take_news() == HINT
+    assert saving.pop_news() == HINT
     saving.ask()
     bus.run(0.1)
     saving.ask()
-    assert saving.take_news() == "saving the map ..."
+    assert saving.pop_news() == "saving the map ..."
     bus.run(3.0)
-    assert saving.take_news() == "map 'flat' saved"
+    assert saving.pop_news() == "map 'flat' saved"
     bus.run(0.1)
-    assert saving.take_news() == ""
+    assert saving.pop_news() == ""
     assert (saving.name, len(calls)) == ("flat", 1)
 
 

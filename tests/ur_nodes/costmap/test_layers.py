@@ -109,11 +109,11 @@ def test_rolling_costmap_without_a_scan_shows_the_map_where_the_localiser_says_i
     known = MapCostmap(Grid(values, 0.05, HERE), UsedRanges(0.0, 0.0), INFLATION, lethal=65, track_unknown=True).static
     costmap = RollingCostmap(4.0, 0.05, UsedRanges(0.0, 0.0), INFLATION)
     quarter = Pose2(1.0, -1.0, math.pi / 2)  # the map's x axis is the window's y axis
-    costmap.lay(Pose2(0.0, 0.5, 0.0), known, quarter)
+    costmap.overlay(Pose2(0.0, 0.5, 0.0), known, quarter)
     costmap.clear()
     assert costmap.occupied().costs_at(np.array((0.0, 1.02))) == LETHAL
     assert costmap.occupied().costs_at(np.array((0.0, 0.9))) != LETHAL
-    costmap.lay(Pose2(0.0, 0.5, 0.0), known, Pose2(1.0, -1.1, math.pi / 2))
+    costmap.overlay(Pose2(0.0, 0.5, 0.0), known, Pose2(1.0, -1.1, math.pi / 2))
     assert costmap.occupied().costs_at(np.array((0.0, 0.92))) == LETHAL
     assert costmap.occupied().costs_at(np.array((0.0, 1.02))) != LETHAL
 

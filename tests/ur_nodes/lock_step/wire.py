@@ -10,9 +10,9 @@ from actionlib_msgs.msg import GoalStatus, GoalStatusArray
 from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionGoal, MoveBaseActionResult
 from tests.ur_nodes.lock_step.stored import find_reader
 
+from ur_nodes.black_box.history import HistoryTopic, MessageHistory, read_history
 from ur_nodes.black_box.recording_file import write_recording
 from ur_nodes.black_box.ring import Ring
-from ur_nodes.black_box.tape import Tape, TapeTopic, read_tape
 from ur_nodes.codecs import find_codec
 from ur_nodes.codecs.places import fill_placed
 from ur_nodes.memory.bus import Bus
@@ -23,7 +23,7 @@ from ur_nodes.ports.values import PlacedPose
 DELAY = 1_000_003
 """ns that a value is on its way, so that none arrives at the moment of a timer."""
 
-BEGIN = TapeTopic("/begin", "std_msgs/Empty", "")
+BEGIN = HistoryTopic("/begin", "std_msgs/Empty", "")
 _STATES = {
     "pending": GoalStatus.PENDING,
     "active": GoalStatus.ACTIVE,
@@ -40,7 +40,7 @@ class WireBus(Bus):
         super().__init__(delay or (lambda _topic: DELAY))  # type: ignore[arg-type]
         self._time = 1_700_000_000_000_000_000
         self._begin = 0
-        self._messages: list[tuple[TapeTopic, int, bytes]] = []
+        self._messages: list[tuple[HistoryTopic, int, bytes]] = []
         self.sent: list[tuple[str, int, str, object]] = []
         """Senders, times, topics and values of all that was sent."""
 
@@ -56,7 +56,7 @@ class WireBus(Bus):
         message.serialize(buffer)
         delay = self._delay(topic)
         if delay is not None:
-            kind = TapeTopic(reader.topic, reader.type_name, message._full_text, offer.sender, offer.latched)
+            kind = HistoryTopic(reader.topic, reader.type_name, message._full_text, offer.sender, offer.latched)
             self._messages.append((kind, self.now + delay, buffer.getvalue()))
         super().send(topic, offer, reader.read(buffer.getvalue()))
 
@@ -68,12 +68,12 @@ class WireBus(Bus):
     def write(self, folder: Path, reason: str) -> Path:
         """Write the recording."""
         ring = Ring(memoryview(bytearray(40_000_000)))
-        tape = Tape(ring)
-        tape.note(BEGIN, self._begin, b"")
+        history = MessageHistory(ring)
+        history.note(BEGIN, self._begin, b"")
         for kind, time, data in self._messages:
             if kind.latched or time > self._begin:
-                tape.note(kind, max(time, self._begin + DELAY), data)
-        return write_recording(folder, tuple(read_tape(ring)), [reason], 0, 10, free=10**12)
+                history.note(kind, max(time, self._begin + DELAY), data)
+        return write_recording(folder, tuple(read_history(ring)), [reason], 0, 10, free=10**12)
 
 
 def message_of(topic: str, value: object) -> Any:

@@ -116,7 +116,7 @@ def test_one_client_drives_until_another_takes_over_and_each_is_told(home: Path)
     assert (a.lease.view().mine, b.lease.view().holder) == (True, "a-host")
     b.wanted = Twist(-0.3, 0.0)
     assert min(robot.speeds(1.0)) > 0.0
-    b.lease.take()
+    b.lease.take_over()
     robot.bus.run(0.5)
     assert robot.newest("active", str) == "keyboard"
     assert max(robot.speeds(0.5)) < 0.0
@@ -270,7 +270,7 @@ def test_disk_master_and_terminal_that_hang_delay_neither_outputs_nor_challenges
     robot.mux.work = lambda job, callback, queue="": hanging.append((job, callback, queue))  # type: ignore[method-assign]
     other = LeaseDriver(robot.bus, "b")
     robot.bus.run(0.5)
-    other.lease.take()  # the disk hangs
+    other.lease.take_over()  # the disk hangs
     robot.person.publish("cmd_vel_mux/speed_limit", float).send(90.0)  # the master hangs
     other.wanted = Twist(-0.3, 0.0)
     robot.bus.run(0.5)

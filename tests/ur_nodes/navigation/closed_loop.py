@@ -210,7 +210,7 @@ class ClosedLoop:
         self.global_costs.update(self.pose, beams)
         here = self.odom.compose(self.pose)
         if self.global_costs.zones is not None:
-            self.local_costs.lay(here, self.global_costs.zones, self.odom)
+            self.local_costs.overlay(here, self.global_costs.zones, self.odom)
         self.local_costs.update(here, here, beams)
 
     def _move(self, dt: float) -> None:

@@ -47,9 +47,9 @@ class RobotClient:
         self.map = rospy.Publisher("map", OccupancyGrid, queue_size=1, latch=True)
         self.map.publish(grid_message(self.grid, "map", rospy.Time.now()))
         self.simple = rospy.Publisher("move_base_simple/goal", PoseStamped, queue_size=1)
-        rospy.Subscriber("cmd_vel", Twist, self._take_command)
-        rospy.Subscriber("move_base/NavfnROS/plan", Path, self._take_plan)
-        rospy.Subscriber("move_base/global_costmap/costmap", OccupancyGrid, self._take_costmap)
+        rospy.Subscriber("cmd_vel", Twist, self._on_command)
+        rospy.Subscriber("move_base/NavfnROS/plan", Path, self._on_plan)
+        rospy.Subscriber("move_base/global_costmap/costmap", OccupancyGrid, self._on_costmap)
         self.costmap_size = 0
         self.action = actionlib.ActionClient("move_base", MoveBaseAction)
         threading.Thread(target=self._live, daemon=True).start()
@@ -116,13 +116,13 @@ class RobotClient:
     def _place(self) -> dict[str, float]:
         return {"x": self.pose.x, "y": self.pose.y, "yaw": self.pose.yaw}
 
-    def _take_command(self, message: Twist) -> None:
+    def _on_command(self, message: Twist) -> None:
         self.command, self.commanded = (message.linear.x, message.angular.z), time.monotonic()
 
-    def _take_plan(self, _message: Path) -> None:
+    def _on_plan(self, _message: Path) -> None:
         self.plans += 1
 
-    def _take_costmap(self, message: OccupancyGrid) -> None:
+    def _on_costmap(self, message: OccupancyGrid) -> None:
         self.costmap_size = len(message.data)
 
     def _live(self) -> None:

@@ -36,14 +36,14 @@ class PlainDriver:
         self._newest: Odometry | None = None
         self._sent = 0
         node.subscribe("odom", Odometry, self._take)
-        node.subscribe("cmd_vel_mux/stopped", bool, self._take_stopped, Quality.LATCHED)
+        node.subscribe("cmd_vel_mux/stopped", bool, self._on_stopped, Quality.LATCHED)
         self._timer: Timer = node.every(_PERIOD, self._drive, steady=True)
         node.after(_PATIENCE, lambda: self._finish(Result(False, "it took too long")), steady=True)
 
     def _take(self, odometry: Odometry) -> None:
         self._first, self._newest = self._first or odometry, odometry
 
-    def _take_stopped(self, stopped: bool) -> None:
+    def _on_stopped(self, stopped: bool) -> None:
         self._stopped = stopped if self._stopped is None else self._stopped
 
     def _drive(self) -> None:

@@ -36,8 +36,8 @@ class GoalDriver:
         self._goals: GoalClient = node.follow_goals("move_base", self)
         self._poses = node.publish("goal_pose", PlacedPose, Quality.EVERY)
         node.subscribe("base_pose_ground_truth", Odometry, self._take_place)
-        node.subscribe("amcl_pose", PoseEstimate, self._take_estimate, Quality.LATCHED)
-        node.subscribe("plan", Path, self._take_plan)
+        node.subscribe("amcl_pose", PoseEstimate, self._on_estimate, Quality.LATCHED)
+        node.subscribe("plan", Path, self._on_plan)
         node.every(_LOOK, self._send, steady=True)
         node.after(_PATIENCE, lambda: self._finish(f"no end within {_PATIENCE:g} s"), steady=True)
 
@@ -51,10 +51,10 @@ class GoalDriver:
     def _take_place(self, odometry: Odometry) -> None:
         self._place = odometry.pose
 
-    def _take_estimate(self, _estimate: PoseEstimate) -> None:
+    def _on_estimate(self, _estimate: PoseEstimate) -> None:
         self._localised = True
 
-    def _take_plan(self, path: Path) -> None:
+    def _on_plan(self, path: Path) -> None:
         self._planned = len(path.poses)
 
     def _send(self) -> None:

@@ -41,7 +41,7 @@ class LifeClient:
             node.transforms.send(Transform(0, "base_footprint", lidar.frame, mount, fixed=True))
         self._topics = NavigationTopics(node, Names())
         node.subscribe("base_pose_ground_truth", Odometry, self._take_place)
-        node.subscribe("amcl_pose", PoseEstimate, self._take_estimate, Quality.LATCHED)
+        node.subscribe("amcl_pose", PoseEstimate, self._on_estimate, Quality.LATCHED)
         node.every(_BEAT, self._beat, steady=True)
         threading.Thread(target=self._read, daemon=True).start()
 
@@ -49,7 +49,7 @@ class LifeClient:
         twist = odometry.twist
         self._speed = max(math.hypot(twist.forward, twist.left), abs(twist.turn))
 
-    def _take_estimate(self, _estimate: PoseEstimate) -> None:
+    def _on_estimate(self, _estimate: PoseEstimate) -> None:
         self._localised = True
 
     def _beat(self) -> None:

@@ -6,8 +6,8 @@ from tests.ros2_session import Ros2Session
 
 STUCK = """
 import ctypes
-from ur_nodes.ros2.run import limit_leaving
-limit_leaving(0.5)
+from ur_nodes.ros2.run import limit_shutdown
+limit_shutdown(0.5)
 print("leaving", flush=True)
 ctypes.PyDLL(None).pause()  # with Python's lock held, as in the middleware
 """

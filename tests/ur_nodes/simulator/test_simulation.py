@@ -225,7 +225,7 @@ def test_collisions_count_a_scrape_once_and_a_second_bump_again(room: WorldModel
 
 def test_schedule_does_not_drift() -> None:
     schedule = Schedule(30.0)
-    taken = [step for step in range(1, 6001) if schedule.take(step)]
+    taken = [step for step in range(1, 6001) if schedule.consume(step)]
     assert len(taken) == 900
     assert taken[-1] == 6000
     assert set(np.diff(taken)) <= {6, 7}

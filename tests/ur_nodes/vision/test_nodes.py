@@ -73,7 +73,7 @@ class FiducialRobot:
         self._pictures = self.world.publish("camera/compressed", PackedPicture)
         self._info, self._calibration = self.world.publish("camera_info", Calibration), calibration
         self.world.transforms.send(Transform(0, "base_footprint", "raspicam", to_pose(MOUNT), fixed=True))
-        self.world.subscribe("/tf", tuple, self._take_transforms, Quality.EVERY)
+        self.world.subscribe("/tf", tuple, self._on_transforms, Quality.EVERY)
 
     def listen(self, **topics: type) -> None:
         for topic, kind in topics.items():
@@ -102,7 +102,7 @@ class FiducialRobot:
         found = self.transforms.get(("map", "odom"))
         return found.pose.planar() if found and found.stamp > self.bus.now else None
 
-    def _take_transforms(self, transforms: tuple[Transform, ...]) -> None:
+    def _on_transforms(self, transforms: tuple[Transform, ...]) -> None:
         self.transforms |= {(each.parent, each.child): each for each in transforms}
 
 

@@ -61,13 +61,13 @@ class RobotWorld:
         start(self.mux)
         self.node = self.bus.node("web")
         self.view, self.drive = Outlet(), Outlet()
-        self.drive.take_line = self._take_line
+        self.drive.take_line = self._on_line
         self.end = RobotSession(self.node, self.view, self.drive)
         self.challenge = [0, 0]
         self.pages: dict[str, DrivingPage] = {}
         self.bus.run(1.5)
 
-    def _take_line(self, line: dict[str, Any]) -> None:
+    def _on_line(self, line: dict[str, Any]) -> None:
         if "n" in line:
             self.challenge = line["n"]
         else:

@@ -30,7 +30,7 @@ class Views:
         self._number = 0
         self._problem = ""
 
-    def take(self) -> Pixels | None:
+    def pop(self) -> Pixels | None:
         """Search the newest picture for the board and return that picture; None if it was taken before."""
         view = self._feed.view
         if view.number == self._number:
@@ -57,7 +57,7 @@ def show_session(terminal: RawTerminal, views: Views, ended: threading.Event, *,
     """Draw picture and progress until the views are complete or `c` is pressed; False after q or Ctrl-C."""
     session, picture = views.session, None
     while not ended.is_set() and not session.coverage.is_complete:
-        pixels = views.take()
+        pixels = views.pop()
         columns, rows = terminal.size()
         if pixels is not None:
             picture = fit_picture(draw_overlay(pixels, session), columns, 2 * max(1, rows - 2))
@@ -78,7 +78,7 @@ def write_session(views: Views, ended: threading.Event, source: int) -> bool:
     session, quit_key = views.session, QuitKey(source)
     written, due = "", 0.0
     while not ended.is_set() and not session.coverage.is_complete:
-        views.take()
+        views.pop()
         line = views.explain_silence() or describe(session)
         now = time.monotonic()
         if line != written or now >= due:

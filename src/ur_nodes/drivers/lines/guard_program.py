@@ -57,7 +57,7 @@ def outlive() -> None:
                 put(driver, f"{lowest + 1}")
 
 
-def leave_unit(above: str) -> None:
+def exit_unit(above: str) -> None:
     """Leave the control group of the run, and then, where systemd permits it, the unit that the run is in.
 
     Root asks the system's manager for a scope, another user its own; without one this process stays in `above`.
@@ -95,7 +95,7 @@ def accept() -> tuple[int, int, bytes, bytes]:
 if __name__ == "__main__":
     outlive()
     if len(sys.argv) > 1:
-        leave_unit(sys.argv[5])
+        exit_unit(sys.argv[5])
         main(int(sys.argv[1]), int(sys.argv[2]), *map(bytes.fromhex, sys.argv[3:5]))
     else:
         main(*accept())

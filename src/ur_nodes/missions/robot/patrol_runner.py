@@ -100,14 +100,14 @@ class PatrolRunner:
         self._stopped = False
         identity = Identity(("patrol" + node.name.replace("/", "."))[:64], "patrol", "")
         mux, frames = settings.mux, (settings.map_frame, settings.base_frame)
-        self._client = LeaseClient(node, mux, conduct="watch", identity=identity, on_challenge=self._take_challenge)
+        self._client = LeaseClient(node, mux, conduct="watch", identity=identity, on_challenge=self._on_challenge)
         self._goal = PatrolGoal(node, settings.navigation, frames, self._client)
         self._places = PlaceLookup(node, settings.keeper)
         self._status = node.publish("~status", str, Quality.LATCHED)
         self._publish()
-        node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED)
-        node.subscribe(f"{mux}/stopped", bool, self._take_stopped, Quality.LATCHED)
-        node.subscribe_from("~request", str, self._take_request, Quality.EVERY)
+        node.subscribe(f"{mux}/lease", str, self._on_lease, Quality.LATCHED)
+        node.subscribe(f"{mux}/stopped", bool, self._on_stopped, Quality.LATCHED)
+        node.subscribe_from("~request", str, self._on_request, Quality.EVERY)
         node.every(_PERIOD, self._step, steady=True)
         node.on_end(self._end)
 
@@ -118,7 +118,7 @@ class PatrolRunner:
             self._client.release(final=False)
 
     def _look(self) -> PatrolInputs:
-        view, taken, report = self._client.view(), self._client.taken, self._goal.report
+        view, taken, report = self._client.view(), self._client.taken_over, self._goal.report
         other = view.holder or (name_of_driver(taken) if taken else "")  # who took over may have let go since
         return PatrolInputs(
             self._node.steady(),
@@ -148,16 +148,16 @@ class PatrolRunner:
             self._node.log.info(line)
         self._line = line
 
-    def _take_request(self, text: str, sender: Sender | None) -> None:
+    def _on_request(self, text: str, sender: Sender | None) -> None:
         try:
             request = read_request(text)
         except BadJsonError as problem:
             self._node.log.warn(f"a request for a patrol is ignored, {problem}")
             return
         latched = sender is not None and sender.kept
-        self._places.find(request.route, partial(self._take_route, request, latched=latched))
+        self._places.find(request.route, partial(self._on_route, request, latched=latched))
 
-    def _take_route(self, request: PatrolRequest, route: PatrolRoute | str, *, latched: bool) -> None:
+    def _on_route(self, request: PatrolRequest, route: PatrolRoute | str, *, latched: bool) -> None:
         problem = route if isinstance(route, str) else self._admit(request, route, latched=latched)
         if problem:
             self._node.log.warn(f"{request.action} refused: {problem}")
@@ -187,20 +187,20 @@ class PatrolRunner:
         if request.action in ("start", "resume"):
             lease = self._lease
             handed = lease is not None and lease.state == "held" and lease.client == request.client
-            (self._client.take if handed else self._client.acquire)()
+            (self._client.take_over if handed else self._client.acquire)()
         self._patrol = patrol
         self._obey(commands)
         return ""
 
-    def _take_challenge(self) -> None:
+    def _on_challenge(self) -> None:
         value = self._client.link.newest(REMEMBERED)
         if value is not None:
             self._challenges = note_challenge(self._challenges, value, self._node.steady())
 
-    def _take_lease(self, text: str) -> None:
+    def _on_lease(self, text: str) -> None:
         self._lease = read_lease(text) or self._lease
 
-    def _take_stopped(self, stopped: bool) -> None:
+    def _on_stopped(self, stopped: bool) -> None:
         self._stopped = stopped
 
     def _end(self) -> None:

@@ -64,20 +64,20 @@ class PlaceLookup:
             except Exception:  # a parameter server may answer anything, or nothing
                 return NO_ANSWER
 
-        self._node.work(read, self._take_settings, "places")
+        self._node.work(read, self._on_settings, "places")
 
-    def _take_settings(self, settings: PlaceSettings | str) -> None:
+    def _on_settings(self, settings: PlaceSettings | str) -> None:
         if isinstance(settings, str):
             self._finish(settings)
             return
         if settings.file or settings.map_name:
             self._look_up(settings, None)
             return
-        take = partial(self._take_map, settings)
+        take = partial(self._on_map, settings)
         self._map = self._node.subscribe("map", Map, take, Quality.LATCHED, unreadable=take)
         self._late = self._node.after(_MAP_WAIT, partial(take, NO_MAP), steady=True)
 
-    def _take_map(self, settings: PlaceSettings, found: Map | str) -> None:
+    def _on_map(self, settings: PlaceSettings, found: Map | str) -> None:
         """Take the map, or the reason why there is none."""
         if self._map is None or self._late is None:
             return

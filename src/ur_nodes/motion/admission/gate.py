@@ -78,16 +78,16 @@ class AdmissionGate:
         node.every(1.0 / rate, self._issue, steady=True)
         for index, source in enumerate(settings.sources):
             if source.foreign:
-                self._foreign[index] = ForeignCommands(node, source.topic, partial(self._take_plain, index))
+                self._foreign[index] = ForeignCommands(node, source.topic, partial(self._on_plain, index))
                 continue
             # Every plain command counts: a cluster has to be seen as one.
-            node.subscribe_from(source.topic, Twist, partial(self._take_plain, index), Quality.EVERY)
+            node.subscribe_from(source.topic, Twist, partial(self._on_plain, index), Quality.EVERY)
             # Likewise every stamped one: those of a client that may not drive must not replace those of the driver.
             stamped = f"{source.topic}_stamped"
-            node.subscribe_from(stamped, StampedTwist, partial(self._take_stamped, index), Quality.EVERY)
+            node.subscribe_from(stamped, StampedTwist, partial(self._on_stamped, index), Quality.EVERY)
         for index, lock in enumerate(settings.locks):
             node.subscribe_from(lock.topic, bool, partial(self._take_lock, index), Quality.EVERY)
-        node.subscribe_from("~lease_request", str, self._take_request, Quality.EVERY)
+        node.subscribe_from("~lease_request", str, self._on_request, Quality.EVERY)
 
     def _start_lease(self, timeout: float) -> LeaseRecord:
         """Restore the lease of a mux that was killed; that of an earlier master for a moment only."""
@@ -96,7 +96,7 @@ class AdmissionGate:
             return start_lease(stored or read_lease(self._node.facts.get(_FACT)), timeout, unix=time.time())
         return start_lease(stored, timeout, unix=time.time(), forget_at=self._node.steady() + _MEMORY)
 
-    def _take_stamped(self, index: int, command: StampedTwist, sender: Sender | None) -> None:
+    def _on_stamped(self, index: int, command: StampedTwist, sender: Sender | None) -> None:
         velocity, follows = _velocity_of(command.twist), self._settings.sources[index].avoids_obstacles
         now, motion = self._node.steady(), not velocity.still
         stamp = divmod(command.stamp, SECOND)
@@ -106,7 +106,7 @@ class AdmissionGate:
         self._pass(index, velocity, now, verdict, _name(sender), stamped=True)
         self._announce()
 
-    def _take_plain(self, index: int, twist: Twist, sender: Sender | None) -> None:
+    def _on_plain(self, index: int, twist: Twist, sender: Sender | None) -> None:
         velocity = _velocity_of(twist)
         now, motion = self._node.steady(), not velocity.still
         sent = None
@@ -150,7 +150,7 @@ class AdmissionGate:
         late = f"{lock.name}: ignored a 'false' of {_name(sender)} on {lock.topic} that may be late; "
         self._log.warn(late + "expected it from a new publisher or five times in a row", every=5.0)
 
-    def _take_request(self, text: str, sender: Sender | None) -> None:
+    def _on_request(self, text: str, sender: Sender | None) -> None:
         request = read_request(text)
         if isinstance(request, str):
             self._log.warn(f"{_name(sender)}: ignored a request about the lease: {request}", every=5.0)

@@ -33,7 +33,7 @@ class JoystickState:
     buttons: tuple[int, ...] = ()
 
 
-def take_records(state: JoystickState, data: bytes, settings: JoystickSettings) -> tuple[JoystickState, bool, bytes]:
+def apply_records(state: JoystickState, data: bytes, settings: JoystickSettings) -> tuple[JoystickState, bool, bytes]:
     """The state after the records in `data`; whether a record was an event, not just the initial state; the rest.
 
     The rest is an incomplete record: prepend it to the next data.

@@ -76,7 +76,7 @@ class LeasedJoyCommander:
         self._borrowed = not mine and self._conduct != "watch"
         if mine or self._conduct == "watch":
             return
-        {"drive": self._lease.acquire, "take": self._lease.take, "ask": self._lease.ask}[self._conduct]()
+        {"drive": self._lease.acquire, "take": self._lease.take_over, "ask": self._lease.ask}[self._conduct]()
 
 
 def make_joy_commander(node: Node, mux: str) -> JoyCommander:

@@ -8,7 +8,7 @@ import select
 from functools import partial
 from typing import Protocol
 
-from ur_nodes.motion.joystick.device import RECORD, JoystickSettings, JoystickState, let_go, take_records
+from ur_nodes.motion.joystick.device import RECORD, JoystickSettings, JoystickState, apply_records, let_go
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.values import Joystick
 
@@ -74,9 +74,9 @@ class JoyReader:
         self._open()
 
     def _open(self) -> None:
-        self._node.work(self._device.open, self._take_opened, _LANE)
+        self._node.work(self._device.open, self._on_opened, _LANE)
 
-    def _take_opened(self, problem: str) -> None:
+    def _on_opened(self, problem: str) -> None:
         if problem:
             if problem != self._logged:
                 self._node.log.warn(f"{self._device.path}: {problem}")
@@ -97,7 +97,7 @@ class JoyReader:
         if data is None:
             self._let_go()
             return
-        self._state, event, self._rest = take_records(self._state, self._rest + data, self._settings)
+        self._state, event, self._rest = apply_records(self._state, self._rest + data, self._settings)
         if event or self._node.steady() >= self._due:
             self._publish(self._state)
         if data:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS
 from ur_nodes.motion.challenge.link import ChallengeLink
-from ur_nodes.motion.lease.requests import LeaseRequests, let_go, step_requests, take_lease, want
+from ur_nodes.motion.lease.requests import LeaseRequests, apply_lease, let_go, step_requests, want
 from ur_nodes.motion.lease.text import Action, Lease, LeaseRequest, read_lease, write_request
 from ur_nodes.motion.lease.view import Conduct, Identity, LeaseView, identify
 from ur_nodes.ports.node import SECOND, Node
@@ -47,7 +47,7 @@ class LeaseClient:
         self._note = ""
         self._requests = LeaseRequests(self.client, self.conduct)
         self._publisher = node.publish(f"{mux}/lease_request", str, Quality.EVERY)
-        node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED_EVERY)  # take-overs that ended count, too
+        node.subscribe(f"{mux}/lease", str, self._on_lease, Quality.LATCHED_EVERY)  # take-overs that ended count, too
         node.every(_PERIOD, self._step, steady=True)
 
     @property
@@ -60,9 +60,9 @@ class LeaseClient:
         return self._requests.view(self.link.link_age())
 
     @property
-    def taken(self) -> Lease | None:
+    def taken_over(self) -> Lease | None:
         """Return the lease of the client that took it over from this one, until this one has it again."""
-        return self._requests.taken
+        return self._requests.taken_over
 
     @property
     def settled(self) -> bool:
@@ -73,7 +73,7 @@ class LeaseClient:
         """Acquire the lease if it is free, or was lost by a client of the same user on the same computer."""
         self.request("acquire")
 
-    def take(self) -> None:
+    def take_over(self) -> None:
         """Take the lease from its holder."""
         self.request("take")
 
@@ -119,7 +119,7 @@ class LeaseClient:
             )
             self._publisher.send(write_request(request))
 
-    def _take_lease(self, text: str) -> None:
+    def _on_lease(self, text: str) -> None:
         lease = read_lease(text)
         if lease is not None:
-            self._requests = take_lease(self._requests, lease)
+            self._requests = apply_lease(self._requests, lease)

@@ -17,14 +17,14 @@ _START_PATIENCE = 4.5  # s: likewise at the start; by then a holder that was kil
 class LeaseRequests:
     """A client's state: the lease as last received, and the requested action (`intent`).
 
-    `taken` is the lease when another client took it over from this one. `begun`: the first request of the conduct was
-    made; `silent`: nothing is sent any more.
+    `taken_over` is the lease when another client took it over from this one. `begun`: the first request of the conduct
+    was made; `silent`: nothing is sent any more.
     """
 
     client: str
     conduct: Conduct
     lease: Lease | None = None
-    taken: Lease | None = None
+    taken_over: Lease | None = None
     intent: Action | None = None
     give_up_at: float = 0.0
     begun: bool = False
@@ -38,7 +38,7 @@ class LeaseRequests:
     def view(self, link_age: float) -> LeaseView:
         """Return the lease as the client sees it; `link_age` (s) is that of the newest challenge."""
         pending = not self.silent and not self.settled
-        return view_lease(self.lease, self.client, self.taken, link_age, pending=pending)
+        return view_lease(self.lease, self.client, self.taken_over, link_age, pending=pending)
 
 
 def want(state: LeaseRequests, action: Action, now: float) -> LeaseRequests:
@@ -54,15 +54,15 @@ def let_go(state: LeaseRequests, *, silent: bool) -> LeaseRequests:
     return replace(state, lease=lease, intent=None, silent=silent)
 
 
-def take_lease(state: LeaseRequests, lease: Lease) -> LeaseRequests:
+def apply_lease(state: LeaseRequests, lease: Lease) -> LeaseRequests:
     """The state after a lease was received."""
-    taken = state.taken
+    taken = state.taken_over
     if lease.client == state.client:
         taken = None
     elif lease.taken_from is not None and lease.taken_from.client == state.client:
         taken = lease
     settled = state.intent is not None and is_settled(state.intent, lease, state.client)
-    return replace(state, lease=lease, taken=taken, intent=None if settled else state.intent)
+    return replace(state, lease=lease, taken_over=taken, intent=None if settled else state.intent)
 
 
 def step_requests(state: LeaseRequests, now: float, *, linked: bool) -> tuple[LeaseRequests, Action | None]:

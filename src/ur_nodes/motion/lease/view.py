@@ -111,13 +111,13 @@ def is_settled(action: Action, lease: Lease, client: str) -> bool:
 
 
 def view_lease(
-    lease: Lease | None, client: str, taken: Lease | None, link_age: float, *, pending: bool = False
+    lease: Lease | None, client: str, taken_over: Lease | None, link_age: float, *, pending: bool = False
 ) -> LeaseView:
-    """Return the view of `client`; `taken` is the lease when another client took it over from this one."""
+    """Return the view of `client`; `taken_over` is the lease when another client took it over from this one."""
     if lease is None:
         return LeaseView(link_age=link_age, pending=pending)
-    if taken is not None and taken.client != lease.client:
-        taken = None  # another client drives by now
+    if taken_over is not None and taken_over.client != lease.client:
+        taken_over = None  # another client drives by now
     return LeaseView(
         lease.state,
         lease.name,
@@ -127,8 +127,8 @@ def view_lease(
         lease.attended,
         tuple(each.name or each.client[:8] for each in lease.asking if each.client != client),
         any(each.client == client for each in lease.asking),
-        taken.name if taken else "",
-        taken.taken_at if taken else None,
+        taken_over.name if taken_over else "",
+        taken_over.taken_at if taken_over else None,
         link_age,
         lease.until,
         pending,

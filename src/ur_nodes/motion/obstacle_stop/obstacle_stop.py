@@ -57,14 +57,14 @@ class ObstacleStop:
         if not usable:
             return
         self._watch(self._guard if self._on else None)
-        node.subscribe("odom", Odometry, self._take_odometry)
+        node.subscribe("odom", Odometry, self._on_odometry)
         if base.lidar:
-            node.subscribe(base.lidar.topic, Scan, partial(self._take_scan, base.lidar.topic))
+            node.subscribe(base.lidar.topic, Scan, partial(self._on_scan, base.lidar.topic))
         if base.sonars and sonars:
-            node.subscribe(base.sonars.topic, Range, self._take_range, Quality.EVERY)  # all of a base come together
+            node.subscribe(base.sonars.topic, Range, self._on_range, Quality.EVERY)  # all of a base come together
         for contact, topic in contact_topics(base).items():
             for quality in (Quality.LATCHED, Quality.NEWEST):  # a third-party driver may not latch its contacts
-                node.subscribe(topic, bool, partial(self._take_contact, contact), quality)
+                node.subscribe(topic, bool, partial(self._on_contact, contact), quality)
         node.serve_later("~set_obstacle_stop", Switch, self._choose)
 
     def note(self, verdict: GuardVerdict | None, wanted: Motion, output: Motion) -> None:
@@ -107,12 +107,12 @@ class ObstacleStop:
         now = read_mux_time(self._node)
         return now - max(0.0, (self._node.now() - stamp) * 1e-9) if stamp else now
 
-    def _take_odometry(self, odometry: Odometry) -> None:
+    def _on_odometry(self, odometry: Odometry) -> None:
         twist = odometry.twist
         reading = Odometer(odometry.pose, twist.forward, twist.turn, self._time_of(odometry.stamp), twist.left)
         self._change(move(self._guard.sight, reading))
 
-    def _take_scan(self, topic: str, scan: Scan) -> None:
+    def _on_scan(self, topic: str, scan: Scan) -> None:
         sensor = self._sensors.get(topic)
         if sensor is None:
             return
@@ -121,7 +121,7 @@ class ObstacleStop:
         reading = SensorRanges(scan.ranges, (scan.range_min, scan.range_max), at, *angles, spacing)
         self._change(look(self._guard.sight, sensor, reading))
 
-    def _take_range(self, value: Range) -> None:
+    def _on_range(self, value: Range) -> None:
         sensor = self._sensors.get(value.frame)
         if sensor is None:
             self._warn_of_frame(value.frame)
@@ -135,6 +135,6 @@ class ObstacleStop:
             self._warned = True
             self._log.warn(reason)
 
-    def _take_contact(self, contact: tuple[Contact, str], touched: bool) -> None:
+    def _on_contact(self, contact: tuple[Contact, str], touched: bool) -> None:
         points = contact_points(self._base, self._guard.sight.hull, contact) if touched else None
         self._change(touch(self._guard.sight, contact, points))

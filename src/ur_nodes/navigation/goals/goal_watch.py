@@ -60,9 +60,9 @@ class GoalWatch:
         self._shown: tuple[str, Act] | None = None
         self._hold = node.publish("~hold", str, Quality.LATCHED)
         self._publish_hold("", GoalVerdict(Act.DRIVE))
-        self.link = ChallengeLink(node, mux, self._take_challenge)
-        node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED)
-        node.subscribe("amcl/lost", str, self._take_lost, Quality.LATCHED)
+        self.link = ChallengeLink(node, mux, self._on_challenge)
+        node.subscribe(f"{mux}/lease", str, self._on_lease, Quality.LATCHED)
+        node.subscribe("amcl/lost", str, self._on_lost, Quality.LATCHED)
         node.subscribe("~continue", GoalId, self._continue)
 
     def accept(self, goal_id: str) -> str:
@@ -104,7 +104,7 @@ class GoalWatch:
         text = verdict.text if held else ""
         self._hold.send(json.dumps({"goal": shown[0], "state": state, "text": text}))
 
-    def _take_challenge(self) -> None:
+    def _on_challenge(self) -> None:
         value = self.link.newest(REMEMBERED)
         if value is not None:
             first = self._challenges.newest_at is None
@@ -112,14 +112,14 @@ class GoalWatch:
             if first:
                 self._on_mux()
 
-    def _take_lease(self, text: str) -> None:
+    def _on_lease(self, text: str) -> None:
         lease = read_lease(text)
         if lease is None:
             self._node.log.warn("the lease of the mux cannot be read, expected its JSON; ignored", every=10.0)
         else:
             self._lease = lease
 
-    def _take_lost(self, text: str) -> None:
+    def _on_lost(self, text: str) -> None:
         self._lost = text[:_LONGEST_TEXT]
 
     def _continue(self, goal: GoalId) -> None:

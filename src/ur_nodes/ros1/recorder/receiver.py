@@ -115,14 +115,14 @@ class LinkReceiver:
                 link = self._links.get(number)
                 if link is not None:
                     more |= self._read(link, batch)
-                elif number == self._wake_read and not self._take_new():
+                elif number == self._wake_read and not self._on_new():
                     return
             if batch:
                 self._take(batch)
             if not more:
                 time.sleep(PAUSE)
 
-    def _take_new(self) -> bool:
+    def _on_new(self) -> bool:
         os.read(self._wake_read, 4096)
         with suppress(IndexError):
             while True:

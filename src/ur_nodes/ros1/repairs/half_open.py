@@ -19,9 +19,9 @@ _QUESTION = 0.25  # s for an answer
 Address = tuple[str | int, ...]
 
 
-def share_port(listener: socket.socket) -> None:
+def share_port(server: socket.socket) -> None:
     """Allow further sockets on the port of a listening one, which `end_half_open` needs."""
-    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+    server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
 
 
 def end_half_open(

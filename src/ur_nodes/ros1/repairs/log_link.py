@@ -5,6 +5,6 @@ from __future__ import annotations
 from rosgraph import roslogging
 
 
-def leave_log_link() -> None:
+def skip_log_link() -> None:
     """Stop rospy from making the link: nodes that all make it collide, and log that."""
     roslogging.renew_latest_logdir = lambda _folder: True

@@ -72,7 +72,7 @@ class Nav2Goals:
 
         def on_status(message: GoalStatusArray) -> None:
             found = [(bytes(each.goal_info.goal_id.uuid), int(each.status)) for each in message.status_list]
-            post(lambda: self._take_list(found))
+            post(lambda: self._on_list(found))
 
         def on_feedback(message: NavigateToPose.Impl.FeedbackMessage) -> None:
             key, count = bytes(message.goal_id.uuid), max(0, int(message.feedback.number_of_recoveries))
@@ -132,7 +132,7 @@ class Nav2Goals:
             return GoalState(state.id, "active", "")
         return replace(state, recoveries=self._recoveries.get(state.id, 0)) if state.open else state
 
-    def _take_list(self, found: Sequence[tuple[bytes, int]]) -> None:
+    def _on_list(self, found: Sequence[tuple[bytes, int]]) -> None:
         before, self._listed = self._listed, {}
         for key, status in found:
             id = self._id_of(key)

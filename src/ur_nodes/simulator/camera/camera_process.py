@@ -89,7 +89,7 @@ class CameraProcess:
         """The process id of the renderer."""
         return self._process.pid
 
-    def take(self, robot: int, state: npt.NDArray[np.float64], *, pixels: bool, jpeg: bool) -> RenderedPicture:
+    def render(self, robot: int, state: npt.NDArray[np.float64], *, pixels: bool, jpeg: bool) -> RenderedPicture:
         """Render a robot's camera picture in a state (`Physics.state`). Raises UserError when the process has ended."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
@@ -182,7 +182,7 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> int:
         except (AttributeError, ImportError):  # PyOpenGL's, where the library that it wraps is missing
             raise RuntimeError(_ABSENT) from None
 
-        from ur_nodes.simulator.physics import take_state
+        from ur_nodes.simulator.physics import restore_state
 
         textures = draw_textures(job.fiducials)
         model = mujoco.MjModel.from_xml_string(job.model, textures)
@@ -198,7 +198,7 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> int:
     try:
         while True:
             robot, pixels, jpeg, size = _REQUEST.unpack(_read(requests, _REQUEST.size))
-            take_state(model, data, np.frombuffer(_read(requests, size)))
+            restore_state(model, data, np.frombuffer(_read(requests, size)))
             mujoco.mj_kinematics(model, data)
             mujoco.mj_camlight(model, data)
             renderer.update_scene(data, f"camera_{robot}")

@@ -126,7 +126,7 @@ class SimulatedCameraTopics:
         try:
             process = self._process = self._process or self._open()
             return [
-                process.take(number, state, pixels=want[0], jpeg=want[1]) if want else None
+                process.render(number, state, pixels=want[0], jpeg=want[1]) if want else None
                 for number, want in enumerate(wants)
             ]
         except UserError as problem:

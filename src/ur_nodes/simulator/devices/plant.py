@@ -31,7 +31,7 @@ class Plant:
         self._angles = np.array(simulation.wheel_angles(robot))
         self._rolled = np.zeros(2)
         self.time = simulation.time
-        simulation.take_wheels(robot)
+        simulation.control_wheels(robot)
 
     def update(self) -> None:
         """The simulation went on."""

@@ -68,7 +68,7 @@ class SlamReports:
         self._last: Pose2 | None = None  # odometry at the last scan
         self._by_gyro = self._gyro_wrong = False  # as reported last
 
-    def take(self, step: SlamStep) -> None:
+    def on_step(self, step: SlamStep) -> None:
         """Report the changes after a scan."""
         estimate = step.estimate
         if step.lost or self._lost:

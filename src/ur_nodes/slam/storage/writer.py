@@ -21,13 +21,13 @@ from ur_nodes.slam.storage.convert import store_graph, store_scan
 _PICTURE = "map"
 
 
-def pause_before_next(every: float, taken: float) -> float:
+def pause_before_next(every: float, duration: float) -> float:
     """Return the time (s) from the end of a save to the next one, if `every` s of the map may be lost at most.
 
-    A map that is killed just before a save ends has lost everything since the save before; hence `taken`, the time
+    A map that is killed just before a save ends has lost everything since the save before; hence `duration`, the time
     that a save takes (s), counts twice. A computer that is too slow for that still rests as long as it works.
     """
-    return max(taken, every - 2.0 * taken)
+    return max(duration, every - 2.0 * duration)
 
 
 class MapWriter:

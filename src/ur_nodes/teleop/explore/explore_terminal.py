@@ -66,7 +66,7 @@ def show_exploration(
                 recording.ask()
             if isinstance(key, Key) and key.action == "press" and not key.ctrl:
                 growing.press(key.name)
-        note = (saving.take_news() if saving else "") or recording.take_news() or note
+        note = (saving.pop_news() if saving else "") or recording.pop_news() or note
         now = time.monotonic()
         again = now - drawn_at >= _REDRAW_ALL
         drawn_at = now if again else drawn_at

@@ -158,10 +158,10 @@ def _take(state: DriveState, event: KeyEvent | None, now: float) -> DriveState:
         return replace(state, reports_release=complete and not state.settings.key_timeout)
     if isinstance(event, FocusLost):
         return replace(state, held=())
-    return _take_key(state, event, now)
+    return _handle_key(state, event, now)
 
 
-def _take_key(state: DriveState, key: Key, now: float) -> DriveState:
+def _handle_key(state: DriveState, key: Key, now: float) -> DriveState:
     if key.action == "release":
         return replace(state, held=tuple(name for name in state.held if name != key.name))
     if key.ctrl:

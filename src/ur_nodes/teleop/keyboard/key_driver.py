@@ -124,7 +124,7 @@ class KeyDriver:
 
     def _step(self) -> None:
         for saving in (self._saving, self._recording):
-            if saving and (news := saving.take_news()):
+            if saving and (news := saving.pop_news()):
                 self._state = replace(self._state, note=news)
         now = self._node.steady()
         hangs = self._state.moving and now - self._alive_at > HUNG_AFTER

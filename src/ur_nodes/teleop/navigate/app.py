@@ -57,14 +57,14 @@ class NavigateApp(NavigateView):
     def _goal_picked(self, message: MapView.GoalPicked) -> None:
         self._send(message.place, any_heading=message.any_heading)
 
-    def take_key(self, key: str) -> bool:
+    def press_key(self, key: str) -> bool:
         """Pass the key to an open panel or question, in which the emergency key also works."""
         if self._asks_to_end and key == "q":
             self.exit()
         elif self._asks_to_end:
             self._asks_to_end = False
             self._show_message("")
-        elif not self.query_one(Panel).take_key(key):
+        elif not self.query_one(Panel).press_key(key):
             return False
         if key == "space":
             self.press_emergency_key()

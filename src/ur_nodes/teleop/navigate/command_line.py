@@ -20,7 +20,7 @@ _MAP_HINTS = ("map: h j k l + - 0 f t", "Tab: commands")
 class KeyOwner(Protocol):
     """The program around the line, called while a key is handled, so that keys act in the order of typing."""
 
-    def take_key(self, key: str) -> bool:
+    def press_key(self, key: str) -> bool:
         """Offer a key to an open panel; return whether the panel took it."""
 
     def press_map_key(self, key: str) -> None:
@@ -53,7 +53,7 @@ class CommandLine(Input):
             event.prevent_default()
 
     def _take(self, key: str) -> bool:
-        if self._owner.take_key(key):
+        if self._owner.press_key(key):
             return True
         if key == "space" and (not self.value or self.value[-1] == " "):
             self._owner.press_emergency_key()  # no command begins with a space or holds two in a row
@@ -68,7 +68,7 @@ class CommandLine(Input):
             return self._edit(key)
         return True
 
-    def take_typed(self, text: str) -> None:
+    def insert_typed(self, text: str) -> None:
         """Take text that was typed before the screen opened: whole lines are entered, the rest stays in the line."""
         *lines, rest = text.replace("\r", "\n").split("\n")
         for line in lines:

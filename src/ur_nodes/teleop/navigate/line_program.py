@@ -33,7 +33,7 @@ def run_lines(
     A program that reads the output may end: the batch ends then, and with it a goal that is driven to.
     """
     lines, output = LineReader(source, ended), _Output(ended)
-    urgent = lines.take_urgent if attended else None
+    urgent = lines.pop_urgent if attended else None
     around = BatchContext(output.write, _write_err, time.monotonic, ended.wait, recording, urgent, saving)
     if attended:
         around.out(f"{name}: one command a line; ? lists them, s stops, e is the emergency stop, q quits")

@@ -33,7 +33,7 @@ class LineReader:
                 return
             yield self._lines.popleft()
 
-    def take_urgent(self) -> Command | None:
+    def pop_urgent(self) -> Command | None:
         """Take the first urgent command: stop, emergency, release, continue, quit. Never blocks.
 
         After `quit` no further line is read.

@@ -25,7 +25,7 @@ class Panel(VerticalScroll, can_focus=False):
 
     A letter or digit that closes it also begins a command.
 
-    It is no screen of its own: all keys go to the command line, which asks `take_key` first.
+    It is no screen of its own: all keys go to the command line, which asks `press_key` first.
     """
 
     DEFAULT_CSS = """
@@ -62,7 +62,7 @@ class Panel(VerticalScroll, can_focus=False):
         """Hide the panel; a second call has no effect."""
         self.display = False
 
-    def take_key(self, key: str) -> bool:
+    def press_key(self, key: str) -> bool:
         """Scroll or close; return whether the key was for the panel alone."""
         if not self.is_open:
             return False

@@ -95,7 +95,7 @@ class NavigateView(FullScreenApp[None]):
         self.query_one(CommandLine).focus()
         self._show_message("")
         self._look()
-        self.query_one(CommandLine).take_typed(self._typed)
+        self.query_one(CommandLine).insert_typed(self._typed)
         self.set_interval(REFRESH, self._look)
         self.set_interval(1.0, self._check_size)
 
@@ -123,7 +123,7 @@ class NavigateView(FullScreenApp[None]):
             self._reload_places()
         self._announce(snapshot)
         for saving in (self._saving, self._recording):
-            if saving and (news := saving.take_news()):
+            if saving and (news := saving.pop_news()):
                 self._show_message(news)
         self._announce_patrol(snapshot.patrol)
         key = (*visible_state(snapshot, self._places, self.size), self._result_shown)

@@ -47,13 +47,13 @@ class Unsettled:
         self._views: dict[int, list[FiducialView]] = {}
 
     def add(self, view: FiducialView) -> Floats | None:
-        """Keep a view. Returns the pose (4, 4) in the map once it is unambiguous; then call `take`."""
+        """Keep a view. Returns the pose (4, 4) in the map once it is unambiguous; then call `pop`."""
         views = self._views.setdefault(view.observation.id, [])
         views.append(view)
         del views[:-_KEPT]
         return settle(views)
 
-    def take(self, fiducial: int, pose: Floats) -> list[tuple[int, Sighting]]:
+    def pop(self, fiducial: int, pose: Floats) -> list[tuple[int, Sighting]]:
         """Remove and return the moments and sightings of a fiducial whose pose has become unambiguous."""
         chosen = [
             (view.moment, choose_sighting(view.observation, invert(view.robot) @ pose))
@@ -155,7 +155,7 @@ class FiducialMapper:
         for index in range(factors.size()):
             self._graph.push_back(factors.at(index))
         self._count += 1
-        self._take_estimate(self._isam.calculateEstimate())
+        self._on_estimate(self._isam.calculateEstimate())
         self._odometry = odometry
         return True
 
@@ -163,7 +163,7 @@ class FiducialMapper:
         """Solve the whole graph again, without the approximations of the incremental solution."""
         if self._count:
             values = gtsam.LevenbergMarquardtOptimizer(self._graph, self._isam.calculateEstimate()).optimize()
-            self._take_estimate(values)
+            self._on_estimate(values)
 
     def entries(self) -> tuple[MapEntry, ...]:
         """The map with covariances."""
@@ -240,7 +240,7 @@ class FiducialMapper:
             elif (pose := self._unsettled.add(FiducialView(self._count, guess, observation))) is not None:
                 self._poses[number] = pose
                 values.insert(fiducial_key(number), gtsam.Pose3(pose))
-                used += [(moment, number, sighting) for moment, sighting in self._unsettled.take(number, pose)]
+                used += [(moment, number, sighting) for moment, sighting in self._unsettled.pop(number, pose)]
         for moment, number, sighting in used:
             factors.push_back(sighting_factor(moment, number, sighting))
             self._seen[number] = self._seen.get(number, 0) + 1
@@ -266,7 +266,7 @@ class FiducialMapper:
         self._contradicting.add(number)
         return True
 
-    def _take_estimate(self, values: gtsam.Values) -> None:
+    def _on_estimate(self, values: gtsam.Values) -> None:
         self._robot = np.asarray(values.atPose3(robot_key(self._count - 1)).matrix())
         for number in self._poses:
             self._poses[number] = np.asarray(values.atPose3(fiducial_key(number)).matrix())

@@ -65,7 +65,7 @@ class DataSession:
             self._graph_every.hurry()
         elif not self._asking and self._graph_every.due(self._node.steady()):
             self._asking = True
-            self._node.read_graph(self._take_graph)
+            self._node.read_graph(self._on_graph)
         if self._outlet.busy:
             return
         self._status.step([page for page, each in self._shows.items() if each.status])
@@ -74,6 +74,6 @@ class DataSession:
             self._topics.step(self._shows, graph)
             self._scene.step(self._shows, dict(graph.published()))
 
-    def _take_graph(self, graph: Graph | None) -> None:
+    def _on_graph(self, graph: Graph | None) -> None:
         self._asking = False
         self._graph = graph.without(self._node.name) if graph is not None else self._graph or Graph()

@@ -57,8 +57,8 @@ class DriverLink:
         self._velocities = node.publish(VELOCITIES, StampedTwist, Quality.FRESH)
         self._speed_limit = node.publish(f"{mux}/speed_limit", float)
         self._requests = node.publish(f"{mux}/lease_request", str, Quality.EVERY)
-        node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED)
-        node.subscribe(f"{mux}/challenge", Time, self._take_challenge)
+        node.subscribe(f"{mux}/lease", str, self._on_lease, Quality.LATCHED)
+        node.subscribe(f"{mux}/challenge", Time, self._receive_challenge)
 
     @property
     def newest(self) -> Stamp | None:
@@ -104,12 +104,12 @@ class DriverLink:
         """Limit the speed of all who drive."""
         self._speed_limit.send(float(percent))
 
-    def _take_lease(self, text: str) -> None:
+    def _on_lease(self, text: str) -> None:
         lease = read_lease(text)
         if lease is not None:
             self.lease = lease
 
-    def _take_challenge(self, challenge: Time) -> None:
+    def _receive_challenge(self, challenge: Time) -> None:
         stamp = divmod(challenge.stamp, SECOND)
         self._received_at = self._node.steady()
         self._received = keep_challenge(self._received, stamp, self._received_at)

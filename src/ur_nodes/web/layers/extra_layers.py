@@ -61,10 +61,10 @@ class ExtraLayers:
 
     def _subscribe(self, layer: Layer) -> list[Subscription]:
         if layer == Layer.PARTICLES:
-            return [self._node.subscribe("particlecloud", Poses, self._take_particles, Quality.LATCHED)]
-        topic, update = _COSTMAPS[layer], partial(self._take_update, layer)
+            return [self._node.subscribe("particlecloud", Poses, self._on_particles, Quality.LATCHED)]
+        topic, update = _COSTMAPS[layer], partial(self._on_update, layer)
         return [
-            self._node.subscribe(topic, Map, partial(self._take_costmap, layer)),
+            self._node.subscribe(topic, Map, partial(self._on_costmap, layer)),
             self._node.subscribe(f"{topic}_updates", MapUpdate, update, Quality.EVERY),
         ]
 
@@ -95,16 +95,16 @@ class ExtraLayers:
             points = place.transform_points(particles.poses[::step, :2]).tolist()
             self._put(lambda: [points_frame(Layer.PARTICLES, points)])
 
-    def _take_costmap(self, layer: Layer, costmap: Map) -> None:
+    def _on_costmap(self, layer: Layer, costmap: Map) -> None:
         self._costmaps[layer].replace(costmap)
         self._changed.add(layer)
 
-    def _take_update(self, layer: Layer, update: MapUpdate) -> None:
+    def _on_update(self, layer: Layer, update: MapUpdate) -> None:
         if problem := self._costmaps[layer].apply(update):
             self._node.log.warn(problem, every=_LOGGED_EVERY)
         elif self._costmaps[layer].map is not None:
             self._changed.add(layer)
 
-    def _take_particles(self, particles: Poses) -> None:
+    def _on_particles(self, particles: Poses) -> None:
         self._particles = particles
         self._changed.add(Layer.PARTICLES)

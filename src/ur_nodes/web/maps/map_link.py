@@ -54,9 +54,9 @@ class MapLink:
             done("", "busy")
         else:
             self._saving = True
-            self._node.call(self._service, Trigger(), partial(self._take_saved, done), _SAVING)
+            self._node.call(self._service, Trigger(), partial(self._on_saved, done), _SAVING)
 
-    def _take_saved(self, done: Done, result: Result) -> None:
+    def _on_saved(self, done: Done, result: Result) -> None:
         self._saving = False
         name, problem = read_saved(result)
         done(name, "" if name else printable(problem)[:300] or "the service gives no reason")
@@ -64,13 +64,13 @@ class MapLink:
     def _ask(self) -> None:
         if not self._asking:
             self._asking = True
-            self._node.read_graph(self._take_graph)
+            self._node.read_graph(self._on_graph)
 
-    def _take_graph(self, graph: Graph | None) -> None:
+    def _on_graph(self, graph: Graph | None) -> None:
         if graph is None:  # a master that does not answer has changed nothing
             self._asking = False
         else:
-            self._node.work(lambda: self._read_names(graph), self._take_names, _LANE)
+            self._node.work(lambda: self._read_names(graph), self._on_names, _LANE)
 
     def _read_names(self, graph: Graph) -> tuple[str, str] | None:
         """Return the name of the map and the service that saves it; None while the parameters cannot be read."""
@@ -86,7 +86,7 @@ class MapLink:
             return None
         return name if resolve(_SERVER) in graph.services else "", service
 
-    def _take_names(self, found: tuple[str, str] | None) -> None:
+    def _on_names(self, found: tuple[str, str] | None) -> None:
         self._asking = False
         if found is not None:
             self._name, self._service = found

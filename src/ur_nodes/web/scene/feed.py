@@ -96,7 +96,7 @@ class SceneFeed:
 
     def _follow_frames(self, wanted: bool) -> None:
         if wanted and not self._frame_topics:
-            fixed, moving = (partial(self._take_frames, fixed=each) for each in (True, False))
+            fixed, moving = (partial(self._on_frames, fixed=each) for each in (True, False))
             self._frame_topics = [
                 self._node.subscribe("/tf_static", tuple, fixed, Quality.LATCHED_EVERY),
                 self._node.subscribe("/tf", tuple, moving, Quality.EVERY),
@@ -118,14 +118,14 @@ class SceneFeed:
     def _subscribe(self, name: str, kind: str) -> Subscription:
         if kind == _CLOUD:
             self._clouds[name] = Every(_CLOUD_EVERY)
-            return self._node.subscribe(name, PointCloud, partial(self._take_cloud, name))
+            return self._node.subscribe(name, PointCloud, partial(self._on_cloud, name))
         self._markers[name] = ShownMarkers()
         if kind == _MARKER:
             return self._node.subscribe(
-                name, MarkerChange, lambda change: self._take_markers(name, (change,)), Quality.EVERY
+                name, MarkerChange, lambda change: self._on_markers(name, (change,)), Quality.EVERY
             )
         return self._node.subscribe(
-            name, MarkerChanges, lambda found: self._take_markers(name, found.changes[:_MOST_MARKERS]), Quality.EVERY
+            name, MarkerChanges, lambda found: self._on_markers(name, found.changes[:_MOST_MARKERS]), Quality.EVERY
         )
 
     def _send_frames(self, now: float) -> None:
@@ -145,17 +145,17 @@ class SceneFeed:
     def _showing(self, topic: str) -> list[int]:
         return [page for page, wanted in self._pages.items() if topic in wanted]
 
-    def _take_frames(self, transforms: tuple[Transform, ...], *, fixed: bool) -> None:
+    def _on_frames(self, transforms: tuple[Transform, ...], *, fixed: bool) -> None:
         now = self._node.steady()
         for each in transforms[:_MOST_TRANSFORMS]:
             self._tree.take(each, now, fixed=fixed)
 
-    def _take_markers(self, name: str, changes: Iterable[MarkerChange]) -> None:
+    def _on_markers(self, name: str, changes: Iterable[MarkerChange]) -> None:
         now = self._node.steady()
         for each in changes:
             self._markers[name].take(each, now)
 
-    def _take_cloud(self, name: str, cloud: PointCloud) -> None:
+    def _on_cloud(self, name: str, cloud: PointCloud) -> None:
         if self._clouds[name].due(self._node.steady()):
             body = pack_cloud(name, cloud.frame, *thin_cloud(cloud.points))
             for page in self._showing(name):

@@ -35,14 +35,14 @@ class Camera:
         for picture in pictures:
             publisher.send(PackedPicture(0, "left", "jpeg", picture))
             self.bus.run(0.1)
-            self.views.take()
+            self.views.pop()
 
 
 def test_board_that_is_held_still_becomes_a_view_and_each_picture_counts_once() -> None:
     camera, picture = Camera(), encode(Studio(BOARD).take(*next(list_poses())))
     camera.show(picture)
     assert camera.session.event == "hold the board still"
-    assert camera.views.take() is None
+    assert camera.views.pop() is None
     assert camera.session.views == []
     camera.show(picture)
     assert camera.session.event == "view 1 is taken"

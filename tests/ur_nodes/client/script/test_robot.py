@@ -212,7 +212,7 @@ def test_nearest_is_found_in_a_direction(robot: Robot) -> None:
 def test_program_is_refused_while_another_client_drives(stage: FirstDrive, robot: Robot) -> None:
     other = other_client(stage)
     stage.bus.run(0.5)
-    other.take()
+    other.take_over()
     stage.bus.run(0.5)
     with pytest.raises(Refused, match=r"laptop2 \(web\) drives the robot"):
         robot.drive(0.1, 0.0, 1.0)
@@ -222,7 +222,7 @@ def test_program_is_refused_while_another_client_drives(stage: FirstDrive, robot
 def test_program_that_drives_is_told_of_a_take_over(stage: FirstDrive, robot: Robot) -> None:
     other = other_client(stage)
     stage.bus.run(0.5)
-    stage.bus.at(stage.bus.now + 1_000_000_000, other.take)
+    stage.bus.at(stage.bus.now + 1_000_000_000, other.take_over)
     with pytest.raises(TakenOver, match="laptop2"):
         robot.drive(0.0, 0.3, 10.0)
     stage.bus.run(0.6)

@@ -179,7 +179,7 @@ def test_emergency_stop_pauses_the_patrol_and_refuses_the_next_start(stage: Patr
 def test_take_over_pauses_the_patrol_and_names_who_drives(stage: PatrolStage) -> None:
     stage.ask("start", [SOFA])
     assert stage.reaches("driving")
-    stage.laptop.take()
+    stage.laptop.take_over()
     assert stage.reaches("paused", 2.0)
     assert stage.status["reason"] == "laptop took over"
     assert "laptop drives since" in stage.ask("resume")
@@ -190,7 +190,7 @@ def test_take_over_pauses_the_patrol_and_names_who_drives(stage: PatrolStage) ->
 def test_take_over_that_is_shorter_than_a_look_at_it_pauses_the_patrol(stage: PatrolStage) -> None:
     stage.ask("start", [SOFA])
     assert stage.reaches("driving")
-    stage.laptop.take()
+    stage.laptop.take_over()
     assert stage.bus.run_until(lambda: stage.laptop.view().mine, 1.0)
     stage.laptop.release(final=False)
     assert stage.reaches("paused", 1.0)

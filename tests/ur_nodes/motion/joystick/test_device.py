@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur_nodes.motion.joystick.device import RECORD, JoystickSettings, JoystickState, let_go, scale_axis, take_records
+from ur_nodes.motion.joystick.device import RECORD, JoystickSettings, JoystickState, apply_records, let_go, scale_axis
 
 SETTINGS = JoystickSettings()
 
@@ -15,19 +15,19 @@ def record(kind: int, number: int, value: int) -> bytes:
 
 def test_records_add_up_to_the_state() -> None:
     data = record(0x82, 0, 0) + record(0x82, 1, 0) + record(0x81, 0, 0) + record(0x81, 2, 0)
-    state, told, rest = take_records(JoystickState(), data, SETTINGS)
+    state, told, rest = apply_records(JoystickState(), data, SETTINGS)
     assert (state, told, rest) == (JoystickState((0.0, 0.0), (0, 0, 0)), False, b"")
-    state, told, _ = take_records(state, record(0x02, 1, -32767) + record(0x01, 2, 1), SETTINGS)
+    state, told, _ = apply_records(state, record(0x02, 1, -32767) + record(0x01, 2, 1), SETTINGS)
     assert (state, told) == (JoystickState((0.0, 1.0), (0, 0, 1)), True)
     assert let_go(state) == JoystickState((0.0, 0.0), (0, 0, 0))
 
 
 def test_records_may_be_cut_anywhere() -> None:
     data = b"".join(record(2, n % 3, 9000 * (n % 4)) for n in range(6))
-    whole = take_records(JoystickState(), data, SETTINGS)[0]
+    whole = apply_records(JoystickState(), data, SETTINGS)[0]
     for cut in range(len(data)):
-        state, _, rest = take_records(JoystickState(), data[:cut], SETTINGS)
-        assert take_records(state, rest + data[cut:], SETTINGS)[0] == whole
+        state, _, rest = apply_records(JoystickState(), data[:cut], SETTINGS)
+        assert apply_records(state, rest + data[cut:], SETTINGS)[0] == whole
 
 
 def test_sticky_button_changes_at_each_press() -> None:
@@ -35,7 +35,7 @@ def test_sticky_button_changes_at_each_press() -> None:
     state = JoystickState()
     seen = []
     for value in (1, 0, 1, 0):
-        state, _, _ = take_records(state, record(1, 0, value), settings)
+        state, _, _ = apply_records(state, record(1, 0, value), settings)
         seen.append(state.buttons[0])
     assert seen == [1, 1, 0, 0]
 
@@ -49,7 +49,7 @@ def test_axis_is_scaled_beyond_the_dead_zone(value: int, axis: float) -> None:
 
 @given(st.binary(max_size=200))
 def test_any_bytes_give_a_state_within_bounds(data: bytes) -> None:
-    state, _, rest = take_records(JoystickState(), data, SETTINGS)
+    state, _, rest = apply_records(JoystickState(), data, SETTINGS)
     assert all(-1.0 <= axis <= 1.0 for axis in state.axes)
     assert set(state.buttons) <= {0, 1}
     assert len(rest) < RECORD.size

@@ -121,7 +121,7 @@ class Clients:
 
         subscriber = rospy.Subscriber("cmd_vel_mux/lease", String, on_lease, queue_size=1, tcp_nodelay=True)
         wait_until(lambda: subscriber.get_num_connections() > 0, 60.0, "the mux")
-        self.node.ask(self.clients[client].take)
+        self.node.ask(self.clients[client].take_over)
         wait_until(lambda: bool(announced), 60.0, "the lease")
         subscriber.unregister()
         rospy.set_param("/ur/lease", "")  # the mirror may have been late

@@ -37,7 +37,7 @@ def test_picture_shows_a_fiducial_where_the_camera_model_projects_it(magni: Base
     assert base.raspicam
     process = CameraProcess(world, base, base.raspicam, 1)
     try:
-        picture = process.take(0, Simulation(world, base).state(), pixels=True, jpeg=True)
+        picture = process.render(0, Simulation(world, base).state(), pixels=True, jpeg=True)
     finally:
         process.close()
     image = np.frombuffer(picture.pixels, np.uint8).reshape(240, 320, 3)
@@ -59,9 +59,9 @@ def test_picture_turns_with_the_robot(magni: Base, make_world: MakeWorld) -> Non
     simulation = Simulation(world, base)
     process = CameraProcess(world, base, base.raspicam, 1)
     try:
-        ahead = process.take(0, simulation.state(), pixels=True, jpeg=False)
+        ahead = process.render(0, simulation.state(), pixels=True, jpeg=False)
         simulation.place("robot", (0.0, 0.0, math.pi / 2))
-        left = process.take(0, simulation.state(), pixels=True, jpeg=False)
+        left = process.render(0, simulation.state(), pixels=True, jpeg=False)
     finally:
         process.close()
     assert ahead.jpeg == b""
@@ -84,7 +84,7 @@ def test_camera_ends_cleanly_and_says_so_when_its_process_died(magni: Base, make
     drawing = psutil.Process(process.pid)
     drawing.kill()
     with pytest.raises(UserError, match="has ended, expected pictures"):
-        process.take(0, Simulation(world, base).state(), pixels=True, jpeg=True)
+        process.render(0, Simulation(world, base).state(), pixels=True, jpeg=True)
     process.close()
     assert not drawing.is_running()
 
@@ -96,7 +96,7 @@ def test_end_does_not_wait_for_a_picture_that_is_being_drawn(magni: Base, make_w
     process = CameraProcess(world, base, base.raspicam, 1)
     psutil.Process(process.pid).suspend()
     with ThreadPoolExecutor() as drawing:
-        picture = drawing.submit(process.take, 0, Simulation(world, base).state(), pixels=True, jpeg=True)
+        picture = drawing.submit(process.render, 0, Simulation(world, base).state(), pixels=True, jpeg=True)
         process.kill()
         with pytest.raises(UserError, match="has ended, expected pictures"):
             picture.result()
@@ -105,7 +105,7 @@ def test_end_does_not_wait_for_a_picture_that_is_being_drawn(magni: Base, make_w
 
 def test_pictures_do_not_change_the_motion(magni: Base, make_world: MakeWorld) -> None:
     plain, watched = Simulation(make_world(""), magni), Simulation(make_world(""), magni)
-    watched.take_pictures(30.0)
+    watched.enable_pictures(30.0)
     due = 0
     for simulation in (plain, watched):
         while simulation.time < 2.0 - 1e-9:

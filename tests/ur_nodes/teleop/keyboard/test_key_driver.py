@@ -162,7 +162,7 @@ def test_screen_names_who_drives_and_keys_request_the_lease(home: Path) -> None:
     other.lease.grant()
     rig.bus.run(0.5)
     assert not rig.driver.view().driver.blocked
-    other.lease.take()
+    other.lease.take_over()
     rig.bus.run(0.5)
     assert rig.driver.view().driver.blocked
     rig.press(b"d", 0.5)

@@ -30,8 +30,8 @@ def test_urgent_command_is_taken_before_lines_that_wait(pipe: tuple[int, int], l
     os.write(pipe[1], f"g 1 2\nnonsense\n{line}\nl\n".encode())
     os.close(pipe[1])
     reader = LineReader(pipe[0], threading.Event())
-    assert reader.take_urgent() == command
-    assert reader.take_urgent() is None
+    assert reader.pop_urgent() == command
+    assert reader.pop_urgent() is None
     assert list(reader) == ["g 1 2", "nonsense", "l"]
 
 
@@ -39,7 +39,7 @@ def test_nothing_is_read_after_quit(pipe: tuple[int, int]) -> None:
     os.write(pipe[1], b"g 1 2\nq\nl\n")
     os.close(pipe[1])
     reader = LineReader(pipe[0], threading.Event())
-    assert reader.take_urgent() == Quit()
+    assert reader.pop_urgent() == Quit()
     assert list(reader) == []
 
 

@@ -8,20 +8,24 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ur_nodes.black_box.history import SECOND, HistoryEvent, HistoryMessage, HistoryTopic, MessageHistory, read_history
 from ur_nodes.black_box.ring import Ring
-from ur_nodes.black_box.tape import SECOND, Tape, TapeEvent, TapeMessage, TapeTopic, read_tape
 
-SCAN = TapeTopic("/scan", "sensor_msgs/LaserScan", "float32[] ranges")
-MAP = TapeTopic("/map", "nav_msgs/OccupancyGrid", "int8[] data")
-IMAGE = TapeTopic("/image", "sensor_msgs/Image", "uint8[] data")
+SCAN = HistoryTopic("/scan", "sensor_msgs/LaserScan", "float32[] ranges")
+MAP = HistoryTopic("/map", "nav_msgs/OccupancyGrid", "int8[] data")
+IMAGE = HistoryTopic("/image", "sensor_msgs/Image", "uint8[] data")
 
 
 def make_ring(size: int = 10_000) -> Ring:
     return Ring(memoryview(bytearray(size)))
 
 
-def messages(ring: Ring, topic: TapeTopic) -> list[tuple[int, bytes]]:
-    return [(each.time, each.data) for each in read_tape(ring) if isinstance(each, TapeMessage) and each.topic == topic]
+def messages(ring: Ring, topic: HistoryTopic) -> list[tuple[int, bytes]]:
+    return [
+        (each.time, each.data)
+        for each in read_history(ring)
+        if isinstance(each, HistoryMessage) and each.topic == topic
+    ]
 
 
 @given(st.lists(st.binary(max_size=200), max_size=200))
@@ -51,55 +55,55 @@ def test_block_without_a_ring_is_refused() -> None:
 
 def test_messages_older_than_the_age_are_dropped_but_for_the_newest_of_a_topic() -> None:
     ring = make_ring(1_000_000)
-    tape = Tape(ring, seconds=120.0)
-    tape.note(MAP, 5 * SECOND, b"map")
+    history = MessageHistory(ring, seconds=120.0)
+    history.note(MAP, 5 * SECOND, b"map")
     for second in range(1000):
-        tape.note(SCAN, second * SECOND, b"scan")
+        history.note(SCAN, second * SECOND, b"scan")
     assert messages(ring, MAP) == [(879 * SECOND, b"map")]  # at the begin of the recording
     assert [time // SECOND for time, _ in messages(ring, SCAN)] == list(range(879, 1000))
 
 
 def test_ring_stays_bounded_and_keeps_descriptions_of_topics() -> None:
     ring = make_ring(20_000)
-    tape = Tape(ring)
-    tape.note(MAP, 0, b"m" * 1000)
-    tape.note_event(1, "the robot was pushed")
+    history = MessageHistory(ring)
+    history.note(MAP, 0, b"m" * 1000)
+    history.note_event(1, "the robot was pushed")
     for number in range(5000):
-        tape.note(SCAN, number, b"s" * (number % 300))
+        history.note(SCAN, number, b"s" * (number % 300))
     assert [data for _, data in messages(ring, MAP)] == [b"m" * 1000]
     kept = messages(ring, SCAN)
     assert [time for time, _ in kept] == list(range(5000 - len(kept), 5000))
     assert len(kept) > 80
     assert all(data == b"s" * (time % 300) for time, data in kept)
-    assert tape.left_out == {}
+    assert history.left_out == {}
 
 
 def test_pictures_are_taken_once_a_second_and_what_is_too_large_is_counted() -> None:
     ring = make_ring(1_000_000)
-    tape = Tape(ring)
+    history = MessageHistory(ring)
     for number in range(100):
-        tape.note(IMAGE, number * SECOND // 10, b"picture")
-        tape.note(SCAN, number * SECOND // 10, b"s" * 30)
-        tape.note(MAP, number * SECOND // 10, b"m" * 210_000)
+        history.note(IMAGE, number * SECOND // 10, b"picture")
+        history.note(SCAN, number * SECOND // 10, b"s" * 30)
+        history.note(MAP, number * SECOND // 10, b"m" * 210_000)
     assert [time for time, _ in messages(ring, MAP)] == [6 * SECOND, 7 * SECOND, 8 * SECOND, 9 * SECOND]
     assert len(messages(ring, IMAGE)) == 4
     assert 40 <= len(messages(ring, SCAN)) < 60
-    tape.note(MAP, 200 * SECOND, b"m" * 600_000)
-    assert tape.left_out == {"/map": 1}
+    history.note(MAP, 200 * SECOND, b"m" * 600_000)
+    assert history.left_out == {"/map": 1}
 
 
 def test_topic_that_changes_its_type_is_two() -> None:
     ring = make_ring()
-    tape = Tape(ring)
-    other = TapeTopic("/scan", "std_msgs/String", "string data")
-    tape.note(SCAN, 1, b"scan")
-    tape.note(other, 2, b"text")
+    history = MessageHistory(ring)
+    other = HistoryTopic("/scan", "std_msgs/String", "string data")
+    history.note(SCAN, 1, b"scan")
+    history.note(other, 2, b"text")
     assert messages(ring, SCAN) == [(1, b"scan")]
     assert messages(ring, other) == [(2, b"text")]
 
 
 def test_events_are_read_with_their_time() -> None:
     ring = make_ring()
-    tape = Tape(ring)
-    tape.note_event(7, "bumper left was touched")
-    assert list(read_tape(ring)) == [TapeEvent(7, "bumper left was touched")]
+    history = MessageHistory(ring)
+    history.note_event(7, "bumper left was touched")
+    assert list(read_history(ring)) == [HistoryEvent(7, "bumper left was touched")]

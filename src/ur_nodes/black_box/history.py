@@ -26,7 +26,7 @@ _LARGE_PERIOD = SECOND
 
 
 @dataclass(frozen=True, slots=True)
-class TapeTopic:
+class HistoryTopic:
     """A topic of a sender, with its type and the definition of the type."""
 
     name: str
@@ -37,23 +37,23 @@ class TapeTopic:
 
 
 @dataclass(frozen=True, slots=True)
-class TapeMessage:
-    """A message of a topic as it was received at a time in ns; one older than the tape has the time of its begin."""
+class HistoryMessage:
+    """A message of a topic as it was received at a time in ns; one older than the history has the time of its begin."""
 
-    topic: TapeTopic
+    topic: HistoryTopic
     time: int
     data: bytes
 
 
 @dataclass(frozen=True, slots=True)
-class TapeEvent:
+class HistoryEvent:
     """An event, as text for users."""
 
     time: int
     text: str
 
 
-class Tape:
+class MessageHistory:
     """The last `seconds` of messages in a ring, or fewer if they do not fit.
 
     Messages of pictures and clouds, and others as large, are recorded once a second. `left_out` counts the messages
@@ -63,14 +63,14 @@ class Tape:
     def __init__(self, ring: Ring, seconds: float = 120.0) -> None:
         self._ring = ring
         self._age = int(seconds * SECOND)
-        self._numbers: dict[TapeTopic, int] = {}
-        self._topics: dict[int, TapeTopic] = {}
+        self._numbers: dict[HistoryTopic, int] = {}
+        self._topics: dict[int, HistoryTopic] = {}
         self._counts: dict[int, int] = {}
         self._large: dict[int, int] = {}
         self._current: dict[tuple[str, str], int] = {}
         self.left_out: dict[str, int] = {}
 
-    def note(self, topic: TapeTopic, time: int, data: bytes) -> None:
+    def note(self, topic: HistoryTopic, time: int, data: bytes) -> None:
         """Record a message."""
         number = self._numbers.get(topic)
         if number is None:
@@ -89,7 +89,7 @@ class Tape:
         """Record an event."""
         self._append(_EVENT, 0, time, time, text.encode())
 
-    def _add_topic(self, topic: TapeTopic, time: int) -> int:
+    def _add_topic(self, topic: HistoryTopic, time: int) -> int:
         # One whose type has changed is another topic.
         number = len(self._numbers) + 1
         if number > _MOST_TOPICS or not self._append(_TOPIC, number, time, time, write_json(topic).encode()):
@@ -141,22 +141,22 @@ class Tape:
         return kind == _MESSAGE and not self._counts[number] and current
 
 
-def read_tape(ring: Ring) -> Iterator[TapeMessage | TapeEvent]:
+def read_history(ring: Ring) -> Iterator[HistoryMessage | HistoryEvent]:
     """Read the messages and events of a ring, by time."""
     found: list[tuple[int, int, int, bytes]] = []
-    topics: dict[int, TapeTopic] = {}
+    topics: dict[int, HistoryTopic] = {}
     begin: int | None = None
     for record in ring.records():
         kind, number, put, time = _RECORD.unpack_from(record)
         begin = put if begin is None or put < begin else begin
         data = record[_RECORD.size :]
         if kind == _TOPIC:
-            topics[number] = read_json(data, TapeTopic)
+            topics[number] = read_json(data, HistoryTopic)
         else:
             found.append((time, kind, number, data))
     for time, kind, number, data in sorted(found, key=lambda each: each[0]):
         moment = max(time, begin or 0)
         if kind == _EVENT:
-            yield TapeEvent(moment, data.decode("utf-8", "replace"))
+            yield HistoryEvent(moment, data.decode("utf-8", "replace"))
         elif number in topics:
-            yield TapeMessage(topics[number], moment, data)
+            yield HistoryMessage(topics[number], moment, data)
