@@ -49,7 +49,7 @@ def main() -> int:
     sources = Computer(options.index, options.repositories)
     environment = add_own_package(os.environ)
     repositories = sorted(each for each in options.folder.iterdir() if each.is_dir() and each.name[0] != ".")
-    needs = {each.name: folder_needs([str(each)], environment, manifests=False) for each in repositories}
+    needs = {each.name: folder_needs([str(each)], environment) for each in repositories}
     missing = {each.package: replace(each, owners=()) for need in needs.values() for each in need.missing}
     tables, notes = load_tables(missing.values(), sources)  # one question to apt for all
     whole: dict[str, str] = {}

@@ -42,7 +42,7 @@ async def test_session_is_served_while_all_attackers_are_at_work(tmp_path: Path)
         _, _, cookie = service.ask("POST", "/login", json.dumps({"token": token}))
         url = f"http://127.0.0.1:{service.port}"
         headers = {"Origin": url, "Cookie": cookie}
-        member = await log_in_to_look(service.port, cookie)
+        member = await log_in_to_look(service.port, dict([cookie.split("=", 1)]))
         async with (
             aiohttp.ClientSession(headers=headers) as session,
             session.ws_connect(f"{url}/ws/drive?tab=0123456789") as drive,
