@@ -266,12 +266,15 @@ class CheckSession:
     def findings_of(self, path: str) -> tuple[list[Diagnostic], int]:
         """Return the findings in one file, sorted by position, and the number of hidden ones."""
         found, hidden = self._index.findings_of(path, self._check_arguments() if path == _COMMAND_LINE else ())
-        if path in self.sources.targets.yaml_files and self.sources.views and not self._is_loaded(path):
-            found = [each for each in found if not self.rules[each.rule].only_parameters]
+        rules = {each.id for each in self.rules.values() if each.only_parameters}
+        if not rules.isdisjoint(each.rule for each in found) and not self._may_hold_parameters(path):
+            found = [each for each in found if each.rule not in rules]
         return found, hidden
 
-    def _is_loaded(self, path: str) -> bool:
-        return any(unit[0] == _LAUNCH for unit in self._index.units_that_asked({("read_bytes", path)}))
+    def _may_hold_parameters(self, path: str) -> bool:
+        is_yaml = bool(self.sources.views) and path in self.sources.targets.yaml_files
+        loading = self._index.units_that_asked({("read_bytes", path)})
+        return not is_yaml or any(unit[0] == _LAUNCH for unit in loading)
 
     @property
     def paths(self) -> list[str]:

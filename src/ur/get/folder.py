@@ -43,6 +43,8 @@ class _Found:
     folders; `packages`, the folders of package.xml; `own`, the folders of repositories by their plain addresses.
     """
 
+    environment: Mapping[str, str]
+    manifests: bool  # are read for names
     names: dict[str, Path] = field(default_factory=dict)
     files: dict[str, dict[str, set[Path]]] = field(default_factory=dict)
     hints: list[SourceRepository] = field(default_factory=list)
@@ -56,8 +58,10 @@ class _Found:
     unread: Counter[str] = field(default_factory=Counter)  # files by kind
 
 
-def folder_needs(folders: Sequence[str], environment: Mapping[str, str], progress: Progress = no_progress) -> Needs:
-    """Find the packages that all launch files, xacro files and package.xml below folders need.
+def folder_needs(
+    folders: Sequence[str], environment: Mapping[str, str], progress: Progress = no_progress, *, manifests: bool = True
+) -> Needs:
+    """Find the packages that all launch files, xacro files and (`manifests`) package.xml below folders need.
 
     Raises UserError.
 
@@ -67,10 +71,10 @@ def folder_needs(folders: Sequence[str], environment: Mapping[str, str], progres
         if not Path(folder).is_dir():
             message = f"folder {folder!r} does not exist, expected one with launch files"
             raise UserError(error(message, rule="missing-file", help="ur get --missing FOLDER"))
-    found, world = _Found(), SystemWorld(with_folders(folders, environment))
+    found, world = _Found(environment, manifests), SystemWorld(with_folders(folders, environment))
     for folder in folders:
         found.owners[Path(folder)] = owners_above(Path(folder).resolve())
-        _read_folder(folder, found, environment, progress)
+        _read_folder(folder, found, progress)
     unread = describe_unread(found.unread)
     if not found.read:
         message = f"no readable launch file, xacro file or package.xml in {', '.join(folders)}, expected one"
@@ -125,7 +129,7 @@ def text_of(path: Path) -> str:
         return ""
 
 
-def _read_folder(folder: str, found: _Found, environment: Mapping[str, str], progress: Progress) -> None:
+def _read_folder(folder: str, found: _Found, progress: Progress) -> None:
     characters = 0
     for count, path in enumerate(_list_texts(folder, found)):
         if count % 50 == 0:
@@ -133,16 +137,16 @@ def _read_folder(folder: str, found: _Found, environment: Mapping[str, str], pro
         if count == _MAX_FILES or characters > _MAX_READ:
             found.notes.append(f"only the first {count:,} files of {folder} were read")
             return
-        characters += _read_file(path, found, environment)
+        characters += _read_file(path, found)
 
 
-def _read_file(path: Path, found: _Found, environment: Mapping[str, str]) -> int:
+def _read_file(path: Path, found: _Found) -> int:
     # Returns the length of its text.
     text = text_of(path)
     names: Iterable[str] = ()
     if path.name == "package.xml":
         try:
-            names = read_dependencies(text, environment)
+            names = read_dependencies(text, found.environment) if found.manifests else ()
             found.read += 1
         except ValueError:
             found.unread["package.xml file with errors"] += 1

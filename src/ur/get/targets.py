@@ -63,7 +63,7 @@ def _file_needs(words: Sequence[str], world: SystemWorld) -> Needs:
     unreadable = [each for each in others if each.rule in ("bad-xml", "wrong-ros-version")]
     if any(each.span and Path(each.span.file.path).resolve() == file for each in unreadable):
         raise UserError(*unreadable)
-    notes = (f"not everything was read: {others[0].message}",) if others else ()
+    notes = (f"not everything was read: {others[0].span or file}: {others[0].message}",) if others else ()
     lacking = missing_of_plan(plan, world)
     hints = hints_above(file) if lacking else ()
     missing = tuple(replace(each, owners=owners_above(file.parent)) for each in lacking)

@@ -52,9 +52,13 @@ def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
         changed, broken = _format_files(targets, world, progress, check=check, diff=diff)
     if note := describe_left_out(targets.left_out):
         click.echo(note, err=True)
-    _sum_up(len(targets.launch_files), changed, broken, describe_unread(targets.not_read), dry=check or diff)
-    if targets.not_read and not targets.launch_files:
-        return 2
+    unread = f"; {text}" if (text := describe_unread(targets.not_read)) else ""
+    if not (files := len(targets.launch_files)):
+        click.echo(f"nothing was formatted: no launch file is there{unread}", err=True)
+        return 2 if unread else 0
+    verb = "would change" if check or diff else "changed"
+    errors = f", {broken} left alone because of errors" if broken else ""
+    click.echo(f"{files} launch file{'' if files == 1 else 's'}: {changed} {verb}{errors}{unread}", err=True)
     return 1 if broken or (changed and (check or diff)) else 0
 
 
@@ -113,13 +117,3 @@ def _print_result(done: Formatted, check: bool, diff: bool) -> None:
         click.echo(printable_lines(difference), nl=False)
     else:
         click.echo(f"would format {name}" if check else f"formatted {name}")
-
-
-def _sum_up(files: int, changed: int, broken: int, not_read: str, *, dry: bool) -> None:
-    left_out = f"; {not_read}" if not_read else ""
-    if not files:
-        click.echo(f"nothing was formatted: no launch file is there{left_out}", err=True)
-        return
-    verb = "would change" if dry else "changed"
-    errors = f", {broken} left alone because of errors" if broken else ""
-    click.echo(f"{files} launch file{'' if files == 1 else 's'}: {changed} {verb}{errors}{left_out}", err=True)
