@@ -17,13 +17,11 @@ _ARG_CALL = re.compile(r"""(?<![\w.])arg\(\s*(["'])([^"']*)\1\s*\)""")
 
 def _find_undeclared_argument(element: Element, view: LaunchView) -> Iterable[RuleFinding]:
     # Resolving reports those that take part; here are the others, in branches that a condition leaves out.
-    if any("$(" in name for name in view.declared):
-        return
     for attribute, value in element.attributes.items():
         if "$(" not in value:
             continue
         for name, start, end in _arguments_in(value):
-            if name not in view.declared:
+            if name not in view.declared and not any("$(" in each for each in view.declared):
                 near = did_you_mean(name, view.declared)
                 help_ = (
                     f"did you mean {near}?"
@@ -55,9 +53,10 @@ def _arguments_in(value: str) -> Iterable[tuple[str, int, int]]:
 def _find_unused_argument(view: LaunchView) -> Iterable[RuleFinding]:
     if _uses_all(view):
         return
+    undeclared = set(view.used) - set(view.declared)
     for name, elements in view.declared.items():
         # Where a name near to it is used and not declared, that one is misspelt, and reported.
-        if "$(" not in name and name not in view.used and not did_you_mean(name, set(view.used) - set(view.declared)):
+        if "$(" not in name and name not in view.used and not did_you_mean(name, undeclared):
             message = f"argument '{name}' is declared and not used, expected a place that uses it"
             help_ = "remove it, or use it where it was meant to be"
             yield RuleFinding(elements[0].value_span("name"), message, help_, subject=name)
