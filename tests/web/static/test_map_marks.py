@@ -133,6 +133,24 @@ def test_goals_of_an_exploration_are_on_the_map_and_neither_said_nor_shown_as_on
     wait(lambda: "Goal reached" in page.run("document.getElementById('banners').innerText"))
 
 
+@pytest.mark.parametrize("ratio", [1, 1.25, 1.5, 1.75, 2])
+def test_map_is_drawn_to_the_last_pixel_beside_a_panel_on_every_screen(page: Chromium, ratio: float) -> None:
+    page.run("page.panels.show(['programs']); 0")
+    for width in range(1000, 1005):
+        page.ask("Emulation.setDeviceMetricsOverride", width=width, height=701, deviceScaleFactor=ratio, mobile=False)
+        wait(lambda: page.run("[innerWidth, devicePixelRatio]") == [width, ratio])  # noqa: B023
+        page.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        corners = page.run("""(() => {
+          const { width, height } = page.map.canvas, options = { willReadFrequently: true };
+          const copy = new OffscreenCanvas(width, height).getContext("2d", options);
+          copy.drawImage(page.map.canvas, 0, 0);
+          const corners = [[0, 0], [width - 1, 0], [width - 1, height - 1]];
+          return corners.map(([x, y]) => [...copy.getImageData(x, y, 1, 1).data]);
+        })()""")
+        assert corners[1:] == [corners[0]] * 2
+    set_size(page, (1200, 800))
+
+
 def test_who_drives_is_whole_above_an_open_panel_of_a_phone(robot: PlayedRobot, page: Chromium) -> None:
     lease = LEASE | {
         "name": "Chrome on the laptop of the lab, page 2",

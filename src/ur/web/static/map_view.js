@@ -143,7 +143,7 @@ export class MapView {
     if (this.follow && this.pose && !this.pointed) [view.x, view.y] = [this.pose.x, this.pose.y];
     context.setTransform(this.ratio ?? 1, 0, 0, this.ratio ?? 1, 0, 0);
     context.fillStyle = colours.unknown;
-    context.fillRect(0, 0, view.width, view.height);
+    context.fillRect(0, 0, view.width + 1, view.height + 1); // the last pixels of the canvas may be halves of ours
     this.tiles.draw(context, view);
     context.globalAlpha = this.old ? 0.4 : 1;
     for (const [name, tiles] of Object.entries(this.costs)) if (this.layers.has(name)) tiles.draw(context, view);
