@@ -25,7 +25,6 @@ from ur_nodes.web.layers.camera import CameraView
 from ur_nodes.web.layers.extra_layers import ExtraLayers
 from ur_nodes.web.layers.frame_sender import FrameOutlet, Frames, FrameSender
 from ur_nodes.web.layers.overlays import Overlays
-from ur_nodes.web.layers.pacing import Every
 from ur_nodes.web.layers.plots import PlotFeed
 from ur_nodes.web.layers.tiles import GridFrames
 from ur_nodes.web.maps.map_link import MapLink
@@ -46,7 +45,6 @@ from ur_nodes.web.view_state import (
 _PERIOD = 1.0 / 15.0  # s between two poses
 _SCAN_EVERY = 2  # poses to a scan
 _IDLE_PERIOD = 0.5  # s, while no page is open
-_GRAPH_EVERY = 2.0  # s
 _ALONE = 2  # graphs in a row without a node of a robot, after which nothing runs
 _MOST_POINTS = 2000
 
@@ -79,7 +77,7 @@ class ViewerSession:
         self._overlays = Overlays(node, place, self._add)
         self._plots = PlotFeed(node, self._add, self._published)
         self._map = GridFrames(Layer.MAP)  # for what is called beside the node
-        self._graph, self._graph_every, self._asking = Graph(), Every(_GRAPH_EVERY), False
+        self._graph, shown.maps.on_graph = Graph(), self._on_graph
         self._alone, self._met = 0, False  # graphs without a node of a robot; whether there was one before
         self._sources: list[str] = []
         self._sent: dict[Kind, dict[str, object]] = {}
@@ -110,9 +108,6 @@ class ViewerSession:
 
     def _beat(self) -> None:
         now = self._node.steady()
-        if not self._asking and self._graph_every.due(now):
-            self._asking = True
-            self._node.read_graph(self._on_graph)
         if not self._sender.busy and self._alone < _ALONE:
             self._step(now)
         self._due = max(self._due + _PERIOD, now) if self._viewers else now + _IDLE_PERIOD
@@ -184,17 +179,12 @@ class ViewerSession:
     def _published(self) -> list[tuple[str, str]]:
         return self._graph.published()
 
-    def _on_graph(self, graph: Graph | None) -> None:
-        self._asking = False
-        if graph is not None:
-            self._graph = graph
-            self._overlays.take_topics(graph.published())
-            self._camera.take_topics(graph.published())
-            self._note_company(is_alone(graph, self._node.name))
-
-    def _note_company(self, alone: bool) -> None:
-        """Report that nothing runs, and send nothing from then on; a robot that starts later gets another node."""
-        if alone:
+    def _on_graph(self, graph: Graph) -> None:
+        """Take what is published. Where nothing runs, report it and send no more; the next robot gets another node."""
+        self._graph = graph
+        self._overlays.take_topics(graph.published())
+        self._camera.take_topics(graph.published())
+        if is_alone(graph, self._node.name):
             self._alone += 1
             if self._alone == _ALONE:
                 self._sent.clear()

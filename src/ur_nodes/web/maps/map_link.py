@@ -19,7 +19,7 @@ _SERVICE_NAME = re.compile(r"/?[A-Za-z][\w/]{0,200}", re.ASCII)
 _KEEPER = "keyboard_navigate"
 _SERVER = "static_map"  # the service of the map server, which runs where the keeper is left out, too
 _SAVERS = (_KEEPER, "teleop_twist_keyboard", "explore")  # nodes with the parameter `save_service`
-_PERIOD = 3.0  # s
+_PERIOD = 2.0  # s
 _SAVING = 60.0  # s that a map may take to be saved
 _LANE = "map"
 
@@ -31,6 +31,8 @@ class MapLink:
 
     def __init__(self, node: Node) -> None:
         self.walls = WallLink(node)
+        self.on_graph: Callable[[Graph], None] = lambda _: None
+        """Called with each graph that is read."""
         self._node = node
         self._name, self._service = "", ""  # of the map, and of the service that saves it
         self._asking = self._saving = False
@@ -70,6 +72,7 @@ class MapLink:
         if graph is None:  # a master that does not answer has changed nothing
             self._asking = False
         else:
+            self.on_graph(graph)
             self._node.work(lambda: self._read_names(graph), self._on_names, _LANE)
 
     def _read_names(self, graph: Graph) -> tuple[str, str] | None:
