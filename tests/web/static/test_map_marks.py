@@ -55,6 +55,9 @@ def test_labels_of_places_near_one_another_lie_on_no_label_and_no_mark(robot: Pl
     wait(lambda: page.run("Object.keys(page.map.places)") == ["alone"])
     ((label,), (mark,)) = page.run(LABELS)
     assert label[0] > mark[2], "right of its mark, where there is room"
+    page.run("page.map.view.pan(page.map.view.width / 2 - 30, 0); 0")
+    ((label,), (mark,)) = page.run(LABELS)
+    assert label[2] < mark[0], "left of it at the right edge"
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -90,18 +93,15 @@ def test_robot_is_moved_from_below_the_stick_and_the_hint_leaves_when_it_drives(
     set_size(page, size)
     page.run("page.setMode('drive'); 0")
     assert page.run("document.getElementById('hint').checkVisibility()")
-    page.run("""(() => {
-      const { left, top, width, height } = document.getElementById("stick").getBoundingClientRect();
-      const { map } = page, [rx, ry] = map.view.toScreen(map.pose.x, map.pose.y);
-      map.whole = false;
-      map.view.pan(left + width / 2 - rx, top + height / 2 - ry);
-    })()""")
-    wait(
-        lambda: (
-            page.run("document.elementFromPoint(...page.map.view.toScreen(page.map.pose.x, page.map.pose.y)).id")
-            == "map"
-        )
-    )
+    for share in (0.5, 0.95):  # of the stick's width; above its right end are the buttons of the map
+        page.run(f"""(() => {{
+          const {{ left, top, width, height }} = document.getElementById("stick").getBoundingClientRect();
+          const {{ map }} = page, [rx, ry] = map.view.toScreen(map.pose.x, map.pose.y);
+          map.whole = false;
+          map.view.pan(left + {share} * width - rx, top + height / 2 - ry);
+        }})()""")
+        robot_at = "page.map.view.toScreen(page.map.pose.x, page.map.pose.y)"
+        wait(lambda: page.run(f"document.elementFromPoint(...{robot_at})?.id") == "map")  # noqa: B023
     page.run("page.push(0.5, 0); page.stick.onLetGo(); 0")
     assert not page.run("document.getElementById('hint').checkVisibility()")
     page.run("page.setMode('look'); page.map.fit(); 0")

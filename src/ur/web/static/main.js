@@ -19,7 +19,7 @@ import { TEXTS } from "./texts.js";
 import { ViewSocket } from "./view_socket.js";
 import { KIND, readPose } from "./wire.js";
 
-const BESIDE_STICK = 36; // pixels between the robot and the stick
+const BESIDE_STICK = 24; // pixels between the robot and the stick
 const STOP_PULSE = 200; // ms that a phone vibrates
 
 /** @typedef {"look" | "goal" | "drive" | "pose"} Mode */
@@ -105,12 +105,17 @@ export class Page {
     this.overlays.follow(pose);
   }
 
-  /** Move the map until the robot is not below the stick. */
+  /** Move the map until the robot is below neither the stick nor the buttons above it. */
   clearStick() {
-    const { left, top, right, bottom } = element("stick").getBoundingClientRect();
-    const [x, y] = this.map.pose ? this.map.view.toScreen(this.map.pose.x, this.map.pose.y) : [0, 0];
-    const [dx, dy] = [left - BESIDE_STICK - x, top - BESIDE_STICK - y];
-    if (dx < 0 && dy < 0 && x < right && y < bottom) this.map.view.pan(dx > dy ? dx : 0, dx > dy ? 0 : dy);
+    const { pose, view } = this.map;
+    if (!pose || this.mode !== "drive") return;
+    for (const name of ["stick", "view"]) {
+      const { left, top, right, bottom } = element(name).getBoundingClientRect();
+      const [x, y] = view.toScreen(pose.x, pose.y);
+      const [dx, dy] = [left - BESIDE_STICK - x, top - BESIDE_STICK - y];
+      const below = left > view.width / 2 && dx < 0 && dy < 0 && x < right && y < bottom;
+      if (below) view.pan(dx > dy ? dx : 0, dx > dy ? 0 : dy);
+    }
   }
 
   /** @param {any} server */

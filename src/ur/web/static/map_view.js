@@ -125,7 +125,6 @@ export class MapView {
   forget() {
     this.pose = this.goal = null;
     this.scan = this.plan = this.particles = new Float32Array();
-    this.places = {};
     this.request();
   }
 
@@ -199,7 +198,7 @@ export class MapView {
         context.stroke();
       }
       const text = name.length > LONGEST_LABEL ? `${name.slice(0, LONGEST_LABEL - 1)}\u2026` : name;
-      const [left, middle] = placeLabel(x, y, context.measureText(text).width, taken);
+      const [left, middle] = placeLabel(x, y, context.measureText(text).width, taken, view.width);
       drawLabel(context, colours, text, colours.place, left, middle + 4);
     }
   }
@@ -259,10 +258,10 @@ export class MapView {
   }
 }
 
-/** Left end and middle of a label beside a point, where it lies on nothing that is `taken`, if it can. @param {number} x @param {number} y @param {number} width @param {number[][]} taken left, middle and width of each */
-export function placeLabel(x, y, width, taken) {
+/** Left end and middle of a label beside a point, where it lies on nothing that is `taken` and before the edge, if it can. @param {number} x @param {number} y @param {number} width @param {number[][]} taken left, middle and width of each @param {number} edge */
+export function placeLabel(x, y, width, taken, edge) {
   const spots = [[x + 15, y], [x - 15 - width, y], [x - width / 2, y - 20], [x - width / 2, y + 20]];
-  const free = spots.find(([left, middle]) => !taken.some(([l, m, w]) => left < l + w && l < left + width && Math.abs(m - middle) < LABEL));
+  const free = spots.find(([left, middle]) => left > 0 && left + width < edge && !taken.some(([l, m, w]) => left < l + w && l < left + width && Math.abs(m - middle) < LABEL));
   taken.push([...(free ?? spots[0]), width]);
   return free ?? spots[0];
 }

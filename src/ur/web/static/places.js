@@ -64,8 +64,7 @@ export class PlacePanel {
     this.input.maxLength = 40;
     this.input.autocomplete = "off";
     this.input.autocapitalize = "off";
-    const button = document.createElement("button");
-    button.textContent = TEXTS.nameHere;
+    const button = make("button", TEXTS.nameHere);
     button.id = "place-here";
     const onMap = makeButton(TEXTS.nameOnMap, () => this.name(true), TEXTS.nameOnMapHelp);
     onMap.id = "place-on-map";
@@ -89,17 +88,10 @@ export class PlacePanel {
 
   /** @param {string} name */
   makeRow(name) {
-    const row = document.createElement("li");
-    if (!this.mayDrive) {
-      row.textContent = name;
-      return row;
-    }
-    const go = document.createElement("button");
-    go.type = "button";
+    if (!this.mayDrive) return make("li", name);
+    const row = make("li");
+    const go = makeButton(name, () => this.send({ t: "go_to", place: name }), TEXTS.driveTo(name));
     go.className = "go";
-    go.textContent = name;
-    go.ariaLabel = TEXTS.driveTo(name);
-    go.addEventListener("click", () => this.send({ t: "go_to", place: name }));
     const remove = makeSureButton(TEXTS.remove, () => this.send({ t: "forget_place", place: name }), TEXTS.removePlace(name));
     const tick = make("input");
     tick.type = "checkbox";
