@@ -38,7 +38,7 @@ print("ended", flush=True)
 sys.exit({code})
 """
 
-HOSTILE = r"print('\x1b[1mbold\x1b[0m \xe9\x1b]0;title\x07\x1b[2J\x1b[5A\rnext\tend'); raise SystemExit(7)"
+HOSTILE = r"print('\x1b[1mbold\x1b[0m \xe9\x1b]0;title\x07\x1b[2J\x1b[5A\rnext\tend'); raise SystemExit('\x1b[1A')"
 
 
 @pytest.fixture
@@ -127,8 +127,8 @@ def test_what_ends_us_ends_ssh(ssh: Path, number: signal.Signals) -> None:
 
 
 def test_output_of_a_robot_that_is_text_cannot_move_the_cursor(capfd: pytest.CaptureFixture[str]) -> None:
-    assert run_in_front([sys.executable, "-c", HOSTILE], escaped=True) == 7
-    assert capfd.readouterr().out == "\x1b[1mbold\x1b[0m é\\x1b]0;title\\x07\\x1b[2J\\x1b[5A\\rnext\tend\n"
+    assert run_in_front([sys.executable, "-c", HOSTILE], escaped=True) == 1
+    assert capfd.readouterr().out == "\x1b[1mbold\x1b[0m é\\x1b]0;title\\x07\\x1b[2J\\x1b[5A\\rnext\tend\n\\x1b[1A\n"
 
 
 def test_program_is_said_to_be_missing_also_where_a_folder_of_path_cannot_be_used(

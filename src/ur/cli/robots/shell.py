@@ -76,7 +76,8 @@ def run_in_front(command: Sequence[str], *, escaped: bool = False) -> int:
     # Before the start, so that no signal ends this process alone. It does not inherit them: handlers end with exec.
     before = [signal.signal(number, hand_on) for number in numbers]
     try:
-        running.append(subprocess.Popen(command, stdout=subprocess.PIPE if escaped else None))
+        output, errors = (subprocess.PIPE, subprocess.STDOUT) if escaped else (None, None)
+        running.append(subprocess.Popen(command, stdout=output, stderr=errors))
         for number in early:
             running[0].send_signal(number)
         if running[0].stdout:
