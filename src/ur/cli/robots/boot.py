@@ -12,6 +12,7 @@ from ur.cli.answers import read_lines
 from ur.cli.changing import show_changes
 from ur.cli.guarded import PASSWORD_FROM, become_root
 from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, run_for_each
+from ur.cli.robots.shell import run_in_front
 from ur.request.remote.boot_command import PAGE
 from ur.request.remote.boot_services import check_name, has_service, install_services, remove_services
 from ur.request.remote.connection import connect_robot, robot_address
@@ -159,8 +160,8 @@ def log(robot: str | None, follow: bool, lines: int, name: str) -> int:
     options = ["-o", "StrictHostKeyChecking=yes", "-o", "ConnectTimeout=10"]
     terminal = ["-t"] if follow and sys.stdin.isatty() else []
     argv = ["ssh", *options, *terminal, "--", str(address), log_command(name, lines, follow=follow)]
-    sys.stdout.flush()
-    os.execvp("ssh", argv)  # noqa: S606 - no shell
+    code = run_in_front(argv, escaped=True)
+    return code if code >= 0 else 128 - code
 
 
 @command.command("remove")

@@ -101,7 +101,9 @@ def _print_escaped(output: int) -> None:
         text = rest + decoder.decode(data)
         rest = "\r" if text.endswith("\r") else ""
         lines = text.removesuffix("\r").replace("\r\n", "\n").split("\n")
-        sys.stdout.write(("\r\n" if sys.stdin.isatty() else "\n").join(map(_escape_all_but_colours, lines)))
+        sys.stdout.write(
+            ("\r\n" if sys.stdin.isatty() and sys.stdout.isatty() else "\n").join(map(_escape_all_but_colours, lines))
+        )
         sys.stdout.flush()
 
 
