@@ -132,17 +132,19 @@ class Loop:
     def mailbox(self, depth: int | None, callback: Callable[[Item], None]) -> Callable[[Item], None]:
         """A function, for any thread, that posts what it gets to `callback`; of more than `depth` the oldest goes."""
         waiting: deque[Item] = deque(maxlen=depth)
+        lock = threading.Lock()  # as many calls wait as items, so that a flood delays no other call for long
 
         def deliver() -> None:
-            try:
+            with lock:
                 item = waiting.popleft()
-            except IndexError:  # a newer one took its place
-                return
             callback(item)
 
         def put(item: Item) -> None:
-            waiting.append(item)
-            self._calls.put(deliver)
+            with lock:
+                replaces = len(waiting) == depth
+                waiting.append(item)
+            if not replaces:
+                self._calls.put(deliver)
 
         return put
 

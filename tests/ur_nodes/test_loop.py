@@ -77,6 +77,24 @@ def test_what_is_asked_of_a_loop_is_done_before_and_after_its_end() -> None:
     assert done == ["while it runs", "last", "afterwards"]
 
 
+def test_call_waits_for_no_more_of_a_flood_than_a_mailbox_holds() -> None:
+    loop, taken, done = Loop(time.monotonic, steady=True), list[int](), threading.Event()
+
+    def take(item: int) -> None:
+        if not done.is_set():
+            taken.append(item)
+            put(item + 1)  # so it never becomes empty
+
+    put = loop.mailbox(3, take)
+    for item in range(1000):
+        put(item)
+    loop.post(done.set)
+    loop.start()
+    assert done.wait(60.0)
+    loop.end(lambda: None, 60.0)
+    assert taken == [997, 998, 999]
+
+
 def test_beat_of_simulated_time_is_called_when_the_clock_arrives() -> None:
     clock, got = ManualClock(0.0), list[float]()
     called = threading.Semaphore(0)
