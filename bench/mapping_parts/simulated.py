@@ -111,9 +111,9 @@ def _path(grid: Grid, start: tuple[float, float], goal: tuple[float, float]) -> 
     return np.column_stack([np.interp(places, lengths, corners[:, axis]) for axis in range(2)])
 
 
-def _progress(path: Floats, reached: int, place: tuple[float, float]) -> int:
+def _progress(path: Floats, reached: int, point: tuple[float, float]) -> int:
     """The first point of the path, from `reached` on, that is at least `_AHEAD` away; the last one at its end."""
-    while reached < len(path) - 1 and math.hypot(*(path[reached] - place)) < _AHEAD:
+    while reached < len(path) - 1 and math.hypot(*(path[reached] - point)) < _AHEAD:
         reached += 1
     return reached
 

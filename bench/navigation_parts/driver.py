@@ -25,7 +25,7 @@ from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Place
 from ur_nodes.ports.transforms import seconds_of
-from ur_nodes.ports.values import Odometry, PlacedPose
+from ur_nodes.ports.values import Odometry, StampedPose
 
 _SAME = Pose2(0.0, 0.0, 0.0)
 _ANSWER = 5.0  # s for an answer of a graph or of a service
@@ -142,7 +142,7 @@ class Driver:
         self._sent += 1
         self._state = None
         self._ended.clear()
-        goal = actions.Goal(self._goal_id(), PlacedPose(self._node.now(), "map", target))
+        goal = actions.Goal(self._goal_id(), StampedPose(self._node.now(), "map", target))
         self._node.post(lambda: self._client.send(goal))
 
     def _wait(self, deadline: int) -> bool:

@@ -101,7 +101,7 @@ def _step_in(drive: Drive, random: np.random.Generator) -> None:
     x = max(xs) + _STEPS_IN + 0.125 if ahead else min(xs) - _STEPS_IN - 0.125
     place = pose.compose(Pose2(x, random.uniform(-0.1, 0.1), 0.0))
     try:
-        drive.simulation.place(STEPPER, place)
+        drive.simulation.set_pose(STEPPER, place)
     except UserError:  # a wall is there
         return
 

@@ -67,9 +67,9 @@ def _places(rng: np.random.Generator, x: float, y: float, reach: float) -> Any:
         yield (x + rng.uniform(-reach, reach), y + rng.uniform(-reach, reach))
 
 
-def _has_room(grid: Grid, place: tuple[float, float]) -> bool:
+def _has_room(grid: Grid, point: tuple[float, float]) -> bool:
     steps = np.arange(-0.6, 0.65, 0.05)
-    around = np.stack(np.meshgrid(place[0] + steps, place[1] + steps), axis=-1)
+    around = np.stack(np.meshgrid(point[0] + steps, point[1] + steps), axis=-1)
     return bool((grid.values_at(around) == 0).all())
 
 
@@ -161,7 +161,7 @@ def _unseen(pid: int) -> float:
     return total
 
 
-def _live(grid: Grid, place: Pose2) -> None:
+def _live(grid: Grid, pose: Pose2) -> None:
     import rospy
     from geometry_msgs.msg import TransformStamped
     from sensor_msgs.msg import LaserScan
@@ -173,8 +173,8 @@ def _live(grid: Grid, place: Pose2) -> None:
     scans = rospy.Publisher("scan", LaserScan, queue_size=1)
     angles = np.arange(_BEAMS) * math.tau / _BEAMS - math.pi
     steps = np.arange(0.1, _RANGE, 0.025)
-    bearings = angles + place.yaw
-    points = np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)[:, None] * steps[:, None] + (place.x, place.y)
+    bearings = angles + pose.yaw
+    points = np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)[:, None] * steps[:, None] + (pose.x, pose.y)
     hit = grid.values_at(points) >= 65
     ranges = np.where(hit.any(axis=1), steps[hit.argmax(axis=1)], math.inf).tolist()
     rate = rospy.Rate(20)

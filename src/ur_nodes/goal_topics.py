@@ -12,7 +12,7 @@ from typing import Literal, Protocol
 from ur_nodes.ports.actions import Goal, GoalFollower, GoalHandlers, GoalId, GoalState, GoalStates
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import PlacedPose
+from ur_nodes.ports.values import StampedPose
 
 _STATUS_PERIOD = 0.2  # s, as actionlib
 
@@ -23,7 +23,7 @@ class GoalReporter(Protocol):
     def report_state(self, state: GoalState) -> None:
         """The goal was accepted, or has ended."""
 
-    def report_pose(self, place: PlacedPose) -> None:
+    def report_pose(self, pose: StampedPose) -> None:
         """The robot is at this pose."""
 
 
@@ -31,7 +31,7 @@ class TopicGoalHandle:
     """See `ports.actions.GoalHandle`."""
 
     def __init__(
-        self, goal: Goal, arrived: int, report_state: Callable[[GoalState], None], report: Callable[[PlacedPose], None]
+        self, goal: Goal, arrived: int, report_state: Callable[[GoalState], None], report: Callable[[StampedPose], None]
     ) -> None:
         self.goal = goal
         self.arrived = arrived  # ns
@@ -53,7 +53,7 @@ class TopicGoalHandle:
     def note(self, text: str) -> None:
         self.state = GoalState(self.goal.id, self.state.state, text)
 
-    def report(self, pose: PlacedPose) -> None:
+    def report(self, pose: StampedPose) -> None:
         self._report(pose)
 
     def succeed(self, text: str) -> None:
@@ -84,10 +84,10 @@ class TopicGoalServer:
         self._poses = 0
         self._states = node.publish(f"{action}/state", GoalState, Quality.EVERY)
         self._status = node.publish(f"{action}/status", GoalStates)
-        self._feedback = node.publish(f"{action}/feedback", PlacedPose)
+        self._feedback = node.publish(f"{action}/feedback", StampedPose)
         node.subscribe(f"{action}/goal", Goal, self._on_goal, Quality.EVERY)
         node.subscribe(f"{action}/cancel", GoalId, self._on_cancel, Quality.EVERY)
-        node.subscribe(f"{action}_simple/goal", PlacedPose, self._on_pose, Quality.EVERY)
+        node.subscribe(f"{action}_simple/goal", StampedPose, self._on_pose, Quality.EVERY)
         node.every(_STATUS_PERIOD, self.publish_status)
 
     def publish_status(self) -> None:
@@ -106,9 +106,9 @@ class TopicGoalServer:
             self._states.send(state)
             reporter.report_state(state)
 
-        def report(place: PlacedPose) -> None:
-            self._feedback.send(place)
-            reporter.report_pose(place)
+        def report(pose: StampedPose) -> None:
+            self._feedback.send(pose)
+            reporter.report_pose(pose)
 
         self._take(TopicGoalHandle(goal, self._node.now(), report_state, report))
 
@@ -124,7 +124,7 @@ class TopicGoalServer:
             self._handles[handle.goal.id] = handle
             self._handlers.handle_goal(handle)
 
-    def _on_pose(self, pose: PlacedPose) -> None:
+    def _on_pose(self, pose: StampedPose) -> None:
         self._poses += 1
         self._on_goal(Goal(f"{self._node.name}-{self._poses}-{self._node.now()}", pose))
 

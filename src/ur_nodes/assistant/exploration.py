@@ -21,9 +21,9 @@ Allows = Callable[[Pose2], bool]
 
 @dataclass(frozen=True, slots=True)
 class NextPlace:
-    """`place`: drive there from now on; None: go on, or `cancel` the goal."""
+    """`pose`: drive there from now on; None: go on, or `cancel` the goal."""
 
-    place: Pose2 | None = None
+    pose: Pose2 | None = None
     cancel: bool = False
 
 
@@ -57,7 +57,7 @@ class AssistedExploration:
         if grid is not self._grid:
             self._grid, self._version = grid, self._version + 1
         found, self._next = self._next, NextPlace()
-        if found.place is not None and not allows(found.place):
+        if found.pose is not None and not allows(found.pose):
             found, self._end = NextPlace(cancel=True), GoalEnd(reached=False, text=_OUTSIDE)
         if self._grid is not None and not self._busy and (now >= self._due or self._end is not None):
             self._due, self._busy = now + self._settings.period, True

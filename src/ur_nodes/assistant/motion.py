@@ -259,16 +259,16 @@ class AssistedDriving:
         found = exploration.choose_place(
             robot, self._topics.snapshot().grid, lambda place: grant.allows(place.x, place.y)
         )
-        if found.place is not None:
-            motion = replace(motion, goal=self._send_goal(found.place, answer, any_heading=False))
+        if found.pose is not None:
+            motion = replace(motion, goal=self._send_goal(found.pose, answer, any_heading=False))
         elif found.cancel and motion.goal:
             self._topics.cancel_goals()
         self._motion = motion
 
-    def _send_goal(self, place: Pose2, answer: int, *, any_heading: bool) -> int:
+    def _send_goal(self, pose: Pose2, answer: int, *, any_heading: bool) -> int:
         start = f"{self._node.name}-{next(self._numbers)}-{time.time():.3f}"
         start = write_any_heading(start) if any_heading else start
-        return self._topics.send_goal(write_goal_id(start, self._identity.client, answer), place)
+        return self._topics.send_goal(write_goal_id(start, self._identity.client, answer), pose)
 
     def _request(
         self, action: Action, answer: int, grant: DriveGrant | None, terms: Terms | None, note: str = ""

@@ -85,26 +85,26 @@ class Ring:
             yield self._read(place + _LENGTH.size, length)
             place += _LENGTH.size + length
 
-    def _length(self, place: int) -> int:
-        length: int = _LENGTH.unpack(self._read(place, _LENGTH.size))[0]
+    def _length(self, offset: int) -> int:
+        length: int = _LENGTH.unpack(self._read(offset, _LENGTH.size))[0]
         return length
 
-    def _write(self, place: int, part: bytes) -> None:
-        start = _DATA + place % self.size
+    def _write(self, offset: int, part: bytes) -> None:
+        start = _DATA + offset % self.size
         first = min(len(part), len(self._block) - start)
         self._block[start : start + first] = part[:first]
         if first < len(part):
             self._block[_DATA : _DATA + len(part) - first] = part[first:]
 
-    def _read(self, place: int, length: int) -> bytes:
-        start = _DATA + place % self.size
+    def _read(self, offset: int, length: int) -> bytes:
+        start = _DATA + offset % self.size
         first = min(length, len(self._block) - start)
         data = bytes(self._block[start : start + first])
         return data if first == length else data + bytes(self._block[_DATA : _DATA + length - first])
 
-    def _get(self, place: int) -> int:
-        value: int = _COUNTER.unpack_from(self._block, place)[0]
+    def _get(self, offset: int) -> int:
+        value: int = _COUNTER.unpack_from(self._block, offset)[0]
         return value
 
-    def _set(self, place: int, value: int) -> None:
-        _COUNTER.pack_into(self._block, place, value)
+    def _set(self, offset: int, value: int) -> None:
+        _COUNTER.pack_into(self._block, offset, value)

@@ -10,7 +10,7 @@ from ur_nodes.client.snapshot import GoalReport, LastGoalState, RobotSnapshot
 from ur_nodes.exploration.status import ExploreStatus, read_status
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Marker, Markers, Path, PlacedPose
+from ur_nodes.ports.values import Marker, Markers, Path, StampedPose
 
 _MOST_FRONTIERS = 1000
 
@@ -52,7 +52,7 @@ class ExplorationTopics:
         self._seen = RobotSnapshot()
         node.subscribe("frontiers", Markers, self._on_frontiers, Quality.LATCHED)
         node.subscribe("plan", Path, self._on_path)
-        node.subscribe("current_goal", PlacedPose, self._on_goal, Quality.LATCHED)
+        node.subscribe("current_goal", StampedPose, self._on_goal, Quality.LATCHED)
 
     def add(self, snapshot: RobotSnapshot) -> RobotSnapshot:
         """Return the snapshot with goal and path."""
@@ -65,7 +65,7 @@ class ExplorationTopics:
     def _on_path(self, path: Path) -> None:
         self._seen = replace(self._seen, path=path.poses[:, :2])
 
-    def _on_goal(self, goal: PlacedPose) -> None:
+    def _on_goal(self, goal: StampedPose) -> None:
         report = GoalReport(self._seen.goal.number + 1, goal.pose, LastGoalState.DRIVING)
         self._seen = replace(self._seen, goal=report)
 

@@ -65,28 +65,28 @@ class GoalTracker:
     overdue: tuple[Pose2, ...] = ()
 
 
-def track_sent(tracker: GoalTracker, goal_id: str, place: Pose2, now: float, number: int = 0) -> GoalTracker:
+def track_sent(tracker: GoalTracker, goal_id: str, pose: Pose2, now: float, number: int = 0) -> GoalTracker:
     """Start to track a goal of this client, with the sender's number or (0) the next one."""
     any_heading = has_any_heading(goal_id)
-    report = GoalReport(number or tracker.report.number + 1, place, LastGoalState.WAITING, any_heading=any_heading)
-    open_place = None if tracker.report.over or not tracker.goal_id else tracker.report.place
+    report = GoalReport(number or tracker.report.number + 1, pose, LastGoalState.WAITING, any_heading=any_heading)
+    open_place = None if tracker.report.over or not tracker.goal_id else tracker.report.pose
     overdue = (*tracker.overdue[-_MOST_OVERDUE:], open_place) if open_place is not None else ()
     return GoalTracker(report, goal_id, now, listed_at=now, hold=tracker.hold, overdue=overdue)
 
 
-def track_current(tracker: GoalTracker, place: Pose2, now: float) -> GoalTracker:
+def track_current(tracker: GoalTracker, pose: Pose2, now: float) -> GoalTracker:
     """Take the goal that move_base drives to; one that is not ours is another client's.
 
     move_base keeps its last goal on the topic, so that one is reported only once it is known to be active, or ends.
     """
-    ours = tracker.report.place
-    same = ours is not None and _is_same(ours, place)
+    ours = tracker.report.pose
+    same = ours is not None and _is_same(ours, pose)
     # Results come by another connection and may overtake the message about the goal that they end.
     if same and (not tracker.report.over or now - tracker.received_at < LATE):
         return replace(tracker, overdue=())
-    if not tracker.report.over and any(_is_same(place, each) for each in tracker.overdue):
+    if not tracker.report.over and any(_is_same(pose, each) for each in tracker.overdue):
         return tracker
-    report = GoalReport(tracker.report.number + 1, place, LastGoalState.DRIVING)
+    report = GoalReport(tracker.report.number + 1, pose, LastGoalState.DRIVING)
     replaced = tracker.goal_id or tracker.replaced
     return GoalTracker(report, "", now, listed_at=now, hold=tracker.hold, replaced=replaced)
 

@@ -27,7 +27,7 @@ from ur_nodes.geometry.scan import mount_of_pose, points_of_scan
 from ur_nodes.ports.actions import Goal, GoalId, GoalState
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Map, Path, PlacedPose, PoseEstimate, Scan
+from ur_nodes.ports.values import Map, Path, PoseEstimate, Scan, StampedPose
 
 SILENT = 3.0
 """Seconds without a transform of the robot after which its pose is out of date."""
@@ -72,9 +72,9 @@ class RobotState:
 
     def pose(self) -> Pose2 | None:
         """Return the newest pose in the map frame."""
-        return self.place(self._base())
+        return self.pose_of(self._base())
 
-    def place(self, frame: str) -> Pose2 | None:
+    def pose_of(self, frame: str) -> Pose2 | None:
         """Return the newest pose of a frame in the map frame."""
         return self._tree.find_planar(self._map_frame, frame)
 
@@ -133,7 +133,7 @@ class NavigationTopics:
         node.subscribe("map", Map, self._on_map, Quality.LATCHED)
         node.subscribe("amcl_pose", PoseEstimate, self._on_estimate, Quality.LATCHED)
         node.subscribe(names.plan_topic, Path, self._on_plan)
-        node.subscribe("move_base/current_goal", PlacedPose, self._on_current_goal, Quality.LATCHED)
+        node.subscribe("move_base/current_goal", StampedPose, self._on_current_goal, Quality.LATCHED)
         node.subscribe("amcl/lost", str, self._on_lost, Quality.LATCHED)
         node.subscribe("move_base/hold", str, self._on_hold, Quality.LATCHED)
 
@@ -160,11 +160,11 @@ class NavigationTopics:
         """Seconds since navigation's last list of goals; infinite before the first."""
         return self._node.steady() - self._status_at
 
-    def send_goal(self, goal_id: str, place: Pose2, number: int = 0) -> int:
+    def send_goal(self, goal_id: str, pose: Pose2, number: int = 0) -> int:
         """Send a goal with this id. Returns its number in `GoalReport`: the one given, or (0) the next."""
-        self._tracker = track_sent(self._tracker, goal_id, place, self._node.steady(), number)
+        self._tracker = track_sent(self._tracker, goal_id, pose, self._node.steady(), number)
         self._seen = replace(self._seen, path=None)
-        self._sent = Goal(goal_id, PlacedPose(self._node.now(), self._names.map_frame, place))
+        self._sent = Goal(goal_id, StampedPose(self._node.now(), self._names.map_frame, pose))
         self._goals.send(self._sent)
         return self._tracker.report.number
 
@@ -177,9 +177,9 @@ class NavigationTopics:
         self._sent = None
         self._goals.cancel()
 
-    def set_pose(self, place: Pose2) -> None:
+    def set_pose(self, pose: Pose2) -> None:
         """Set the estimated pose of the robot."""
-        self._poses.send(PoseEstimate(self._node.now(), self._names.map_frame, place, _POINTED))
+        self._poses.send(PoseEstimate(self._node.now(), self._names.map_frame, pose, _POINTED))
 
     def on_states(self, states: tuple[GoalState, ...]) -> None:
         self._status_at = self._node.steady()
@@ -221,7 +221,7 @@ class NavigationTopics:
             # Nav2 does not publish the goals of other clients: the path to one ends there.
             self._tracker = track_current(self._tracker, Pose2(*path.poses[-1]), self._node.steady())
 
-    def _on_current_goal(self, goal: PlacedPose) -> None:
+    def _on_current_goal(self, goal: StampedPose) -> None:
         kept, self._kept = self._kept, False
         if kept and self._tracker.goal_id and not self._tracker.report.over:
             return  # it may be older than the goal that was sent meanwhile, whose state tells if another replaces it

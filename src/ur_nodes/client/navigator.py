@@ -78,13 +78,13 @@ class RobotNavigator:
             patrol=self._patrol.status(),
         )
 
-    def go(self, place: Pose2, *, any_heading: bool = False) -> int:
+    def go(self, pose: Pose2, *, any_heading: bool = False) -> int:
         """See `Navigator`. The goal's id names the client that sends it and answers the mux's newest challenge."""
         goal_id = self._make_goal_id(any_heading=any_heading)
         number = max(self._sent.number, self.topics.goal().number) + 1
-        self._sent = GoalReport(number, place, LastGoalState.WAITING, any_heading=any_heading)
+        self._sent = GoalReport(number, pose, LastGoalState.WAITING, any_heading=any_heading)
         self._on_its_way = True
-        self._node.post(lambda: self._send(goal_id, place, number))
+        self._node.post(lambda: self._send(goal_id, pose, number))
         return number
 
     def resume(self) -> None:
@@ -122,9 +122,9 @@ class RobotNavigator:
         """Request an emergency stop or its release."""
         self.mux.ask(request)
 
-    def set_pose(self, place: Pose2) -> None:
+    def set_pose(self, pose: Pose2) -> None:
         """Set the estimated pose of the robot."""
-        self._node.post(lambda: self.topics.set_pose(place))
+        self._node.post(lambda: self.topics.set_pose(pose))
 
     def relocalise(self) -> None:
         """Search for the robot on the whole map. Raises UserError when the localiser does not offer that."""
@@ -150,11 +150,11 @@ class RobotNavigator:
             raise UserError(error(describe_silence(ROBOT, view.link_age), rule="no-word"))
         return write_goal_id(start, self.lease.client, answer)
 
-    def _send(self, goal_id: str, place: Pose2, number: int) -> None:
+    def _send(self, goal_id: str, pose: Pose2, number: int) -> None:
         view = self.lease.view()
         if view.state != "unknown" and not view.mine:
             self.lease.acquire()
-        self.topics.send_goal(goal_id, place, number)
+        self.topics.send_goal(goal_id, pose, number)
         if number == self._sent.number:
             self._on_its_way = False
 

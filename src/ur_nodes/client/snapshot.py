@@ -39,13 +39,13 @@ class LastGoalState(Enum):
 class GoalReport:
     """The last goal, its number (0: none was sent yet), its state, and why when it failed, is held or has stopped.
 
-    `any_heading`: the sender has asked for no heading, so that of `place` means nothing.
+    `any_heading`: the sender has asked for no heading, so that of `pose` means nothing.
     `recoveries`: how often navigation has freed the robot on the way, where it reports that.
     `UNKNOWN`: the robot is silent; the goal is neither over nor known to be driven to.
     """
 
     number: int = 0
-    place: Pose2 | None = None
+    pose: Pose2 | None = None
     state: LastGoalState = LastGoalState.NONE
     text: str = ""
     any_heading: bool = False
@@ -103,7 +103,7 @@ class NavigationClient(Protocol):
     def snapshot(self) -> RobotSnapshot:
         """Return the newest state."""
 
-    def go(self, place: Pose2, *, any_heading: bool = False) -> int:
+    def go(self, pose: Pose2, *, any_heading: bool = False) -> int:
         """Drive to a place, which replaces the last goal. Returns the goal's number in `GoalReport`.
 
         Raises UserError when it cannot be sent in time.
@@ -127,7 +127,7 @@ class NavigationClient(Protocol):
     def ask_mux(self, request: MuxRequest) -> None:
         """Request an emergency stop or its release."""
 
-    def set_pose(self, place: Pose2) -> None:
+    def set_pose(self, pose: Pose2) -> None:
         """Set the estimated pose of the robot."""
 
     def relocalise(self) -> None:
@@ -136,7 +136,7 @@ class NavigationClient(Protocol):
 
 def distance_left(snapshot: RobotSnapshot) -> float | None:
     """Return the distance from the robot to the goal along the path, m; straight if there is no path to this goal."""
-    goal, pose, path = snapshot.goal.place, snapshot.pose, snapshot.path
+    goal, pose, path = snapshot.goal.pose, snapshot.pose, snapshot.path
     if goal is None or pose is None:
         return None
     here = np.array([pose.x, pose.y])
@@ -155,10 +155,10 @@ def heading_there(pose: Pose2 | None, x: float, y: float) -> float:
     return math.atan2(y - pose.y, x - pose.x)
 
 
-def format_place(place: Pose2, *, any_heading: bool = False) -> str:
+def format_pose(pose: Pose2, *, any_heading: bool = False) -> str:
     """Format a pose as the command `g` takes it, `1.20 3.40 90`; with `any_heading` without the angle."""
-    x, y = format_number(place.x, 2), format_number(place.y, 2)
-    return f"{x} {y}" if any_heading else f"{x} {y} {format_number(math.degrees(place.yaw), 0)}"
+    x, y = format_number(pose.x, 2), format_number(pose.y, 2)
+    return f"{x} {y}" if any_heading else f"{x} {y} {format_number(math.degrees(pose.yaw), 0)}"
 
 
 def format_number(value: float, digits: int) -> str:

@@ -81,11 +81,11 @@ class WaypointStore:
             )
         return places[name]
 
-    def remember(self, name: str, place: Pose2) -> bool:
+    def remember(self, name: str, pose: Pose2) -> bool:
         """Save a place under a name; return whether it is new. Raises UserError when the file cannot be written."""
         places = self.places()
         fresh = name not in places
-        self._write({**places, name: place})
+        self._write({**places, name: pose})
         return fresh
 
     def forget(self, name: str) -> None:

@@ -17,7 +17,7 @@ _OPTIONAL = "ur_nodes.codecs.nav2.services"
 _MODULES = {
     "ur_nodes.codecs.simple": ("str", "bool", "float", "int", "Number", "Signal", "Time", "ClockTime", "LogLine"),
     "ur_nodes.codecs.motion": ("Twist", "StampedTwist", "Odometry", "DriverOdometry", "Joints", "Joystick"),
-    "ur_nodes.codecs.places": ("PlacedPose", "PoseEstimate", "Poses", "Path", "Outline", "AskPath"),
+    "ur_nodes.codecs.poses": ("StampedPose", "PoseEstimate", "Poses", "Path", "Outline", "AskPath"),
     "ur_nodes.codecs.goals": ("Goal", "GoalId", "GoalState", "GoalStates"),
     "ur_nodes.codecs.sensors": ("Scan", "Range", "Imu", "Battery"),
     "ur_nodes.codecs.maps": ("Map", "MapInfo", "MapUpdate", "AskMap", "UseMap", "Place"),
@@ -25,7 +25,7 @@ _MODULES = {
     "ur_nodes.codecs.vision.clouds": ("PointCloud",),
     "ur_nodes.codecs.vision.pictures": ("Picture", "PackedPicture", "Calibration"),
     "ur_nodes.codecs.vision.camera_services": ("UseCalibration",),
-    "ur_nodes.codecs.vision.fiducials": ("SeenFiducials", "PlacedFiducials", "MappedFiducials"),
+    "ur_nodes.codecs.vision.fiducials": ("SeenFiducials", "StampedFiducials", "MappedFiducials"),
     "ur_nodes.codecs.frames": ("tuple",),
     "ur_nodes.codecs.services": ("Trigger", "Silent", "Switch"),
     _OPTIONAL: ("LoadMap", "SaveTopicMap", "SaveOwnMap", "SerializeMap", "ClearCostmap", "SetInitialPose", "Pause"),

@@ -11,7 +11,7 @@ from ur_nodes.codecs.dialect import ROS_2, stamp_of, time_of
 from ur_nodes.codecs.text import converted_codec, text_codec
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.actions import Goal, GoalId, GoalState, GoalStates
-from ur_nodes.ports.values import PlacedPose
+from ur_nodes.ports.values import StampedPose
 
 if TYPE_CHECKING:
     from actionlib_msgs.msg import GoalID
@@ -34,7 +34,7 @@ def _write_goal(goal: Goal) -> _GoalText:
 
 def _read_goal(read: _GoalText) -> Goal:
     x, y, yaw = (math.nan if each is None else each for each in read.pose)
-    return Goal(read.id, PlacedPose(read.stamp, read.frame, Pose2(x, y, yaw)))
+    return Goal(read.id, StampedPose(read.stamp, read.frame, Pose2(x, y, yaw)))
 
 
 def _fill_id(message: GoalID, value: GoalId) -> None:

@@ -9,7 +9,7 @@ from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import SetMap
 
 from ur.source.diagnostic import UserError, error
-from ur_nodes.codecs import places
+from ur_nodes.codecs import poses
 from ur_nodes.codecs.codec import Codec, ServiceCodec, fill_header, frame_of, response_or_fail, value_or_fail
 from ur_nodes.codecs.dialect import ROS_2, array_of, field_of, parts_of, stamp_of, time_of
 from ur_nodes.codecs.geometry import checked_pose_of, fill_pose, pose_message, pose_of_message
@@ -126,12 +126,12 @@ def _use_map_request(value: UseMap) -> SetMap.Request:
     request.map = GridMessage()
     fill_map(request.map, value.map)
     start = PoseEstimate(value.stamp, value.frame, value.pose, value.covariance)
-    places.fill_estimate(request.initial_pose, start)
+    poses.fill_estimate(request.initial_pose, start)
     return request
 
 
 def _use_map_of(request: SetMap.Request) -> UseMap:
-    start = places.estimate_of(request.initial_pose)
+    start = poses.estimate_of(request.initial_pose)
     return UseMap(map_of(request.map), start.stamp, start.frame, start.pose, start.covariance)
 
 

@@ -34,15 +34,15 @@ class RollingCostmap:
         self._roll(robot)
         trace_beams(self._occupied, self._frame(), sensor, beams, self._reach, behind=self._behind)
 
-    def overlay(self, robot: Pose2, known: Costmap, place: Pose2) -> None:
-        """Roll the window to the robot and take obstacles from a map that lies at `place` in the window's frame.
+    def overlay(self, robot: Pose2, known: Costmap, pose: Pose2) -> None:
+        """Roll the window to the robot and take obstacles from a map that lies at `pose` in the window's frame.
 
         For a robot without a scan: what was laid before goes, and clearing leaves the map's obstacles.
         """
         self._roll(robot)
         frame = self._frame()
         centres = frame.points_of_cells(np.moveaxis(np.indices(self._mapped.shape), 0, -1))
-        self._mapped = known.costs_at(place.inverse().transform_points(centres), outside=FREE) == LETHAL
+        self._mapped = known.costs_at(pose.inverse().transform_points(centres), outside=FREE) == LETHAL
 
     def clear(self, keep: Pose2 | None = None, distance: float = 0.0) -> None:
         """Forget all obstacles, or those outside a square of half side `distance` round a place."""

@@ -129,7 +129,7 @@ class Explorer:
         pursuit, self._pursuit = self._pursuit, None
         if pursuit is None:
             return
-        place = pursuit.viewpoint.frontier.place
+        place = pursuit.viewpoint.frontier.point
         if end.reached:
             self._memory = self._memory.look(place, self.floor)
             return
@@ -182,7 +182,7 @@ class Explorer:
 
     def _choose(self, inputs: ExplorerInputs, survey: Survey, cancel: bool) -> ExplorerOutputs:
         pursuit = self._pursuit
-        kept = pursuit.viewpoint.frontier.place if pursuit else None
+        kept = pursuit.viewpoint.frontier.point if pursuit else None
         places = self._places(survey)
         weights = self.settings.weights
         best = choose_viewpoint(
@@ -205,7 +205,7 @@ class Explorer:
         return ExplorerOutputs(status, goal=best.pose, frontiers=frontiers, blocked=blocked)
 
     def _places(self, survey: Survey) -> Viewpoints:
-        kept = self._pursuit.viewpoint.frontier.place if self._pursuit else None
+        kept = self._pursuit.viewpoint.frontier.point if self._pursuit else None
         return sort_corners(survey.viewpoints, survey.floor.known, self.settings.corners, kept, self._idle_distance)
 
     @property
@@ -269,7 +269,7 @@ class Explorer:
             way=self._travelled,
             seconds=seconds,
             unreachable=tuple(dict.fromkeys(reason.text for _, reason in survey.blocked)),
-            corners=tuple(at(each.frontier.place) for each in places.left_out),
+            corners=tuple(at(each.frontier.point) for each in places.left_out),
             reason=reason,
             left=self._pace.seconds_left(unknown),
         )

@@ -23,7 +23,7 @@ class Attempt:
     `reason` is None unless it is given up; `known` is the known space near it at the last of these, m2.
     """
 
-    place: tuple[float, float]
+    point: tuple[float, float]
     looks: int = 0
     failures: int = 0
     reason: Reason | None = None
@@ -36,26 +36,26 @@ class AttemptMemory:
 
     attempts: tuple[Attempt, ...] = ()
 
-    def find(self, place: tuple[float, float]) -> Attempt:
+    def find(self, point: tuple[float, float]) -> Attempt:
         """Return the attempt at the frontier at a place; a new one if there was none."""
-        near = [each for each in self.attempts if math.dist(each.place, place) < _SAME]
-        return min(near, key=lambda each: math.dist(each.place, place)) if near else Attempt(place)
+        near = [each for each in self.attempts if math.dist(each.point, point) < _SAME]
+        return min(near, key=lambda each: math.dist(each.point, point)) if near else Attempt(point)
 
     def note(self, attempt: Attempt) -> AttemptMemory:
         """Replace the earlier attempt at the same frontier."""
-        old = self.find(attempt.place)
+        old = self.find(attempt.point)
         return AttemptMemory((*(each for each in self.attempts if each is not old), attempt))
 
-    def look(self, place: tuple[float, float], floor: Floor | None) -> AttemptMemory:
+    def look(self, point: tuple[float, float], floor: Floor | None) -> AttemptMemory:
         """Note that the robot reached the place from which the frontier should be visible."""
-        old = self.find(place)
-        known = known_space(floor, old.place) if floor else 0.0
+        old = self.find(point)
+        known = known_space(floor, old.point) if floor else 0.0
         return self.note(replace(old, looks=old.looks + 1, known=known))
 
-    def fail(self, place: tuple[float, float], reason: Reason, floor: Floor | None) -> AttemptMemory:
+    def fail(self, point: tuple[float, float], reason: Reason, floor: Floor | None) -> AttemptMemory:
         """Note that the robot did not reach the frontier."""
-        old = self.find(place)
-        known = known_space(floor, old.place) if floor else 0.0
+        old = self.find(point)
+        known = known_space(floor, old.point) if floor else 0.0
         return self.note(replace(old, failures=old.failures + 1, reason=reason, known=known))
 
     def refresh(self, floor: Floor) -> AttemptMemory:
@@ -75,18 +75,18 @@ class AttemptMemory:
 
     def refused(self, frontier: Frontier) -> Reason | None:
         """Return the reason why a frontier is not tried now; None if it is."""
-        return self.find(frontier.place).reason
+        return self.find(frontier.point).reason
 
 
-def known_space(floor: Floor, place: tuple[float, float]) -> float:
+def known_space(floor: Floor, point: tuple[float, float]) -> float:
     """The known space near a place, m2; floor and obstacles."""
-    row, column = floor.cell(*place)
+    row, column = floor.cell(*point)
     reach = math.ceil(_AROUND / floor.resolution)
     rows, columns = (slice(max(0, at - reach), max(0, at + reach + 1)) for at in (row, column))
     return float(np.count_nonzero(~floor.unknown[rows, columns])) * floor.resolution**2
 
 
 def _refreshed(attempt: Attempt, floor: Floor) -> Attempt:
-    if abs(known_space(floor, attempt.place) - attempt.known) < _CHANGED:
+    if abs(known_space(floor, attempt.point) - attempt.known) < _CHANGED:
         return attempt
-    return Attempt(attempt.place)
+    return Attempt(attempt.point)

@@ -13,7 +13,7 @@ from ur_nodes.ports.actions import Goal, GoalState
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Silent
-from ur_nodes.ports.values import PlacedPose, Result
+from ur_nodes.ports.values import Result, StampedPose
 
 _OURS = ("", "idle", "navigation")
 """Names of the mux's active source while only navigation drives."""
@@ -92,7 +92,7 @@ class ExplorationNavigation:
         """Drive to a pose; it replaces the last goal."""
         self._number += 1
         self._goal, self._end = f"{self._start}{self._number}", None
-        self._goals.send(Goal(self._goal, PlacedPose(self._node.now(), self._settings.map_frame, pose)))
+        self._goals.send(Goal(self._goal, StampedPose(self._node.now(), self._settings.map_frame, pose)))
 
     def cancel(self) -> None:
         """Cancel the goal."""

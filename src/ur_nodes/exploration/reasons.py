@@ -22,7 +22,7 @@ class Reason:
     """The kind of a reason, the place (m) that blocks the way, and a clause for people."""
 
     kind: Kind
-    place: tuple[float, float]
+    point: tuple[float, float]
     text: str
 
 
@@ -37,7 +37,7 @@ def explain_unreachable(floor: Floor, frontier: Frontier, map_walls: np.ndarray 
     costs = np.where(floor.free, tight, np.where(floor.unknown, _THROUGH_UNKNOWN, _THROUGH_OBSTACLE))
     goals = np.argwhere(floor.reachable)
     if not len(goals):
-        return Reason("apart", frontier.place, "the robot does not know how to get out of its place")
+        return Reason("apart", frontier.point, "the robot does not know how to get out of its place")
     search = MCP_Geometric(costs)
     totals, _ = search.find_costs([tuple(cell) for cell in frontier.cells.tolist()], find_all_ends=False)
     ways = totals[goals[:, 0], goals[:, 1]]
@@ -46,22 +46,22 @@ def explain_unreachable(floor: Floor, frontier: Frontier, map_walls: np.ndarray 
     rows, columns = path[:, 0], path[:, 1]
     crossed = floor.occupied[rows, columns]
     if crossed.any():
-        place = floor.place(tuple(path[int(np.argmax(crossed))].tolist()))
+        place = floor.point(tuple(path[int(np.argmax(crossed))].tolist()))
         if map_walls is not None and not map_walls[rows, columns][crossed].any():
             return Reason("obstacle", place, f"behind an obstacle at {at(place)}")
         return Reason("behind", place, f"behind the glass or through a gap at {at(place)}")
     room = np.where(floor.unknown[rows, columns], np.inf, floor.clearance[rows, columns])
     tightest = int(np.argmin(room))
-    place = floor.place(tuple(path[tightest].tolist()))
+    place = floor.point(tuple(path[tightest].tolist()))
     # From the centre of one wall's cell to that of the other; half of either cell belongs to the wall.
     width = max(0.0, 2.0 * float(room[tightest]) - floor.resolution)
     if room[tightest] <= floor.radius:
         return Reason("narrow", place, f"too narrow at {at(place)}: {width:.2f} m < {2.0 * floor.radius:.2f} m")
     if floor.unknown[rows, columns].any():
-        return Reason("apart", frontier.place, "no known floor leads to it")
-    return Reason("unseen", frontier.place, "no place that the robot gets to is in sight of it")
+        return Reason("apart", frontier.point, "no known floor leads to it")
+    return Reason("unseen", frontier.point, "no place that the robot gets to is in sight of it")
 
 
-def at(place: tuple[float, float]) -> str:
+def at(point: tuple[float, float]) -> str:
     """Describe a place of the map in words for users."""
-    return f"({place[0]:.2f}, {place[1]:.2f})"
+    return f"({point[0]:.2f}, {point[1]:.2f})"

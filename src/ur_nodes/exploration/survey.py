@@ -50,12 +50,12 @@ def _find_view(
     refused = memory.refused(frontier)
     if refused is not None:
         return refused
-    looks = memory.find(frontier.place).looks
+    looks = memory.find(frontier.point).looks
     viewpoint = next_viewpoint(floor, frontier, looks, room)
     if viewpoint is not None:
         return viewpoint
     if looks and find_viewpoint(floor, frontier, DISTANCES[1]) is not None:
-        return Reason("unseen", frontier.place, f"at {at(frontier.place)} the lidar sees nothing")
+        return Reason("unseen", frontier.point, f"at {at(frontier.point)} the lidar sees nothing")
     return explain(frontier)
 
 
@@ -68,9 +68,9 @@ class Explanations:
     def explain(self, now: float, grid: Grid, floor: Floor, frontier: Frontier) -> Reason:
         """Return the reason why no place that the robot gets to shows a frontier; `floor` is that of `grid`."""
         for explained_at, place, reason in self._kept:
-            if math.dist(place, frontier.place) < _SAME and now - explained_at < _KEPT_FOR:
+            if math.dist(place, frontier.point) < _SAME and now - explained_at < _KEPT_FOR:
                 return reason
         reason = explain_unreachable(floor, frontier, grid.values >= OCCUPIED_FROM)
         recent = (each for each in self._kept if now - each[0] < _KEPT_FOR)
-        self._kept = (*recent, (now, frontier.place, reason))
+        self._kept = (*recent, (now, frontier.point, reason))
         return reason

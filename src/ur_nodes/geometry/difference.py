@@ -20,19 +20,19 @@ _SIZE = 3  # points of it at least, so that one wrong cell is none
 _MOST_PLACES = 4  # that a message names
 
 
-def describe_places(grid: Grid, places: Sequence[Pose2], where_alike: str) -> str:
+def describe_poses(grid: Grid, poses: Sequence[Pose2], where_alike: str) -> str:
     """Describe poses of a robot, at least two, that fit its scans alike, the best first, and the next step.
 
     The next step is to drive to where the first two differ; `where_alike` where the map is the same round them.
     """
-    shown = ", ".join(f"({place.x:.2f}, {place.y:.2f})" for place in places[:_MOST_PLACES])
-    nearest = find_difference(grid, *places[:2])
+    shown = ", ".join(f"({place.x:.2f}, {place.y:.2f})" for place in poses[:_MOST_PLACES])
+    nearest = find_difference(grid, *poses[:2])
     if nearest:
         where = f"{math.hypot(*nearest):.1f} m {name_direction(*nearest)}"
         advice = f"the first two differ {where} of the robot: drive there"
     else:
         advice = f"the map is the same round the first two: {where_alike}"
-    return f"{len(places)} places on the map fit: {shown}; {advice}"
+    return f"{len(poses)} places on the map fit: {shown}; {advice}"
 
 
 def find_difference(grid: Grid, one: Pose2, other: Pose2) -> tuple[float, float] | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ur_nodes.geometry.difference import describe_places
+from ur_nodes.geometry.difference import describe_poses
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.scan import SensorMount, points_of_scan
@@ -43,7 +43,7 @@ class Amcl:
         """A description of the search for a lost robot; '' while the robot is localised."""
         if not self._localiser or not self._localiser.lost:
             return ""
-        places = self._localiser.places
+        places = self._localiser.poses
         if not places:
             return "lost: the scan does not fit the map here; searching the whole map"
         where = " and ".join(f"({place.x:.1f}, {place.y:.1f})" for place in places)
@@ -64,9 +64,9 @@ class Amcl:
         )
         self._grid = grid = given.grid
         if self.last:
-            localiser.place(self.last.pose, self.last.covariance)
+            localiser.set_pose(self.last.pose, self.last.covariance)
         else:
-            localiser.place(self._settings.initial_pose, self._settings.initial_covariance)
+            localiser.set_pose(self._settings.initial_pose, self._settings.initial_covariance)
         self._log.info(f"map of {grid.width} x {grid.height} cells of {grid.resolution:g} m")
 
     def use(self, settings: AmclSettings) -> None:
@@ -75,7 +75,7 @@ class Amcl:
         if self._localiser:
             self._localiser.settings = settings.filter
 
-    def place(self, given: PoseEstimate, moved: Pose2) -> None:
+    def set_pose(self, given: PoseEstimate, moved: Pose2) -> None:
         """Set the pose of the robot; `moved` is its motion since."""
         if given.frame and given.frame != self._settings.map_frame:
             self._log.warn(f"initialpose in frame {given.frame!r} ignored, expected {self._settings.map_frame!r}")
@@ -86,7 +86,7 @@ class Amcl:
         elif not self._grid.contains(self._grid.cells_of_points(np.array(pose[:2]))):
             self._log.warn(f"initialpose at x {pose.x:g} m, y {pose.y:g} m ignored, expected a place on the map")
         else:
-            self._localiser.place(pose, given.covariance)
+            self._localiser.set_pose(pose, given.covariance)
             self._log.info(f"placed at x {pose.x:.2f} m, y {pose.y:.2f} m, yaw {pose.yaw:.2f} rad")
 
     def scatter(self) -> Result:
@@ -112,7 +112,7 @@ class Amcl:
         if not estimate:
             return None
         self._report_lost(estimate)
-        self._report_places(self._localiser.places, self._grid)
+        self._report_poses(self._localiser.poses, self._grid)
         if self._localiser.lost:
             return None
         self.last = estimate
@@ -128,12 +128,12 @@ class Amcl:
             self._log.info(f"found: at x {pose.x:.2f} m, y {pose.y:.2f} m, yaw {pose.yaw:.2f} rad")
         self._lost = self._localiser.lost
 
-    def _report_places(self, places: list[Pose2], grid: Grid) -> None:
+    def _report_poses(self, poses: list[Pose2], grid: Grid) -> None:
         """Log when more than one place fits, with what would distinguish the best two, and when only one is left."""
-        if len(places) == self._places:
+        if len(poses) == self._places:
             return
-        if places:
-            self._log.warn(describe_places(grid, places, "place the robot by hand"))
+        if poses:
+            self._log.warn(describe_poses(grid, poses, "place the robot by hand"))
         else:
             self._log.info("only one place on the map fits now")
-        self._places = len(places)
+        self._places = len(poses)

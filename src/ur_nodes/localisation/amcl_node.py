@@ -132,7 +132,7 @@ class AmclNode:
         before, now = self._feed.odometry(given.stamp), self._feed.odometry()
         known = given.stamp and before and now  # else the odometry does not reach back so far
         moved = before.inverse().compose(now) if known and before and now else Pose2(0.0, 0.0, 0.0)
-        self._amcl.place(given, moved)
+        self._amcl.set_pose(given, moved)
 
     def _use_scan(self, scan: Scan, odometry: Pose2 | None) -> None:
         mount = self._feed.mount(scan.frame)

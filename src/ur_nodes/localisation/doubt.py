@@ -30,7 +30,7 @@ _GOOD, _CLEAR = 0.6, 0.1
 
 
 @dataclass(frozen=True, slots=True)
-class PlaceFit:
+class PoseFit:
     """A scan at a pose on the map: shares (0..1) of its beams that end on walls, and that pass through walls."""
 
     agreement: float
@@ -47,7 +47,7 @@ class PlaceFit:
         return self.agreement < LITTLE and self.through > _CONTRADICTED
 
 
-def step_doubt(doubt: float, fit: PlaceFit) -> float:
+def step_doubt(doubt: float, fit: PoseFit) -> float:
     """Return the doubt after one more scan: it grows by at most 1, and is at least 0."""
     if fit.is_contradicted:
         return doubt + 1.0

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.localisation.doubt import LITTLE, LOST, PlaceFit, share_through_walls, step_doubt
+from ur_nodes.localisation.doubt import LITTLE, LOST, PoseFit, share_through_walls, step_doubt
 from ur_nodes.localisation.likelihood import LikelihoodField, draw_free_poses, score_poses
 from ur_nodes.localisation.motion_model import MotionModel, move_poses
 from ur_nodes.localisation.particle_filter import (
@@ -32,7 +32,7 @@ _MOST_PLACES = 4
 _APART = (1.0, 0.6)  # m, rad: nearer particles belong to the same place
 
 
-def find_places(particles: Particles) -> list[Cluster]:
+def find_clusters(particles: Particles) -> list[Cluster]:
     """Find the clusters of particles with at least a tenth of the weight of the heaviest one, which is the first."""
     poses, weights = particles.poses, particles.weights
     found: list[Cluster] = []
@@ -116,7 +116,7 @@ class ParticleLocaliser:
         return self._lost
 
     @property
-    def places(self) -> list[Pose2]:
+    def poses(self) -> list[Pose2]:
         """The places, at least two, that fit equally during a global localisation, the best first; else none.
 
         The search continues while there are any.
@@ -128,7 +128,7 @@ class ParticleLocaliser:
         """The particles after the last update; read only."""
         return self._particles
 
-    def place(self, pose: Pose2, covariance: NDArray[np.float64]) -> None:
+    def set_pose(self, pose: Pose2, covariance: NDArray[np.float64]) -> None:
         """Restart around a pose, with a covariance (3, 3)."""
         self._restart(draw_gaussian(pose, covariance, self.settings.size.maximum, self._rng))
         self._lost = False
@@ -171,7 +171,7 @@ class ParticleLocaliser:
         self._forced = False
         self._updates += 1
         if self._search:
-            self._places = [place.pose for place in find_places(particles)]
+            self._places = [place.pose for place in find_clusters(particles)]
             self._ambiguous = self._ambiguous + 1 if len(self._places) > 1 else 0
             self._search = max(1 if self._ambiguous else 0, self._search - 1)
         if settings.notice_lost and len(chosen) >= LEAST_BEAMS:
@@ -183,7 +183,7 @@ class ParticleLocaliser:
         match = match_scan(self._field, estimate.pose, estimate.covariance, points, self._match)
         decisive = self._lost or match.agreement < LITTLE  # else walls decide nothing, and tracing them takes long
         through = share_through_walls(self._field.grid, estimate.pose, points) if decisive else 0.0
-        fit = PlaceFit(match.agreement, through)
+        fit = PoseFit(match.agreement, through)
         self._doubt = step_doubt(self._doubt, fit)
         if self._lost:
             self._found = self._found + 1 if fit.is_good and not self._ambiguous else 0

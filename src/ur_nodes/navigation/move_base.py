@@ -33,7 +33,7 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import AskPath, ClearCostmap, Silent
 from ur_nodes.ports.transforms import seconds_of
 from ur_nodes.ports.validation import problem_of
-from ur_nodes.ports.values import Path, PlacedPose, Result, Twist
+from ur_nodes.ports.values import Path, Result, StampedPose, Twist
 
 
 class VelocityOutput:
@@ -68,7 +68,7 @@ class VelocityOutput:
 _HOLD = 1.0  # s by which transforms may be older than a goal, which is stamped as it is sent
 
 
-def goal_in_map(target: PlacedPose, frames: TransformTree, map_frame: str) -> Pose2 | str:
+def goal_in_map(target: StampedPose, frames: TransformTree, map_frame: str) -> Pose2 | str:
     """Return the goal's pose in the map, or why it cannot be used."""
     goal = target.pose
     if problem := problem_of(target):
@@ -363,7 +363,7 @@ class MoveBase:
     def _report(self) -> None:
         pose = self._world.robot_in_map()
         if self._handle is not None and pose is not None:
-            self._handle.report(PlacedPose(self._node.now(), self._settings.world.frame, pose))
+            self._handle.report(StampedPose(self._node.now(), self._settings.world.frame, pose))
 
     def _is_path_blocked(self) -> bool:
         path, world = self._navigator.path, self._world.global_costmap

@@ -13,7 +13,7 @@ from ur_nodes.navigation.planning.path_geometry import headings
 from ur_nodes.navigation.world_view import WorldView
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Map, MapUpdate, Outline, Path, PlacedPose
+from ur_nodes.ports.values import Map, MapUpdate, Outline, Path, StampedPose
 
 
 class MoveBaseView:
@@ -35,11 +35,11 @@ class MoveBaseView:
         self._plan = node.publish("~NavfnROS/plan", Path)
         self._followed = node.publish("~DWAPlannerROS/global_plan", Path)
         self._foreseen = node.publish("~DWAPlannerROS/local_plan", Path)
-        self._goal = node.publish("~current_goal", PlacedPose, Quality.LATCHED)
+        self._goal = node.publish("~current_goal", StampedPose, Quality.LATCHED)
 
     def show_goal(self, goal: Pose2) -> None:
         """Publish the goal that is now pursued, in the map."""
-        self._goal.send(PlacedPose(self._node.now(), self._world_frame, goal))
+        self._goal.send(StampedPose(self._node.now(), self._world_frame, goal))
 
     def show_plan(self, points: NDArray[np.float64]) -> None:
         """Publish a new path (n, 2) in the map."""

@@ -94,7 +94,7 @@ def _plan_round_people(request: PlanRequest, settings: PlanSettings, footprint: 
         radii = people.radii[standing] + MARGIN + room + footprint.inscribed
         try:
             round_them = plan_path(
-                _with_people(request, people.places[standing], radii), request.start, request.goal, settings
+                _with_people(request, people.points[standing], radii), request.start, request.goal, settings
             )
         except NoPathError:
             continue

@@ -159,11 +159,11 @@ class WorldView:
     def people_in_map(self, now: float) -> TrackedPeople:
         """The people around the robot in the map."""
         people, odom = self._tracker.people(now), self.odom()
-        if odom is None or not len(people.places):
+        if odom is None or not len(people.points):
             return NO_PEOPLE
         back = odom.inverse()
         turned = Pose2(0.0, 0.0, back.yaw).transform_points(people.velocities)
-        return TrackedPeople(back.transform_points(people.places), turned, people.radii)
+        return TrackedPeople(back.transform_points(people.points), turned, people.radii)
 
     def motion(self, sent: DriveVelocity, now: float) -> RolloutState | None:
         """Extrapolate the robot's newest pose in the odometry frame to `now`, with the command that was sent."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from ur_nodes.ports.values import PlacedPose
+from ur_nodes.ports.values import StampedPose
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +24,7 @@ class Goal:
     """
 
     id: str
-    target: PlacedPose
+    target: StampedPose
 
 
 GoalPhase = Literal["pending", "active", "succeeded", "aborted", "cancelled"]
@@ -69,7 +69,7 @@ class GoalHandle(Protocol):
     def note(self, text: str) -> None:
         """Report progress as text, sent with the next status, several times a second."""
 
-    def report(self, pose: PlacedPose) -> None:
+    def report(self, pose: StampedPose) -> None:
         """Report the robot's pose."""
 
     def succeed(self, text: str) -> None:

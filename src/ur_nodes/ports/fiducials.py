@@ -40,7 +40,7 @@ class FiducialPose:
 
 
 @dataclass(frozen=True, slots=True)
-class PlacedFiducials:
+class StampedFiducials:
     """The fiducials in a picture, with poses."""
 
     stamp: int
@@ -54,7 +54,7 @@ class MappedFiducial:
     """The place of a fiducial in the map, x, y, z in m, and roll, pitch, yaw in rad."""
 
     number: int
-    place: tuple[float, float, float]
+    position: tuple[float, float, float]
     angles: tuple[float, float, float]
 
 

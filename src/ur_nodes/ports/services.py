@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.ports.values import Calibration, Map, PlacedPose, PoseEstimate
+from ur_nodes.ports.values import Calibration, Map, PoseEstimate, StampedPose
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,8 +58,8 @@ class Place:
 class AskPath:
     """Answered with a `Path` from one pose to the other, ending within `tolerance` m."""
 
-    start: PlacedPose
-    goal: PlacedPose
+    start: StampedPose
+    goal: StampedPose
     tolerance: float
 
 

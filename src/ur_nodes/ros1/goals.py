@@ -16,10 +16,10 @@ from move_base_msgs.msg import (
     MoveBaseResult,
 )
 
-from ur_nodes.codecs.places import fill_placed, placed_of
+from ur_nodes.codecs.poses import fill_stamped, stamped_of
 from ur_nodes.loop import Loop
 from ur_nodes.ports.actions import Goal, GoalFollower, GoalHandlers, GoalPhase, GoalState
-from ur_nodes.ports.values import PlacedPose
+from ur_nodes.ports.values import StampedPose
 from ur_nodes.ros1.ending import quiet_at_end
 
 _STATES: dict[int, GoalPhase] = {
@@ -54,7 +54,7 @@ class RosGoalClient:
         message = MoveBaseActionGoal()
         message.header.stamp = message.goal_id.stamp = rospy.Time.now()
         message.goal_id.id = goal.id
-        fill_placed(message.goal.target_pose, goal.target)
+        fill_stamped(message.goal.target_pose, goal.target)
         self._goals.publish(message)
 
     @quiet_at_end
@@ -111,7 +111,7 @@ class RosGoalHandle:
     def __init__(self, handle: ServerGoalHandle, drop: Callable[[str], object]) -> None:
         self._handle: ServerGoalHandle | None = handle
         self._drop = drop
-        self.goal = Goal(handle.get_goal_id().id, placed_of(handle.get_goal().target_pose))
+        self.goal = Goal(handle.get_goal_id().id, stamped_of(handle.get_goal().target_pose))
 
     def accept(self) -> None:
         self._open.set_accepted()
@@ -123,9 +123,9 @@ class RosGoalHandle:
     def note(self, text: str) -> None:
         self._open.status_tracker.status.text = text
 
-    def report(self, pose: PlacedPose) -> None:
+    def report(self, pose: StampedPose) -> None:
         message = PoseStamped()
-        fill_placed(message, pose)
+        fill_stamped(message, pose)
         self._open.publish_feedback(MoveBaseFeedback(base_position=message))
 
     def succeed(self, text: str) -> None:

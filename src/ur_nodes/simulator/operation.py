@@ -108,7 +108,7 @@ class Operation:
             self._bench.step()
         stamp = self._stamp(tick.time)
         joints = tick.time >= self._next_joints
-        placed = tick.placed
+        placed = tick.moved
         stamped = placed or joints or not tick.due <= _UNSTAMPED
         if self._clock and (stamped or tick.time >= self._next_clock):
             self._next_clock = tick.time + 1.0 / self._settings.clock_rate - 1e-6
@@ -183,7 +183,7 @@ class Operation:
             text = f"a pose in frame {request.frame!r}, expected {self._settings.frames.map!r}"
             return Result(success=False, text=text)
         try:
-            self._simulation.place(request.name, request.pose)
+            self._simulation.set_pose(request.name, request.pose)
         except UserError as problem:
             self._node.log.warn(f"~place: {problem}")
             return Result(success=False, text=str(problem))

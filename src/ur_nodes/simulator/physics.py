@@ -159,11 +159,11 @@ class Physics:
         """Describe an object that a robot's chassis touches; None when it touches nothing."""
         return self._neighbour(self._chassis[robot])
 
-    def place_robot(self, robot: int, pose: tuple[float, float, float]) -> str | None:
+    def move_robot(self, robot: int, pose: tuple[float, float, float]) -> str | None:
         """Move a robot, at rest. Returns what blocks the pose, in which case nothing has changed."""
         return self._place(f"robot_{robot}", f"chassis_{robot}", pose)
 
-    def place_obstacle(self, name: str, pose: tuple[float, float, float]) -> str | None:
+    def move_obstacle(self, name: str, pose: tuple[float, float, float]) -> str | None:
         """Move an obstacle, at rest. Returns what blocks the pose, in which case nothing has changed."""
         return self._place(f"obstacle/{name}", f"obstacle/{name}", pose)
 

@@ -35,7 +35,7 @@ class SimulationTick:
 
     time: float
     due: frozenset[str]
-    placed: bool = False
+    moved: bool = False
     """True: something in it comes with the robot's place."""
 
     @property

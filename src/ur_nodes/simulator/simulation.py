@@ -169,7 +169,7 @@ class Simulation:
         self._physics.reset()
         self._begin()
 
-    def place(self, name: str, pose: tuple[float, float, float]) -> None:
+    def set_pose(self, name: str, pose: tuple[float, float, float]) -> None:
         """Put a robot (`robot` or `robot_<n>`) or an obstacle somewhere, at rest. Odometry does not notice.
 
         Raises UserError, and moves nothing, when the name is not known or the pose is blocked.
@@ -189,13 +189,13 @@ class Simulation:
             raise UserError(error(f"{name}: a pose of {pose}, expected finite numbers", rule="bad-pose"))
         if name.startswith("robot_"):
             robot = int(name[6:])
-            blocked = self._outside(pose) or self._physics.place_robot(robot, pose)
+            blocked = self._outside(pose) or self._physics.move_robot(robot, pose)
             if not blocked:
                 self._drives[robot] = WheelDrive(self.base, 1.0 / CONTROL_RATE)
                 self._turn_wheels(robot, 0.0, 0.0)
                 self.senses[robot].forget_motion()
         else:
-            blocked = self._physics.place_obstacle(name, pose)
+            blocked = self._physics.move_obstacle(name, pose)
         _refuse(name, pose, blocked)
 
     def _next_step(self) -> int:

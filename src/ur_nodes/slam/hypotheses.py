@@ -21,14 +21,14 @@ _CHECKED = 6  # places that a scan is held against which it does not name itself
 
 @dataclass(frozen=True, slots=True)
 class Hypothesis:
-    """A `place` on the map for the frame of other keyframes, and their fits that agree on it, by keyframe.
+    """A `pose` on the map for the frame of other keyframes, and their fits that agree on it, by keyframe.
 
     `refuted` is the number of keyframes that were not taken there; `expected`: the robot is there unless it was
     carried.
     `against` is the sum of the walls that they look through there, and not at another place (shares).
     """
 
-    place: Pose2
+    pose: Pose2
     fits: tuple[tuple[int, Fit], ...]
     refuted: int = 0
     expected: bool = False
@@ -104,7 +104,7 @@ class Hypotheses:
         Return the share of walls that are looked through there.
         """
         known = self._all[index]
-        expected = known.place.compose(pose)
+        expected = known.pose.compose(pose)
         verdict = check(expected)
         found = verdict.fit
         if found and found.agreement >= best - WORSE and _agrees(known, pose, found):
@@ -116,7 +116,7 @@ class Hypotheses:
     def _support_with(self, index: int, number: int, pose: Pose2, fit: Fit) -> None:
         known = self._all[index]
         place = fit.pose.compose(pose.inverse())
-        self._all[index] = replace(known, place=place, fits=(*known.fits, (number, fit)))
+        self._all[index] = replace(known, pose=place, fits=(*known.fits, (number, fit)))
 
     def winner(self) -> Hypothesis | None:
         """Return the place that is clearly ahead of all others; None without one."""
@@ -139,7 +139,7 @@ class Hypotheses:
 
 def _agrees(known: Hypothesis, pose: Pose2, fit: Fit) -> bool:
     """Return whether a keyframe at `pose` in the frame of the others fits the map where a hypothesis puts it."""
-    expected = known.place.compose(pose)
+    expected = known.pose.compose(pose)
     if known.expected and not known.fits:
         moved = expected.inverse().compose(fit.pose)
         return math.hypot(moved.x, moved.y) < _DRIFTED[0] and abs(moved.yaw) < _DRIFTED[1]

@@ -40,11 +40,11 @@ Reason = Literal["no-scans", "no-overlap", "several-places", "contradiction"]
 class Merged:
     """The merged map in the frame of the first one; the keyframes of the second follow those of the first.
 
-    `place` is the pose of the second map's frame on the first map, `links` the number of edges between both.
+    `pose` is the pose of the second map's frame on the first map, `links` the number of edges between both.
     """
 
     state: MapState
-    place: Pose2
+    pose: Pose2
     links: int
 
 
@@ -53,11 +53,11 @@ class NotMerged:
     """The reason why two maps were not merged.
 
     `no-scans`: one of them has none. `no-overlap`: no scan of one clearly fits the other. `several-places`: they do,
-    but at the `places` of the second map's frame equally well. `contradiction`: too few scans of the overlap fit.
+    but at the `poses` of the second map's frame equally well. `contradiction`: too few scans of the overlap fit.
     """
 
     reason: Reason
-    places: tuple[Pose2, ...] = ()
+    poses: tuple[Pose2, ...] = ()
 
 
 def merge_maps(first: MapState, second: MapState) -> Merged | NotMerged:
@@ -78,7 +78,7 @@ def _find_place(first: MapState, second: MapState) -> Hypothesis | NotMerged:
         winner = hypotheses.winner()
         if winner:
             return winner
-    rivals = tuple(each.place for each in hypotheses.rivals() if len(each.fits) > 1)
+    rivals = tuple(each.pose for each in hypotheses.rivals() if len(each.fits) > 1)
     return NotMerged("several-places", rivals) if len(rivals) > 1 else NotMerged("no-overlap")
 
 
@@ -105,7 +105,7 @@ class _Merger:
         self._start = second.poses[0]
         self._scans = [*first.scans, *second.scans]
         self._graph = PoseGraph()
-        for pose in (*first.poses, *(found.place.compose(pose) for pose in second.poses)):
+        for pose in (*first.poses, *(found.pose.compose(pose) for pose in second.poses)):
             self._graph.add_pose(pose)
         for edge in first.edges:
             self._add(edge)

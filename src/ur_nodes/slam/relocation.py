@@ -10,7 +10,7 @@ import numpy as np
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.slam.matching.contradiction import contradiction
-from ur_nodes.slam.matching.correlative import Pyramid, Window, search, search_places
+from ur_nodes.slam.matching.correlative import Pyramid, Window, search, search_poses
 from ur_nodes.slam.matching.covariance import position_deviation, rotate_covariance
 from ur_nodes.slam.matching.local_map import LocalMap
 from ur_nodes.slam.matching.match import match_surface
@@ -91,7 +91,7 @@ class WholeMap:
         if len(scan.surface) < _LEAST_POINTS:
             return []
         points = scan.surface.sample(_POINTS)
-        rough = search_places(self._pyramid, points, self._centre, self._window, _PLACES, _LEAST_SCORE)
+        rough = search_poses(self._pyramid, points, self._centre, self._window, _PLACES, _LEAST_SCORE)
         fits: list[Fit] = []
         for pose, _ in rough:
             fit = self._verify(scan, points, pose).fit

@@ -82,7 +82,7 @@ class MapTracker:
         if self._apart is None or not self._searched:
             return []
         newest = self._apart.keyframes[self._searched - 1]
-        return [each.place.compose(newest) for each in self._hypotheses.rivals()]
+        return [each.pose.compose(newest) for each in self._hypotheses.rivals()]
 
     def restore(self, poses: Sequence[Pose2], edges: Sequence[Edge], scans: Sequence[MapScan]) -> None:
         """Start with an existing map, of at least one keyframe, at an unknown place."""
@@ -145,7 +145,7 @@ class MapTracker:
         winner = self._hypotheses.winner()
         if winner is None:
             return self._unknown()
-        found = self._mapper.join(apart, winner.place, winner.links())
+        found = self._mapper.join(apart, winner.pose, winner.links())
         self._apart, self._whole, self._on_map, self._expected = None, None, False, None
         self._forget_hypotheses()
         return found

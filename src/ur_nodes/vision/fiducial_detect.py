@@ -10,7 +10,7 @@ import numpy as np
 
 from ur_nodes.geometry.rigid import to_pose
 from ur_nodes.pictures.decode import BadPictureError, Pixels, make_picture, unpack_picture
-from ur_nodes.ports.fiducials import FiducialCorners, FiducialPose, PlacedFiducials, SeenFiducials
+from ur_nodes.ports.fiducials import FiducialCorners, FiducialPose, SeenFiducials, StampedFiducials
 from ur_nodes.ports.values import PackedPicture, Picture, Transform
 from ur_nodes.vision.detect import CameraModel, Detection, Detector
 
@@ -68,13 +68,13 @@ class DetectionAnswer:
     """The fiducials of a picture; None without poses, or if the camera is not calibrated."""
 
     seen: SeenFiducials
-    placed: PlacedFiducials | None = None
+    stamped: StampedFiducials | None = None
     drawn: Picture | None = None
     packed: PackedPicture | None = None
 
     def transforms(self) -> tuple[Transform, ...]:
         """Return the poses of the fiducials in the camera's frame."""
-        placed = self.placed
+        placed = self.stamped
         if placed is None:
             return ()
         return tuple(
@@ -96,7 +96,7 @@ def answer_request(detector: Detector, request: DetectionRequest) -> DetectionAn
     placed = None
     if camera:
         poses = tuple(_place(each) for each in found if each.candidates)
-        placed = PlacedFiducials(*head, picture.sequence, poses)
+        placed = StampedFiducials(*head, picture.sequence, poses)
     if not drawn:
         return DetectionAnswer(seen, placed)
     canvas = draw_fiducials(pixels, found, camera)

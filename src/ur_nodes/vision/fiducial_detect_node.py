@@ -6,7 +6,7 @@ import sys
 from functools import partial
 
 from ur_nodes.pictures.decode import BadPictureError
-from ur_nodes.ports.fiducials import PlacedFiducials, SeenFiducials
+from ur_nodes.ports.fiducials import SeenFiducials, StampedFiducials
 from ur_nodes.ports.newest_work import NewestWork
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.values import Calibration, PackedPicture, Picture
@@ -25,7 +25,7 @@ class FiducialDetect:
         self._camera: CameraModel | None = None
         self._warned = False
         self._vertices = node.publish("fiducial_vertices", SeenFiducials)
-        self._placed = node.publish("fiducial_transforms", PlacedFiducials)
+        self._placed = node.publish("fiducial_transforms", StampedFiducials)
         self._images = node.publish("fiducial_images", Picture)
         self._jpegs = node.publish("fiducial_images/compressed", PackedPicture)
         detector = Detector(settings.dictionary, settings.sizes)
@@ -59,8 +59,8 @@ class FiducialDetect:
             self._node.log.warn(str(answer), every=10.0)
             return
         self._vertices.send(answer.seen)
-        if answer.placed:
-            self._placed.send(answer.placed)
+        if answer.stamped:
+            self._placed.send(answer.stamped)
         if self._settings.publish_tf and (transforms := answer.transforms()):
             self._node.transforms.send(*transforms)
         if answer.drawn:

@@ -89,10 +89,10 @@ class FiducialSlam:
         estimate = PoseEstimate(moment.seen.stamp, self._frame, robot, self._covariance(robot)) if changed else None
         return FiducialStep(robot.compose(odometry.inverse()), estimate, "" if known_before else place, tuple(warnings))
 
-    def place(self, pose: Pose2) -> None:
+    def set_pose(self, pose: Pose2) -> None:
         """Set the robot's pose, on a map that is only read."""
         assert isinstance(self._estimator, FiducialLocaliser)
-        self._estimator.place(pose)
+        self._estimator.set_pose(pose)
 
     def forget(self) -> None:
         """Search for the robot on the whole map, if the map is only read."""

@@ -28,7 +28,7 @@ class FiducialMapRequests:
     def _place(self, given: PoseEstimate) -> None:
         settings = self._settings
         if settings.read_only and given.frame == settings.map_frame:
-            self._node.work(lambda: self._slam.place(given.pose), lambda _done: None, MAP)
+            self._node.work(lambda: self._slam.set_pose(given.pose), lambda _done: None, MAP)
             return
         wanted = f"one in frame {settings.map_frame!r} while the map is only read (~read_only_map)"
         self._node.log.warn(f"initialpose in frame {given.frame!r} is of no use now, expected {wanted}")

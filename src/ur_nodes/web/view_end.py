@@ -71,7 +71,7 @@ class ViewerSession:
         self._node, self._mux_name, self._shown = node, mux_name, shown
         self._sender = FrameSender(node, outlet)
         self._frames: list[Frames] = []
-        place = shown.topics.robot.place
+        place = shown.topics.robot.pose_of
         self._layers = ExtraLayers(node, place, self._frames.append)
         self._camera = CameraView(node, outlet)
         self._overlays = Overlays(node, place, self._add)

@@ -26,7 +26,7 @@ def list_sources(topics: object) -> list[str]:
 
 def describe_goal(goal: GoalReport, left: float | None) -> dict[str, object]:
     """Describe the last goal; `left` is the distance to it in m."""
-    place: list[float | None] | None = None if goal.place is None else [round(each, 3) for each in goal.place]
+    place: list[float | None] | None = None if goal.pose is None else [round(each, 3) for each in goal.pose]
     if place is not None and goal.any_heading:
         place[2] = None
     rest = None if left is None or goal.over else round(left, 1)

@@ -24,7 +24,7 @@ from ur_nodes.motion.lease.text import Lease, write_lease
 from ur_nodes.ports.actions import Goal, GoalHandle, GoalState
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Trigger
-from ur_nodes.ports.values import PlacedPose, Result
+from ur_nodes.ports.values import Result, StampedPose
 
 STRING = "std_msgs/String"
 
@@ -158,7 +158,7 @@ def abort(world: World) -> None:
     world.robot.serve_goals("move_base", Refusing())
     client = world.bus.node("client").follow_goals("move_base", Ignoring())
     world.bus.run(1.0)
-    client.send(Goal("goal", PlacedPose(0, "map", Pose2(1.0, 2.0, 0.0))))
+    client.send(Goal("goal", StampedPose(0, "map", Pose2(1.0, 2.0, 0.0))))
 
 
 def take_over(world: World) -> None:

@@ -63,7 +63,7 @@ def test_goal_that_was_over_before_this_client_came_is_forgotten() -> None:
     tracker = track_status(tracker, (actions.GoalState("a", ABORTED, "no way"),), 0.5)
     assert report_at(tracker, 0.6) == GoalReport(1)
     tracker = track_status(tracker, (actions.GoalState("a", SUCCEEDED, ""),), 1.2)
-    assert (tracker.report.state, tracker.report.place) == (LastGoalState.NONE, None)
+    assert (tracker.report.state, tracker.report.pose) == (LastGoalState.NONE, None)
 
 
 def test_what_happens_to_other_goals_changes_nothing() -> None:

@@ -27,7 +27,7 @@ from ur_nodes.memory.bus import Bus
 from ur_nodes.memory.node import MemoryNode
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Switch, Trigger
-from ur_nodes.ports.values import Marker, Markers, Path, PlacedPose, Result
+from ur_nodes.ports.values import Marker, Markers, Path, Result, StampedPose
 
 HERE = Pose3(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
@@ -192,10 +192,10 @@ def test_frontiers_goal_and_path_of_an_exploration_are_for_the_map(bus: Bus) -> 
     red = Marker("frontiers", 1, "points", HERE, (0.1, 0.1, 0.0), (1.0, 0.0, 0.0, 1.0), "", points)
     explore.publish("frontiers", Markers, Quality.LATCHED).send(Markers(0, "map", (red,)))
     explore.publish("plan", Path, Quality.LATCHED).send(Path(0, "map", points))
-    explore.publish("current_goal", PlacedPose, Quality.LATCHED).send(PlacedPose(0, "map", Pose2(2.0, 0.0, 0.0)))
+    explore.publish("current_goal", StampedPose, Quality.LATCHED).send(StampedPose(0, "map", Pose2(2.0, 0.0, 0.0)))
     bus.run(0.1)
     assert topics.frontiers == (FrontierPoint(1.0, 0.2, blocked=True),)
     snapshot = topics.add(RobotSnapshot())
-    assert snapshot.goal.place == Pose2(2.0, 0.0, 0.0)
+    assert snapshot.goal.pose == Pose2(2.0, 0.0, 0.0)
     assert snapshot.path is not None
     assert snapshot.path.tolist() == points[:, :2].tolist()

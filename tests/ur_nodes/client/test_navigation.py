@@ -50,7 +50,7 @@ def test_path_that_arrives_after_the_goal_was_reached_is_no_goal_of_another() ->
     navigation.end_goal(GoalState("ours", "succeeded", ""))
     navigation.plan(Pose2(1.003, 0.001, 0.0))
     report = navigation.client.goal()
-    assert (report.number, report.state, report.place) == (number, LastGoalState.REACHED, THERE)
+    assert (report.number, report.state, report.pose) == (number, LastGoalState.REACHED, THERE)
 
 
 def test_goal_of_another_client_is_where_the_path_ends() -> None:
@@ -62,7 +62,7 @@ def test_goal_of_another_client_is_where_the_path_ends() -> None:
     navigation.plan(THERE, ELSEWHERE)
     navigation.list_goals(*listed)
     report = navigation.client.goal()
-    assert (report.number, report.state, report.place) == (number + 1, LastGoalState.DRIVING, ELSEWHERE)
+    assert (report.number, report.state, report.pose) == (number + 1, LastGoalState.DRIVING, ELSEWHERE)
 
 
 def test_goal_is_sent_again_until_navigation_lists_it() -> None:

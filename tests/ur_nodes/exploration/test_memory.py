@@ -16,12 +16,12 @@ def test_frontier_that_failed_is_given_up_until_the_map_changes_there() -> None:
     grid = draw(ROOM)
     floor = read_floor(grid, place(3, 4), 0.2)
     (frontier,) = find_frontiers(floor, 0.3)
-    memory = AttemptMemory().fail(frontier.place, FAILED, floor)
+    memory = AttemptMemory().fail(frontier.point, FAILED, floor)
     assert memory.refresh(floor).refused(frontier) == FAILED
     values = grid.values.copy()
     values[:, :24] = 0  # elsewhere
     assert memory.refresh(read_floor(replace(grid, values=values), place(3, 4), 0.2)).refused(frontier) == FAILED
-    row, column = floor.cell(*frontier.place)
+    row, column = floor.cell(*frontier.point)
     values[row : row + 20, column : column + 20] = 0
     assert memory.refresh(read_floor(replace(grid, values=values), place(3, 4), 0.2)).refused(frontier) is None
 
@@ -45,9 +45,9 @@ def test_looks_begin_anew_when_the_frontier_moves_on() -> None:
     grid = draw(ROOM)
     floor = read_floor(grid, place(3, 4), 0.2)
     (frontier,) = find_frontiers(floor, 0.3)
-    memory = AttemptMemory().look(frontier.place, floor)
-    assert memory.refresh(floor).find(frontier.place).looks == 1
+    memory = AttemptMemory().look(frontier.point, floor)
+    assert memory.refresh(floor).find(frontier.point).looks == 1
     values = grid.values.copy()
-    row, column = floor.cell(*frontier.place)
+    row, column = floor.cell(*frontier.point)
     values[row : row + 20, column : column + 20] = 0
-    assert memory.refresh(read_floor(replace(grid, values=values), place(3, 4), 0.2)).find(frontier.place).looks == 0
+    assert memory.refresh(read_floor(replace(grid, values=values), place(3, 4), 0.2)).find(frontier.point).looks == 0

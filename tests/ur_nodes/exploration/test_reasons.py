@@ -13,14 +13,14 @@ GLASS = "?????????\n#######??\n#....#..?\n#....#..?\n#######??\n?????????"
 
 def explain(grid: Grid, radius: float, obstacles: np.ndarray | None = None) -> Reason:
     floor = read_floor(grid, place(2, 3), radius, obstacles)
-    frontier = max(find_frontiers(floor, 0.3), key=lambda each: each.place[0])
+    frontier = max(find_frontiers(floor, 0.3), key=lambda each: each.point[0])
     return explain_unreachable(floor, frontier, grid.values >= 65)
 
 
 def test_narrow_door_is_named_with_its_width_and_the_width_of_the_robot() -> None:
     reason = explain(draw(ROOM), 0.5)
     assert reason.kind == "narrow"
-    assert abs(reason.place[0] - place(8, 4).x) < 0.3
+    assert abs(reason.point[0] - place(8, 4).x) < 0.3
     assert "too narrow at (3." in reason.text
     assert reason.text.endswith(": 0.75 m < 1.00 m")
 

@@ -18,7 +18,7 @@ from ur_nodes.navigation import move_base_node
 from ur_nodes.ports.actions import Goal, GoalState
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import PlacedPose, PoseEstimate, Twist
+from ur_nodes.ports.values import PoseEstimate, StampedPose, Twist
 
 STARTS: dict[str, Callable[[Node], object]] = {
     "/cmd_vel_mux": cmd_vel_mux_node.start,
@@ -80,7 +80,7 @@ class FirstDrive(DrivenStage):
         """Send a goal in the map. Returns its id."""
         self._sent += 1
         id = f"goal {self._sent}"
-        self._goals.send(Goal(id, PlacedPose(self.bus.now, "map", Pose2(x, y, yaw))))
+        self._goals.send(Goal(id, StampedPose(self.bus.now, "map", Pose2(x, y, yaw))))
         return id
 
     def go(self, x: float, y: float, yaw: float = 0.0, seconds: float = 120.0) -> GoalState:

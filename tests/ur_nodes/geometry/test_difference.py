@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ur_nodes.geometry.difference import describe_places, find_difference, name_direction
+from ur_nodes.geometry.difference import describe_poses, find_difference, name_direction
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 
@@ -39,7 +39,7 @@ def test_places_that_the_map_does_not_tell_apart_differ_nowhere() -> None:
 
 def test_places_are_described_with_what_tells_the_first_two_apart() -> None:
     places = [Pose2(2.5, 2.0, 0.0), Pose2(7.5, 2.0, 0.0)]
-    assert describe_places(two_rooms(), places, "wait") == (
+    assert describe_poses(two_rooms(), places, "wait") == (
         "2 places on the map fit: (2.50, 2.00), (7.50, 2.00); "
         "the first two differ 1.8 m ahead to the left of the robot: drive there"
     )
@@ -47,7 +47,7 @@ def test_places_are_described_with_what_tells_the_first_two_apart() -> None:
 
 def test_places_that_look_alike_everywhere_are_described_with_another_advice() -> None:
     grid = Grid(np.zeros((100, 100), np.int8), 0.05, Pose2(0.0, 0.0, 0.0))
-    described = describe_places(grid, [Pose2(2.5, 2.5, 0.1 * number) for number in range(6)], "drive on")
+    described = describe_poses(grid, [Pose2(2.5, 2.5, 0.1 * number) for number in range(6)], "drive on")
     assert described.startswith("6 places on the map fit: ")
     assert described.count("(2.50, 2.50)") == 4
     assert described.endswith("; the map is the same round the first two: drive on")

@@ -5,7 +5,7 @@ import pytest
 from tests.ur_nodes.navigation.synthetic import make_room, scan_points
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.localisation.doubt import LOST, PlaceFit, share_through_walls, step_doubt
+from ur_nodes.localisation.doubt import LOST, PoseFit, share_through_walls, step_doubt
 
 HERE = Pose2(1.0, -0.6, 0.0)
 
@@ -31,14 +31,14 @@ def test_beams_that_end_before_the_wall_pass_none() -> None:
 @pytest.mark.parametrize(
     ("fit", "scans"),
     [
-        (PlaceFit(agreement=0.1, through=0.4), 4),  # carried away
-        (PlaceFit(agreement=0.1, through=0.0), 27),  # a crowd, or a closet
-        (PlaceFit(agreement=0.3, through=0.1), None),  # many people
-        (PlaceFit(agreement=0.6, through=0.4), None),  # walls of the map have been taken out
+        (PoseFit(agreement=0.1, through=0.4), 4),  # carried away
+        (PoseFit(agreement=0.1, through=0.0), 27),  # a crowd, or a closet
+        (PoseFit(agreement=0.3, through=0.1), None),  # many people
+        (PoseFit(agreement=0.6, through=0.4), None),  # walls of the map have been taken out
     ],
 )
 def test_scans_that_look_through_walls_are_doubted_soon_and_crowds_late_or_never(
-    fit: PlaceFit, scans: int | None
+    fit: PoseFit, scans: int | None
 ) -> None:
     doubt, needed = 0.0, None
     for number in range(1, 200):
@@ -50,5 +50,5 @@ def test_scans_that_look_through_walls_are_doubted_soon_and_crowds_late_or_never
 
 
 def test_scan_that_fits_again_takes_doubt_away() -> None:
-    assert step_doubt(3.0, PlaceFit(0.9, 0.0)) == 2.0
-    assert step_doubt(0.0, PlaceFit(0.9, 0.0)) == 0.0
+    assert step_doubt(3.0, PoseFit(0.9, 0.0)) == 2.0
+    assert step_doubt(0.0, PoseFit(0.9, 0.0)) == 0.0

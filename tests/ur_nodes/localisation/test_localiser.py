@@ -56,7 +56,7 @@ def test_localiser_follows_a_robot_whose_odometry_drifts(
 
     localiser = start(field, replace(SETTINGS, refine=refine))
     robot = Drifter(Pose2(1.0, -0.6, 0.0), np.random.default_rng(4))
-    localiser.place(robot.truth, SURE)
+    localiser.set_pose(robot.truth, SURE)
     errors = errors_of_drive(localiser, robot, field, 60)
     assert np.mean(errors) < mean
     assert max(errors) < worst
@@ -78,7 +78,7 @@ def test_localiser_notices_a_kidnapping_when_recovery_is_on(field: LikelihoodFie
 
     localiser = start(field, replace(SETTINGS, recovery_alpha_slow=0.005, recovery_alpha_fast=0.2))
     robot = Drifter(Pose2(1.0, -0.6, 0.0), np.random.default_rng(4))
-    localiser.place(robot.truth, SURE)
+    localiser.set_pose(robot.truth, SURE)
     errors_of_drive(localiser, robot, field, 20)
     robot.truth = Pose2(5.5, 2.5, -2.0)
     errors = errors_of_drive(localiser, robot, field, 40, distance=0.0, turn=0.1)
@@ -89,7 +89,7 @@ def test_localiser_notices_a_kidnapping_when_recovery_is_on(field: LikelihoodFie
 def test_robot_that_is_carried_away_is_noticed_and_found(field: LikelihoodField) -> None:
     localiser = start(field)
     robot = Drifter(Pose2(1.0, -0.6, 0.0), np.random.default_rng(4))
-    localiser.place(robot.truth, SURE)
+    localiser.set_pose(robot.truth, SURE)
     errors_of_drive(localiser, robot, field, 20)
     assert not localiser.lost
     robot.truth = Pose2(5.5, 2.5, -2.0)
@@ -110,7 +110,7 @@ def test_robot_that_is_carried_away_is_noticed_and_found(field: LikelihoodField)
 def test_robot_that_is_carried_away_and_then_stands_still_is_noticed(field: LikelihoodField) -> None:
     localiser, rng = start(field), np.random.default_rng(9)
     robot = Drifter(Pose2(1.0, -0.6, 0.0), np.random.default_rng(4))
-    localiser.place(robot.truth, SURE)
+    localiser.set_pose(robot.truth, SURE)
     errors_of_drive(localiser, robot, field, 2)
     robot.truth = Pose2(5.5, 2.5, -2.0)
     robot.drive(0.3, 0.0)
@@ -124,7 +124,7 @@ def test_robot_among_people_or_without_its_furniture_is_not_lost(field: Likeliho
     changed.values[20:40, 110:124] = changed.values[105:112, 130:150] = 0
     localiser, rng = start(field), np.random.default_rng(2)
     robot = Drifter(Pose2(1.0, -0.6, 0.0), np.random.default_rng(4))
-    localiser.place(robot.truth, SURE)
+    localiser.set_pose(robot.truth, SURE)
     for number in range(120):
         robot.drive(0.05, 0.06)
         points = scan_points(changed, robot.truth, rng)
@@ -137,11 +137,11 @@ def test_robot_among_people_or_without_its_furniture_is_not_lost(field: Likeliho
 def test_place_given_by_hand_ends_the_search(field: LikelihoodField) -> None:
     localiser = start(field)
     robot = Drifter(Pose2(1.0, -0.6, 0.0), np.random.default_rng(4))
-    localiser.place(robot.truth, SURE)
+    localiser.set_pose(robot.truth, SURE)
     robot.truth = Pose2(5.5, 2.5, -2.0)
     errors_of_drive(localiser, robot, field, 5)
     assert localiser.lost
-    localiser.place(robot.truth, SURE)
+    localiser.set_pose(robot.truth, SURE)
     assert not localiser.lost
     assert max(errors_of_drive(localiser, robot, field, 5)) < 0.1
 
@@ -165,18 +165,18 @@ def test_robot_that_sees_one_of_two_equal_rooms_may_be_in_either() -> None:
     for _ in range(12):
         robot.drive(0.0, 0.1)
         localiser.update(robot.odometry, scan_points(grid, robot.truth, rng))
-    first, second = sorted(localiser.places)
+    first, second = sorted(localiser.poses)
     assert math.dist(first[:2], (3.0, 3.0)) < 0.1
     assert math.dist(second[:2], (8.05, 3.0)) < 0.1
-    localiser.place(robot.truth, SURE)
-    assert localiser.places == []
+    localiser.set_pose(robot.truth, SURE)
+    assert localiser.poses == []
 
 
 def test_localiser_waits_until_the_robot_has_moved(field: LikelihoodField) -> None:
     localiser = start(field)
     truth = Pose2(1.0, -0.6, 0.0)
     points = scan_points(field.grid, truth, np.random.default_rng(0))
-    localiser.place(truth, SURE)
+    localiser.set_pose(truth, SURE)
     assert localiser.update(Pose2(0.0, 0.0, 0.0), points)
     assert localiser.update(Pose2(0.04, 0.0, 0.04), points) is None
     localiser.request_update()
@@ -186,7 +186,7 @@ def test_localiser_waits_until_the_robot_has_moved(field: LikelihoodField) -> No
 
 def test_localiser_survives_a_scan_without_echoes(field: LikelihoodField) -> None:
     localiser = start(field)
-    localiser.place(Pose2(1.0, 0.0, 0.0), SURE)
+    localiser.set_pose(Pose2(1.0, 0.0, 0.0), SURE)
     estimate = localiser.update(Pose2(0.0, 0.0, 0.0), np.empty((0, 2)))
     assert estimate
     assert math.dist(estimate.pose, (1.0, 0.0, 0.0)) < 0.05

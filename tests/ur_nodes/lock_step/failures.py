@@ -21,7 +21,7 @@ from ur_nodes.ports.actions import Goal, GoalId
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Trigger
-from ur_nodes.ports.values import PlacedPose, PoseEstimate
+from ur_nodes.ports.values import PoseEstimate, StampedPose
 
 MODULES = {
     "/cmd_vel_mux": "ur_nodes.motion.cmd_vel_mux_node",
@@ -86,11 +86,11 @@ def goal_outside_the_map(drive: FailingDrive) -> None:
 
 
 def goal_in_an_unknown_frame(drive: FailingDrive) -> None:
-    drive._goals.send(Goal("frame", PlacedPose(drive.bus.now, "moon", Pose2(1.0, 0.0, 0.0))))
+    drive._goals.send(Goal("frame", StampedPose(drive.bus.now, "moon", Pose2(1.0, 0.0, 0.0))))
 
 
 def goal_that_is_no_place(drive: FailingDrive) -> None:
-    drive._goals.send(Goal("nan", PlacedPose(drive.bus.now, "map", Pose2(math.nan, 0.0, 0.0))))
+    drive._goals.send(Goal("nan", StampedPose(drive.bus.now, "map", Pose2(math.nan, 0.0, 0.0))))
 
 
 def blocked_way(drive: FailingDrive) -> None:

@@ -12,9 +12,9 @@ from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionGoal, MoveB
 
 from ur_nodes.codecs import KindCodec, find_codec
 from ur_nodes.codecs.frames import transforms_of
-from ur_nodes.codecs.places import placed_of
+from ur_nodes.codecs.poses import stamped_of
 from ur_nodes.ports.actions import Goal, GoalState, GoalStates
-from ur_nodes.ports.values import PlacedPose
+from ur_nodes.ports.values import StampedPose
 from ur_nodes.ros1.goals import state_of
 
 _Message = TypeVar("_Message", bound=genpy.Message)
@@ -30,7 +30,7 @@ class StoredReader:
 
 
 def _goal_of(message: MoveBaseActionGoal) -> Goal:
-    return Goal(str(message.goal_id.id), placed_of(message.goal.target_pose))
+    return Goal(str(message.goal_id.id), stamped_of(message.goal.target_pose))
 
 
 def find_reader(topic: str, kind: type) -> StoredReader | None:
@@ -65,8 +65,8 @@ _ACTION: Mapping[tuple[type, str], Callable[[str], StoredReader]] = {
     (GoalState, "state"): lambda action: _make(
         f"{action}/result", MoveBaseActionResult, lambda message: state_of(message.status)
     ),
-    (PlacedPose, "feedback"): lambda action: _make(
-        f"{action}/feedback", MoveBaseActionFeedback, lambda message: placed_of(message.feedback.base_position)
+    (StampedPose, "feedback"): lambda action: _make(
+        f"{action}/feedback", MoveBaseActionFeedback, lambda message: stamped_of(message.feedback.base_position)
     ),
 }
 """Readers of topics of an action by what nodes on a bus exchange; ROS 1 has other names for some."""

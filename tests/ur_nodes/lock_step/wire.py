@@ -14,11 +14,11 @@ from ur_nodes.black_box.history import HistoryTopic, MessageHistory, read_histor
 from ur_nodes.black_box.recording_file import write_recording
 from ur_nodes.black_box.ring import Ring
 from ur_nodes.codecs import find_codec
-from ur_nodes.codecs.places import fill_placed
+from ur_nodes.codecs.poses import fill_stamped
 from ur_nodes.memory.bus import Bus
 from ur_nodes.memory.carrier import BusPublisher
 from ur_nodes.ports.actions import Goal, GoalState, GoalStates
-from ur_nodes.ports.values import PlacedPose
+from ur_nodes.ports.values import StampedPose
 
 DELAY = 1_000_003
 """ns that a value is on its way, so that none arrives at the moment of a timer."""
@@ -83,7 +83,7 @@ def message_of(topic: str, value: object) -> Any:
         case Goal():
             message = MoveBaseActionGoal()
             message.goal_id.id = value.id
-            fill_placed(message.goal.target_pose, value.target)
+            fill_stamped(message.goal.target_pose, value.target)
             return message
         case GoalState():
             return None if value.open else _with_state(MoveBaseActionResult(), value)
@@ -91,9 +91,9 @@ def message_of(topic: str, value: object) -> Any:
             return GoalStatusArray(
                 status_list=[_with_state(MoveBaseActionResult(), each).status for each in value.goals]
             )
-        case PlacedPose() if part == "feedback":
+        case StampedPose() if part == "feedback":
             feedback = MoveBaseActionFeedback()
-            fill_placed(feedback.feedback.base_position, value)
+            fill_stamped(feedback.feedback.base_position, value)
             return feedback
     try:
         codec = find_codec(type(value))

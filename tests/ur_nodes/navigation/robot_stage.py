@@ -20,7 +20,7 @@ from ur_nodes.memory.bus import Bus
 from ur_nodes.navigation.move_base_node import start
 from ur_nodes.ports.actions import Goal, GoalId, GoalState
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Map, PlacedPose, Range, Result, Scan, Transform, Twist
+from ur_nodes.ports.values import Map, Range, Result, Scan, StampedPose, Transform, Twist
 
 BEAMS = 180
 CONE, HEARD, THICK = 0.5, 3.0, 0.12  # a sonar: rad, m; the radius of a pillar, m
@@ -54,7 +54,7 @@ class RobotStage:
         self.pillar: tuple[float, float] | None = None
         self.nearest = math.inf
         self.states: dict[str, GoalState] = {}
-        self.reports: list[PlacedPose] = []
+        self.reports: list[StampedPose] = []
         self._ticks = self._count = 0
         self.node = self.bus.node("robot")
         self._scans = self.node.publish("scan", Scan)
@@ -73,7 +73,7 @@ class RobotStage:
         self._cancels = self.client.publish("move_base/cancel", GoalId, Quality.EVERY)
         self._continues = self.client.publish("move_base/continue", GoalId)
         self.client.subscribe("move_base/state", GoalState, self._take_state, Quality.EVERY)
-        self.client.subscribe("move_base/feedback", PlacedPose, self.reports.append)
+        self.client.subscribe("move_base/feedback", StampedPose, self.reports.append)
         self.move_base = self.bus.node("move_base")
         start(self.move_base)
         self.bus.run(1.0 if mux else 5.5)  # without challenges goals are taken later
@@ -82,7 +82,7 @@ class RobotStage:
         """Send a goal; returns its id."""
         self._count += 1
         id = id or f"goal {self._count}"
-        self._goals.send(Goal(id, PlacedPose(self.bus.now, frame, Pose2(x, y, yaw))))
+        self._goals.send(Goal(id, StampedPose(self.bus.now, frame, Pose2(x, y, yaw))))
         return id
 
     def cancel(self, id: str) -> None:

@@ -15,7 +15,7 @@ from ur_nodes.memory.bus import Bus
 from ur_nodes.navigation.move_base_node import start
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import AskPath, ClearCostmap, Silent
-from ur_nodes.ports.values import Map, MapUpdate, Outline, Path, PlacedPose
+from ur_nodes.ports.values import Map, MapUpdate, Outline, Path, StampedPose
 
 
 @pytest.fixture
@@ -53,7 +53,7 @@ def test_displays_are_published_to_who_listens(robot: RobotStage) -> None:
         "NavfnROS/plan": Path,
         "DWAPlannerROS/global_plan": Path,
         "DWAPlannerROS/local_plan": Path,
-        "current_goal": PlacedPose,
+        "current_goal": StampedPose,
     }.items():
         robot.client.subscribe(f"move_base/{topic}", kind, got.setdefault(topic, []).append, Quality.EVERY)
     robot.bus.run(1.0)  # the whole costmap is published first
@@ -108,13 +108,13 @@ def test_goal_that_cannot_be_reached_ends_with_the_reason(
 
 
 def test_plans_are_made_without_driving(robot: RobotStage) -> None:
-    here, there = PlacedPose(0, "", Pose2(0.0, 0.0, math.nan)), PlacedPose(0, "map", Pose2(3.0, -1.0, 0.0))
+    here, there = StampedPose(0, "", Pose2(0.0, 0.0, math.nan)), StampedPose(0, "map", Pose2(3.0, -1.0, 0.0))
     found = robot.ask("move_base/make_plan", AskPath(here, there, 0.0)).value
     assert isinstance(found, Path)
     assert found.poses[-1, :2] == pytest.approx((3.0, -1.0), abs=0.05)
     middle = found.poses[abs(found.poses[:, 0] - 1.5) < 0.05]
     assert ((middle[:, 1] > 0.4) & (middle[:, 1] < 1.3)).all(), "through the door"
-    in_wall = PlacedPose(0, "map", Pose2(1.5, -1.0, 0.0))
+    in_wall = StampedPose(0, "map", Pose2(1.5, -1.0, 0.0))
     nowhere = robot.ask("move_base/make_plan", AskPath(here, in_wall, 0.0)).value
     assert isinstance(nowhere, Path)
     assert len(nowhere.poses) == 0

@@ -20,7 +20,7 @@ from ur_nodes.ports.actions import Goal
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.validation import problem_of
-from ur_nodes.ports.values import PlacedPose, Transform
+from ur_nodes.ports.values import StampedPose, Transform
 from ur_nodes.run import attach
 
 PERIOD = 0.004  # s
@@ -92,7 +92,7 @@ class Stranger:
             for index, value in enumerate(oddities(kind, usable(kind, self._node.now()))):
                 if index % 10 == 0:
                     self._refresh()
-                if not isinstance(value, (Goal, PlacedPose)) or problem_of(getattr(value, "target", value)):
+                if not isinstance(value, (Goal, StampedPose)) or problem_of(getattr(value, "target", value)):
                     self._send(name, value)  # a goal that is usable is driven to
                 yield
         for name, kind in self._services:
@@ -105,7 +105,7 @@ class Stranger:
 
     def _refresh(self) -> None:
         for name, kind in self._topics:
-            if kind not in (Goal, PlacedPose):
+            if kind not in (Goal, StampedPose):
                 self._send(name, usable(kind, self._node.now()))
 
     def _send(self, name: str, value: Any) -> None:

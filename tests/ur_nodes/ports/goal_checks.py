@@ -11,7 +11,7 @@ from tests.ur_nodes.ports.stage import STAMP, TARGET, Follower, Stage, Takers
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.actions import Goal, GoalState
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import PlacedPose
+from ur_nodes.ports.values import StampedPose
 
 
 def check_goal_is_accepted_reported_and_succeeds(stage: Stage) -> None:
@@ -39,7 +39,7 @@ def check_goal_is_accepted_reported_and_succeeds(stage: Stage) -> None:
 def check_pose_alone_is_a_goal(stage: Stage) -> None:
     handlers = Takers()
     stage.other.serve_goals("drive_pose", handlers)
-    poses = stage.one.publish("drive_pose_simple/goal", PlacedPose, Quality.EVERY)
+    poses = stage.one.publish("drive_pose_simple/goal", StampedPose, Quality.EVERY)
     stage.begin()
     stage.until(lambda: poses.subscribers() > 0)
     poses.send(TARGET)
@@ -114,6 +114,6 @@ def check_target_that_is_no_pose_arrives_as_nan(stage: Stage) -> None:
     stage.other.serve_goals("drive_nan", handlers)
     stage.begin()
     client = stage.client("drive_nan")
-    client.send(PlacedPose(STAMP, "map", Pose2(math.nan, 0.0, 0.0)))
+    client.send(StampedPose(STAMP, "map", Pose2(math.nan, 0.0, 0.0)))
     stage.until(lambda: bool(handlers.got))
     assert math.isnan(handlers.got[0].goal.target.pose.x)

@@ -17,7 +17,7 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Map, PlacedPose
+from ur_nodes.ports.values import Map, StampedPose
 
 _STATES = {0: "pending", 1: "active", 2: "cancelled", 3: "succeeded", 4: "aborted", 6: "active", 8: "cancelled"}
 """actionlib_msgs/GoalStatus as `ports.actions.GoalState`."""
@@ -33,16 +33,16 @@ class ActionlibClient:
 
         self._client = actionlib.ActionClient(action, MoveBaseAction)
         self._goals: dict[str, Any] = {}
-        self._heard: PlacedPose | None = None
+        self._heard: StampedPose | None = None
         assert self._client.wait_for_server(rospy.Duration(60.0))
 
-    def send(self, target: PlacedPose) -> str:
+    def send(self, target: StampedPose) -> str:
         from move_base_msgs.msg import MoveBaseGoal
 
-        from ur_nodes.codecs.places import fill_placed
+        from ur_nodes.codecs.poses import fill_stamped
 
         goal = MoveBaseGoal()
-        fill_placed(goal.target_pose, target)
+        fill_stamped(goal.target_pose, target)
         handle = self._client.send_goal(goal, feedback_cb=self._take_feedback)
         id = handle.comm_state_machine.action_goal.goal_id.id
         self._goals[id] = handle
@@ -61,13 +61,13 @@ class ActionlibClient:
         handle = self._goals[id]
         return _STATES[handle.get_goal_status()], handle.get_goal_status_text()
 
-    def report(self) -> PlacedPose | None:
+    def report(self) -> StampedPose | None:
         return self._heard
 
     def _take_feedback(self, _handle: Any, feedback: Any) -> None:
-        from ur_nodes.codecs.places import placed_of
+        from ur_nodes.codecs.poses import stamped_of
 
-        self._heard = placed_of(feedback.base_position)
+        self._heard = stamped_of(feedback.base_position)
 
 
 class Ros1Stage:

@@ -43,7 +43,7 @@ VALUES: tuple[object, ...] = (
     values.Battery(STAMP, 12.5, -1.5, 2.5, 4.0, 0.625, technology="nimh"),
     values.Joints(STAMP, ("left", "right"), (0.5, -0.5), (1.0, 2.0)),
     values.Joystick(STAMP, (0.5, -1.0), (0, 1)),
-    values.PlacedPose(STAMP, "map", Pose2(1.0, 2.0, 0.5)),
+    values.StampedPose(STAMP, "map", Pose2(1.0, 2.0, 0.5)),
     values.PoseEstimate(STAMP, "map", Pose2(1.0, 2.0, 0.5), np.arange(9.0).reshape(3, 3)),
     values.Poses(STAMP, "map", POSES),
     values.Path(STAMP, "map", POSES),
@@ -75,7 +75,7 @@ VALUES: tuple[object, ...] = (
     CALIBRATION,
     values.PackedPicture(STAMP, "camera", "jpeg", b"\xff\xd8"),
     fiducials.SeenFiducials(STAMP, "camera", 7, (fiducials.FiducialCorners(3, np.arange(8.0).reshape(4, 2)),) * 2),
-    fiducials.PlacedFiducials(
+    fiducials.StampedFiducials(
         STAMP, "camera", 7, (fiducials.FiducialPose(3, Pose3(1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0), 0.5, 0.25, 100.0),)
     ),
     fiducials.MappedFiducials((fiducials.MappedFiducial(3, (1.0, 2.0, 0.5), (0.0, 0.5, -0.25)),)),

@@ -27,7 +27,7 @@ def check_service_answers_with_result_and_text(stage: Stage) -> None:
 
 
 def check_each_request_arrives_as_it_was_made(stage: Stage) -> None:
-    placed = values.PlacedPose(STAMP, "map", Pose2(1.0, 2.0, 0.5))
+    placed = values.StampedPose(STAMP, "map", Pose2(1.0, 2.0, 0.5))
     path = values.Path(STAMP, "map", POSES)
     map_of = values.Map(STAMP, "map", GRID)
     asked: tuple[tuple[object, object], ...] = (

@@ -9,10 +9,10 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.actions import Goal, GoalHandle, GoalId, GoalState
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import PlacedPose
+from ur_nodes.ports.values import StampedPose
 
 STAMP = 1_700_000_000_123_456_789
-TARGET = PlacedPose(STAMP, "map", Pose2(1.0, 2.0, 0.5))
+TARGET = StampedPose(STAMP, "map", Pose2(1.0, 2.0, 0.5))
 
 
 class Described(NamedTuple):
@@ -66,7 +66,7 @@ class Stage(Protocol):
 class GoalClient(Protocol):
     """The other end of `serve_goals`, as clients of the backend have it."""
 
-    def send(self, target: PlacedPose) -> str:
+    def send(self, target: StampedPose) -> str:
         """Send a goal; returns its id."""
 
     def cancel(self, id: str) -> None:
@@ -78,7 +78,7 @@ class GoalClient(Protocol):
     def state(self, id: str) -> tuple[str, str]:
         """The state and its text, as last heard: `ports.actions.GoalState`."""
 
-    def report(self) -> PlacedPose | None:
+    def report(self) -> StampedPose | None:
         """The last pose that was heard."""
 
 
@@ -123,16 +123,16 @@ class TopicGoalClient:
         self._cancels = node.publish(f"{action}/cancel", GoalId, Quality.EVERY)
         self._between: list[int] = []  # ns: before each goal, when those before it have arrived
         self._states: dict[str, GoalState] = {}
-        self._heard: PlacedPose | None = None
+        self._heard: StampedPose | None = None
         node.subscribe(
             f"{action}/state", GoalState, lambda state: self._states.update({state.id: state}), Quality.EVERY
         )
-        node.subscribe(f"{action}/feedback", PlacedPose, self._take_feedback)
+        node.subscribe(f"{action}/feedback", StampedPose, self._take_feedback)
 
     def is_connected(self) -> bool:
         return min(self._goals.subscribers(), self._cancels.subscribers()) > 0
 
-    def send(self, target: PlacedPose) -> str:
+    def send(self, target: StampedPose) -> str:
         self._between.append(self._node.now())
         self._wait()
         self._goals.send(Goal(str(len(self._between)), target))
@@ -148,8 +148,8 @@ class TopicGoalClient:
         state = self._states.get(id, GoalState(id, "pending", ""))
         return state.state, state.text
 
-    def report(self) -> PlacedPose | None:
+    def report(self) -> StampedPose | None:
         return self._heard
 
-    def _take_feedback(self, pose: PlacedPose) -> None:
+    def _take_feedback(self, pose: StampedPose) -> None:
         self._heard = pose

@@ -12,7 +12,7 @@ from ur_nodes.geometry.pose import Pose2, make_pose3
 from ur_nodes.ports.actions import GoalClient, GoalState
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Odometry, Path, PlacedPose, PoseEstimate, Transform
+from ur_nodes.ports.values import Odometry, Path, PoseEstimate, StampedPose, Transform
 from ur_nodes.run import run
 
 _GOAL = Pose2(0.8, 0.4, 1.57)
@@ -34,7 +34,7 @@ class GoalDriver:
         mount = make_pose3((x, y, z), (0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0)))
         node.transforms.send(Transform(0, "base_footprint", lidar.frame, mount, fixed=True))
         self._goals: GoalClient = node.follow_goals("move_base", self)
-        self._poses = node.publish("goal_pose", PlacedPose, Quality.EVERY)
+        self._poses = node.publish("goal_pose", StampedPose, Quality.EVERY)
         node.subscribe("base_pose_ground_truth", Odometry, self._take_place)
         node.subscribe("amcl_pose", PoseEstimate, self._on_estimate, Quality.LATCHED)
         node.subscribe("plan", Path, self._on_plan)
@@ -60,7 +60,7 @@ class GoalDriver:
     def _send(self) -> None:
         if not self._sent and self._localised and self._poses.subscribers() and self._goals.servers():
             self._sent = True
-            self._poses.send(PlacedPose(self._node.now(), "map", _GOAL))
+            self._poses.send(StampedPose(self._node.now(), "map", _GOAL))
 
     def _finish(self, end: str) -> None:
         sys.stdout.write(json.dumps({"end": end, "place": self._place, "planned": self._planned}) + "\n")

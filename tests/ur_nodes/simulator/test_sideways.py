@@ -93,7 +93,7 @@ def test_place_and_reset_stop_an_omni_base(room: WorldModel, omni: Base) -> None
     simulation = Simulation(room, omni, seed=3)
     drive(simulation, 1.0, left=0.4)
     first = simulation.pose(0), simulation.odometry(0).pose
-    simulation.place("robot", (1.0, 0.0, 0.0))
+    simulation.set_pose("robot", (1.0, 0.0, 0.0))
     drive(simulation, 0.5)
     assert simulation.pose(0) == pytest.approx((1.0, 0.0, 0.0), abs=1e-3)
     assert simulation.odometry(0).pose == pytest.approx(first[1], abs=0.02)

@@ -131,7 +131,7 @@ def test_simulation_repeats_itself_after_a_reset(make_world: Callable[[str], Wor
     simulation = Simulation(world, stage, seed=5)
     first = trajectory(simulation, 4.0)
     before = simulation.time
-    simulation.place("crate", (4.0, 1.0, 0.3))
+    simulation.set_pose("crate", (4.0, 1.0, 0.3))
     simulation.reset()
     assert simulation.time == before
     assert trajectory(simulation, 4.0) == first
@@ -166,7 +166,7 @@ def test_place_moves_a_robot_at_rest_without_its_odometry(room: WorldModel, stag
     simulation = Simulation(room, stage)
     drive(simulation, 1.0, 0.5)
     before = simulation.odometry(0).pose
-    simulation.place("robot", (3.0, 1.0, 2.0))
+    simulation.set_pose("robot", (3.0, 1.0, 2.0))
     assert simulation.pose(0) == pytest.approx((3.0, 1.0, 2.0))
     simulation.advance()
     assert math.hypot(*simulation.velocity(0)) < 0.05
@@ -190,7 +190,7 @@ def test_place_refuses_what_is_not_free_and_changes_nothing(
     world = make_world("obstacles:\n  - {name: crate, pose: [2, 0, 0], size: [0.3, 0.3, 0.4], mass: 1}\n")
     simulation, untouched = Simulation(world, stage), Simulation(world, stage)
     with pytest.raises(UserError, match=message):
-        simulation.place(name, pose)
+        simulation.set_pose(name, pose)
     assert trajectory(simulation, 1.0) == trajectory(untouched, 1.0)
 
 
@@ -202,7 +202,7 @@ def test_place_puts_an_obstacle_where_the_lidar_sees_it(make_world: Callable[[st
     assert stage.lidar is not None
     ahead = stage.lidar.samples // 2
     assert simulation.scan(0)[ahead] == pytest.approx(4.9, abs=0.1)
-    simulation.place("crate", (2.0, 0.0, 0.0))
+    simulation.set_pose("crate", (2.0, 0.0, 0.0))
     assert simulation.scan(0)[ahead] == pytest.approx(2.0 - 0.15 - 0.1, abs=0.06)
     for _ in range(300):
         simulation.advance()

@@ -60,7 +60,7 @@ def test_scans_that_fit_elsewhere_outweigh_the_place_where_the_robot_was() -> No
     winner = hypotheses.winner()
     assert winner is not None
     assert not winner.expected
-    assert winner.place == elsewhere
+    assert winner.pose == elsewhere
 
 
 def test_expected_place_without_a_fit_is_no_rival() -> None:
@@ -78,7 +78,7 @@ def test_walls_that_are_looked_through_add_up_until_one_of_two_places_leads() ->
         needed += hypotheses.winner() is None
     winner = hypotheses.winner()
     assert winner is not None
-    assert math.dist(winner.place, HERE) < 1e-9
+    assert math.dist(winner.pose, HERE) < 1e-9
     assert 1 < needed < 6
 
 

@@ -33,8 +33,8 @@ def test_maps_that_overlap_become_one_in_the_frame_of_the_first() -> None:
     assert len(state.poses) == len(state.scans) == len(one.poses) + len(other.poses)
     assert state.drives == (len(one.poses),) == tuple(find_drives(state.edges, len(state.poses)))
     true = first[0].inverse().compose(second[0])
-    assert math.dist(merged.place[:2], true[:2]) < 0.05
-    assert abs(merged.place.yaw - true.yaw) < 0.02
+    assert math.dist(merged.pose[:2], true[:2]) < 0.05
+    assert abs(merged.pose.yaw - true.yaw) < 0.02
     drawn = OccupancyMap()
     drawn.update(state.poses, state.scans, state.drives)
     grid = drawn.grid()
@@ -55,7 +55,7 @@ def test_maps_that_fit_in_two_ways_are_not_merged() -> None:
     result = merge_maps(one, other)
     assert isinstance(result, NotMerged)
     assert result.reason == "several-places"
-    assert len(result.places) == 2
+    assert len(result.poses) == 2
 
 
 def test_map_without_scans_is_not_merged() -> None:

@@ -196,7 +196,7 @@ def test_robot_that_is_carried_elsewhere_while_it_maps_is_found_and_nothing_is_m
     stage = SlamStage(map_update_interval=1.0)
     stage.drive(0.0, 0.8, 3.0)
     stage.drive(0.3, 0.0, 4.0)
-    stage.simulation.place("robot", (0.0, 0.0, -1.0))  # odometry does not notice
+    stage.simulation.set_pose("robot", (0.0, 0.0, -1.0))  # odometry does not notice
     assert stage.drive(0.15, 0.5, 8.0) < 0.05
     assert share_on_walls(stage.maps[-1].grid) > 0.97
     assert "lost: looking for the place on the map" in stage.log()

@@ -44,13 +44,13 @@ class FakeNavigator:
     def snapshot(self) -> RobotSnapshot:
         return self.seen
 
-    def go(self, place: Pose2, *, any_heading: bool = False) -> int:
+    def go(self, pose: Pose2, *, any_heading: bool = False) -> int:
         if self.problem:
             raise self.problem
-        self.goals.append(place)
+        self.goals.append(pose)
         self.any_heading = any_heading
         number = self.seen.goal.number + 1
-        self.seen = replace(self.seen, goal=GoalReport(number, place, LastGoalState.DRIVING, any_heading=any_heading))
+        self.seen = replace(self.seen, goal=GoalReport(number, pose, LastGoalState.DRIVING, any_heading=any_heading))
         return number
 
     def ask_patrol(self, action: PatrolAction, route: PatrolRoute) -> str:
@@ -76,8 +76,8 @@ class FakeNavigator:
         self.asked.append(request)
         self.seen = replace(self.seen, mux=replace(self.seen.mux, stopped=request == "stop"))
 
-    def set_pose(self, place: Pose2) -> None:
-        self.poses.append(place)
+    def set_pose(self, pose: Pose2) -> None:
+        self.poses.append(pose)
 
     def relocalise(self) -> None:
         if not self.offers_search:
@@ -87,8 +87,8 @@ class FakeNavigator:
     def end(self, state: LastGoalState, text: str = "") -> None:
         self.seen = replace(self.seen, goal=replace(self.seen.goal, state=state, text=text))
 
-    def move(self, place: Pose2) -> None:
-        self.seen = replace(self.seen, pose=place)
+    def move(self, pose: Pose2) -> None:
+        self.seen = replace(self.seen, pose=pose)
 
 
 @pytest.fixture

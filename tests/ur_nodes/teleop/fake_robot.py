@@ -12,7 +12,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.actions import GoalHandle
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Map, Path, PlacedPose, Scan, Transform, Twist
+from ur_nodes.ports.values import Map, Path, Scan, StampedPose, Transform, Twist
 from ur_nodes.run import run
 
 STEP = 0.05  # s
@@ -28,7 +28,7 @@ class FakeRobot:
         self._node = node
         self._scan = node.publish("scan", Scan)
         self._plan = node.publish("move_base/NavfnROS/plan", Path)
-        self._current = node.publish("move_base/current_goal", PlacedPose, Quality.LATCHED)
+        self._current = node.publish("move_base/current_goal", StampedPose, Quality.LATCHED)
         node.publish("map", Map, Quality.LATCHED).send(Map(0, "map", make_grid()))
         node.subscribe("cmd_vel", Twist, lambda _: None)
         self._goal: GoalHandle | None = None

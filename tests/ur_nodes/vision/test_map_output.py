@@ -23,5 +23,5 @@ def test_markers_are_a_plate_and_a_number_above_it() -> None:
 def test_map_has_places_and_angles_by_number() -> None:
     entries = make_map({7: POSE, 4: POSE}).fiducials
     assert [each.number for each in entries] == [4, 7]
-    assert entries[0].place == (1.0, 2.0, 3.0)
+    assert entries[0].position == (1.0, 2.0, 3.0)
     assert math.dist(entries[0].angles, (0.1, 0.2, 0.3)) < 1e-9

@@ -17,7 +17,7 @@ from ur.source.diagnostic import UserError
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.rigid import from_angles, from_planar, invert, to_pose
 from ur_nodes.memory.bus import Bus
-from ur_nodes.ports.fiducials import FiducialCorners, MappedFiducials, PlacedFiducials, SeenFiducials
+from ur_nodes.ports.fiducials import FiducialCorners, MappedFiducials, SeenFiducials, StampedFiducials
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Silent, Trigger
 from ur_nodes.ports.values import (
@@ -138,14 +138,14 @@ def test_fiducials_of_a_picture_are_published_with_poses_frames_and_drawings() -
     FiducialDetect(robot.bus.node("detect"))
     robot.listen(
         fiducial_vertices=SeenFiducials,
-        fiducial_transforms=PlacedFiducials,
+        fiducial_transforms=StampedFiducials,
         fiducial_images=Picture,
         **{"fiducial_images/compressed": PackedPicture},
     )
     robot.drive(PATH[:2])
     seen, placed = robot.newest["fiducial_vertices"], robot.newest["fiducial_transforms"]
     assert isinstance(seen, SeenFiducials)
-    assert isinstance(placed, PlacedFiducials)
+    assert isinstance(placed, StampedFiducials)
     assert (seen.frame, seen.picture, placed.picture) == ("raspicam", 2, 2)
     assert [each.number for each in seen.fiducials] == [each.id for each in FIDUCIALS]
     camera_from_map = invert(from_planar(PATH[1]) @ MOUNT)
@@ -178,7 +178,7 @@ def test_camera_without_calibration_gives_corners_only_and_is_named_once() -> No
     robot = FiducialRobot(UNCALIBRATED)
     node = robot.bus.node("detect")
     FiducialDetect(node)
-    robot.listen(fiducial_vertices=SeenFiducials, fiducial_transforms=PlacedFiducials)
+    robot.listen(fiducial_vertices=SeenFiducials, fiducial_transforms=StampedFiducials)
     robot.drive(PATH[:2])
     assert set(robot.newest) == {"fiducial_vertices"}
     assert node.lines == [("warn", "/camera_info: the camera is not calibrated (K is 0): no poses")]
@@ -365,7 +365,7 @@ def test_what_no_camera_can_see_is_overlooked_and_the_map_goes_on(tmp_path: Path
 @pytest.mark.parametrize("wrong", [math.nan, math.inf])
 def test_camera_whose_calibration_is_not_finite_counts_as_uncalibrated(wrong: float) -> None:
     robot = FiducialRobot(replace(CALIBRATION, matrix=(wrong, *CALIBRATION.matrix[1:])))
-    robot.listen(fiducial_vertices=SeenFiducials, fiducial_transforms=PlacedFiducials)
+    robot.listen(fiducial_vertices=SeenFiducials, fiducial_transforms=StampedFiducials)
     node = robot.bus.node("detect")
     FiducialDetect(node)
     robot.drive(PATH[:1])

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
-from ur_nodes.codecs import find_codec, maps, places
+from ur_nodes.codecs import find_codec, maps, poses
 from ur_nodes.codecs.codec import KindServiceCodec, ServiceCodec
 from ur_nodes.codecs.dialect import ServiceMessages, parts_of
 from ur_nodes.ports.services import (
@@ -144,13 +144,13 @@ def _set_pose(service: _Service) -> _Made:
 
     def fill(value: SetInitialPose) -> _Message:
         request = request_class()
-        places.fill_estimate(request.pose, value.estimate)
+        poses.fill_estimate(request.pose, value.estimate)
         return request
 
     return ServiceCodec(
         service,
         fill,
-        lambda request: SetInitialPose(places.estimate_of(request.pose)),
+        lambda request: SetInitialPose(poses.estimate_of(request.pose)),
         lambda _result: response_class(),
         lambda _response: Result(success=True),
     )

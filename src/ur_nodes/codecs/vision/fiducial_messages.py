@@ -16,8 +16,8 @@ from ur_nodes.ports.fiducials import (
     FiducialPose,
     MappedFiducial,
     MappedFiducials,
-    PlacedFiducials,
     SeenFiducials,
+    StampedFiducials,
 )
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def _seen_of(message: FiducialArray) -> SeenFiducials:
     )
 
 
-def _fill_placed(message: FiducialTransformArray, value: PlacedFiducials) -> None:
+def _fill_placed(message: FiducialTransformArray, value: StampedFiducials) -> None:
     fill_header(message, value.stamp, value.frame)
     message.image_seq = value.picture
     message.transforms = [
@@ -56,8 +56,8 @@ def _fill_placed(message: FiducialTransformArray, value: PlacedFiducials) -> Non
     ]
 
 
-def _placed_of(message: FiducialTransformArray) -> PlacedFiducials:
-    return PlacedFiducials(
+def _placed_of(message: FiducialTransformArray) -> StampedFiducials:
+    return StampedFiducials(
         stamp_of(message.header.stamp),
         frame_of(message),
         message.image_seq,
@@ -75,7 +75,9 @@ def _placed_of(message: FiducialTransformArray) -> PlacedFiducials:
 
 
 def _fill_map(message: FiducialMapEntryArray, value: MappedFiducials) -> None:
-    message.fiducials = [_ENTRY(each.number, *each.place, *map(math.degrees, each.angles)) for each in value.fiducials]
+    message.fiducials = [
+        _ENTRY(each.number, *each.position, *map(math.degrees, each.angles)) for each in value.fiducials
+    ]
 
 
 def _map_of(message: FiducialMapEntryArray) -> MappedFiducials:
@@ -93,6 +95,6 @@ def _map_of(message: FiducialMapEntryArray) -> MappedFiducials:
 
 CODECS = {
     SeenFiducials: Codec(_SEEN, _fill_seen, _seen_of),
-    PlacedFiducials: Codec(_PLACED, _fill_placed, _placed_of),
+    StampedFiducials: Codec(_PLACED, _fill_placed, _placed_of),
     MappedFiducials: Codec(_MAP, _fill_map, _map_of),
 }

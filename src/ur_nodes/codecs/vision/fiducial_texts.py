@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur_nodes.codecs.text import converted_codec, text_codec
-from ur_nodes.ports.fiducials import FiducialCorners, MappedFiducials, PlacedFiducials, SeenFiducials
+from ur_nodes.ports.fiducials import FiducialCorners, MappedFiducials, SeenFiducials, StampedFiducials
 
 _LONGEST = 1_000_000  # characters
 _Point = tuple[float, float]
@@ -39,6 +39,6 @@ def _read_seen(read: _Seen) -> SeenFiducials:
 
 CODECS = {
     SeenFiducials: converted_codec("fiducials", _Seen, _write_seen, _read_seen, _LONGEST),
-    PlacedFiducials: text_codec("fiducials", PlacedFiducials, _LONGEST),
+    StampedFiducials: text_codec("fiducials", StampedFiducials, _LONGEST),
     MappedFiducials: text_codec("map of fiducials", MappedFiducials, _LONGEST),
 }

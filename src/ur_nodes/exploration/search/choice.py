@@ -39,7 +39,7 @@ def choose_viewpoint(
     scores = []
     for index, each in enumerate(near):
         score = weights.distance * (each.distance + onward[index]) - weights.gain * each.frontier.gain
-        if kept is not None and np.hypot(each.frontier.place[0] - kept[0], each.frontier.place[1] - kept[1]) < 1.0:
+        if kept is not None and np.hypot(each.frontier.point[0] - kept[0], each.frontier.point[1] - kept[1]) < 1.0:
             score -= weights.keep
         scores.append(score)
     return near[int(np.argmin(scores))]

@@ -57,7 +57,7 @@ def sort_corners(
     least = max(settings.area, min(settings.share * known, settings.room))
 
     def worth(each: Viewpoint) -> bool:
-        pursued = kept is not None and math.dist(each.frontier.place, kept) < _SAME
+        pursued = kept is not None and math.dist(each.frontier.point, kept) < _SAME
         limit = 0.0 if idle_distance > _SOON else _PURSUED * least
         return each.frontier.gain >= (limit if pursued else least)
 

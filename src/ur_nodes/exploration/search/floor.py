@@ -66,7 +66,7 @@ class Floor(CellFrame):
         row, column = self.cells_of_points(np.array((x, y)))
         return int(row), int(column)
 
-    def place(self, cell: Cell) -> tuple[float, float]:
+    def point(self, cell: Cell) -> tuple[float, float]:
         """The centre of a cell, m."""
         x, y = self.points_of_cells(np.array(cell))
         return float(x), float(y)
@@ -108,15 +108,15 @@ def _distances(grid: Grid, fits: NDArray[np.bool_], robot: Pose2) -> NDArray[np.
     return drive_distances(fits, start, grid.resolution)
 
 
-def nearest_cell(frame: CellFrame, mask: NDArray[np.bool_], place: tuple[float, float], reach: float) -> Cell | None:
+def nearest_cell(frame: CellFrame, mask: NDArray[np.bool_], point: tuple[float, float], reach: float) -> Cell | None:
     """The cell of a mask that is nearest to a place, at most `reach` m away; None when there is none."""
-    row, column = np.floor(frame.fractions_of_points(np.array(place)))
+    row, column = np.floor(frame.fractions_of_points(np.array(point)))
     steps = math.ceil(reach / frame.resolution)
     rows = slice(max(0, int(row) - steps), max(0, int(row) + steps + 1))
     columns = slice(max(0, int(column) - steps), max(0, int(column) + steps + 1))
     cells = np.argwhere(mask[rows, columns]) + np.array((rows.start, columns.start))
     if not len(cells):
         return None
-    away = np.hypot(*(frame.points_of_cells(cells) - place).T)
+    away = np.hypot(*(frame.points_of_cells(cells) - point).T)
     best = int(np.argmin(away))
     return (int(cells[best, 0]), int(cells[best, 1])) if away[best] <= reach + frame.resolution else None

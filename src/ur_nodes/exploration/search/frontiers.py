@@ -22,12 +22,12 @@ _CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], bool)
 class Frontier:
     """Cells (n, 2) of free floor beside unknown space, as rows and columns. `size` in m, `gain` in m2.
 
-    `middle` (2) is the cell nearest to the middle, and `place` its centre, m.
+    `middle` (2) is the cell nearest to the middle, and `point` its centre, m.
     """
 
     cells: NDArray[np.intp]
     middle: NDArray[np.intp]
-    place: tuple[float, float]
+    point: tuple[float, float]
     size: float
     gain: float
 
@@ -52,7 +52,7 @@ def find_frontiers(floor: Floor, smallest: float) -> tuple[Frontier, ...]:
         if len(cells) * floor.resolution < smallest:
             continue
         found.extend(_frontier(floor, piece, walls, centres) for piece in _cut(cells, floor.resolution))
-    return tuple(sorted(found, key=lambda each: (-each.size, each.place)))
+    return tuple(sorted(found, key=lambda each: (-each.size, each.point)))
 
 
 def unknown_behind(floor: Floor, frontiers: tuple[Frontier, ...]) -> float:

@@ -57,7 +57,7 @@ def find_viewpoint(
         return None
     first = int(np.argmax(seen))
     row, column = (chosen[first] + low).tolist()
-    x, y = floor.place((row, column))
+    x, y = floor.point((row, column))
     to_x, to_y = floor.points_of_cells(targets[first] + low)
     turned = facing and (to_x, to_y) != (x, y)
     yaw = math.atan2(to_y - y, to_x - x) if turned else _arrival(floor, (row, column))

@@ -13,7 +13,7 @@ from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.navigation.goals.goal_claim import write_any_heading, write_goal_id
 from ur_nodes.ports import actions
 from ur_nodes.ports.node import Node
-from ur_nodes.ports.values import PlacedPose
+from ur_nodes.ports.values import StampedPose
 
 
 class PatrolGoal:
@@ -56,7 +56,7 @@ class PatrolGoal:
             yaw = heading_there(self._transforms.find_planar(self._map_frame, self._base_frame), stop.x, stop.y)
         place = Pose2(stop.x, stop.y, yaw)
         self._tracker = track_sent(self._tracker, self._goal, place, self._node.steady())
-        self._sent = actions.Goal(self._goal, PlacedPose(self._node.now(), self._map_frame, place))
+        self._sent = actions.Goal(self._goal, StampedPose(self._node.now(), self._map_frame, place))
         self._goals.send(self._sent)
 
     def cancel(self) -> None:

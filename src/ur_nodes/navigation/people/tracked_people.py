@@ -28,14 +28,14 @@ _REACH = 3.0  # m to people who matter within that time
 class TrackedPeople:
     """People in the odometry frame: places (n, 2) in m, velocities (n, 2) in m/s, and radii (n) in m."""
 
-    places: Floats
+    points: Floats
     velocities: Floats
     radii: Floats
 
     def near(self, pose: Pose2) -> TrackedPeople:
         """Return the people who may come near a robot at a pose within the prediction horizon."""
-        kept = np.hypot(*(self.places - pose[:2]).T) < _REACH
-        return TrackedPeople(self.places[kept], self.velocities[kept], self.radii[kept])
+        kept = np.hypot(*(self.points - pose[:2]).T) < _REACH
+        return TrackedPeople(self.points[kept], self.velocities[kept], self.radii[kept])
 
 
 NO_PEOPLE = TrackedPeople(np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
@@ -52,17 +52,17 @@ def approaches(
     people = people.near(start)
     nearer = np.zeros(poses.shape[:2], bool)
     soon = int(np.searchsorted(times, _HORIZON + 1e-9))
-    if not len(people.places) or not soon:
+    if not len(people.points) or not soon:
         return nearer
     poses, times = poses[:soon], times[:soon]
     hull = hull_of_footprint(footprint)
-    then = people.places + times[:, None, None] * people.velocities  # (t, n, 2)
+    then = people.points + times[:, None, None] * people.velocities  # (t, n, 2)
     rooms = rooms_to(hull, poses, then[:, None]) - people.radii
     stayed = rooms_to(hull, np.array(start), then)[:, None] - people.radii
     nearer[:soon] = (rooms < np.minimum(MARGIN, _without_slack(stayed))).any(axis=-1)
     brief = int(np.searchsorted(times, _SUDDEN + 1e-9))
-    rooms = rooms_to(hull, poses[:brief], people.places) - people.radii
-    stayed = rooms_to(hull, np.array(start), people.places) - people.radii
+    rooms = rooms_to(hull, poses[:brief], people.points) - people.radii
+    stayed = rooms_to(hull, np.array(start), people.points) - people.radii
     nearer[:brief] |= (rooms < np.minimum(_SUDDEN_MARGIN, _without_slack(stayed))).any(axis=-1)
     return nearer
 
@@ -84,7 +84,7 @@ def rooms_to(hull: Hull, poses: Floats, points: Floats) -> Floats:
 def room_to_people(pose: Pose2, people: TrackedPeople, footprint: Footprint) -> float:
     """Return the clearance in m between the robot at a pose and the nearest person; inf without people."""
     near = people.near(pose)
-    return float((rooms_to(hull_of_footprint(footprint), np.array(pose), near.places) - near.radii).min(initial=np.inf))
+    return float((rooms_to(hull_of_footprint(footprint), np.array(pose), near.points) - near.radii).min(initial=np.inf))
 
 
 @lru_cache(maxsize=8)

@@ -104,12 +104,12 @@ class PeopleTracker:
         """Forget all tracks."""
         self._tracks, self._last = [], -math.inf
 
-    def _correct(self, track: _PersonTrack, place: Floats, radius: float, now: float, seconds: float) -> None:
+    def _correct(self, track: _PersonTrack, point: Floats, radius: float, now: float, seconds: float) -> None:
         index = _AGILITY * seconds**2 / _NOISE
         root = (4.0 + index - math.sqrt(8.0 * index + index**2)) / 4.0
         alpha = 1.0 - root**2
         beta = 2.0 * (2.0 - alpha) - 4.0 * math.sqrt(1.0 - alpha)
-        off = place - track.place
+        off = point - track.place
         track.place = track.place + alpha * off
         track.velocity = track.velocity + (beta / seconds) * off if seconds > 0.0 else track.velocity
         track.radius += 0.2 * (radius - track.radius)

@@ -150,22 +150,22 @@ def _obstacle(costmap: Costmap, cell: tuple[int, int]) -> str:
 
 
 def _nearest_free(
-    costmap: Costmap, weights: Weights, place: tuple[float, float], reach: float
+    costmap: Costmap, weights: Weights, point: tuple[float, float], reach: float
 ) -> tuple[int, int] | None:
-    row, column = _cell(costmap, place)
+    row, column = _cell(costmap, point)
     steps = math.ceil(reach / costmap.resolution)
     rows = slice(max(0, row - steps), row + steps + 1)
     columns = slice(max(0, column - steps), column + steps + 1)
     free = np.argwhere(np.isfinite(weights[costmap.costs[rows, columns]])) + np.array((rows.start, columns.start))
     if not len(free):
         return None
-    distances = np.hypot(*(costmap.points_of_cells(free) - place).T)
+    distances = np.hypot(*(costmap.points_of_cells(free) - point).T)
     best = int(np.argmin(distances))
     return (int(free[best, 0]), int(free[best, 1])) if float(distances[best]) <= reach else None
 
 
-def _cell(costmap: Costmap, place: tuple[float, float]) -> tuple[int, int]:
-    row, column = np.floor(costmap.fractions_of_points(np.array(place)))
+def _cell(costmap: Costmap, point: tuple[float, float]) -> tuple[int, int]:
+    row, column = np.floor(costmap.fractions_of_points(np.array(point)))
     return int(row), int(column)
 
 
@@ -174,8 +174,8 @@ def _inside(costmap: Costmap, cell: tuple[int, int]) -> bool:
     return bool(0 <= cell[0] < height and 0 <= cell[1] < width)
 
 
-def _place(place: tuple[float, float]) -> str:
-    return f"({place[0]:.2f}, {place[1]:.2f})"
+def _place(point: tuple[float, float]) -> str:
+    return f"({point[0]:.2f}, {point[1]:.2f})"
 
 
 def _without_doubles(points: Points) -> Points:

@@ -125,7 +125,7 @@ def _search_part(part: _Part, start: Cell, goal: Cell) -> NDArray[np.int64] | fl
     totals, before = dijkstra(graph.steps, indices=begin, return_predecessors=True)
     if totals[end] > limit:
         return float(totals[end])
-    return graph.places[_chain(before, begin, end)].astype(np.int64)
+    return graph.points[_chain(before, begin, end)].astype(np.int64)
 
 
 def _reaches_out(regions: Regions, window: _Window, totals: NDArray[np.float64]) -> bool:

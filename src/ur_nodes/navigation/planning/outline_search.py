@@ -300,12 +300,12 @@ class _Search:
         c, s = math.cos(self._heading * STEP), math.sin(self._heading * STEP)
         return [self._goal, *((self._goal[0] - d * c, self._goal[1] - d * s) for d in _RUN_UPS)]
 
-    def _go(self, here: MotionPose, place: tuple[float, float]) -> list[MotionPose] | None:
+    def _go(self, here: MotionPose, point: tuple[float, float]) -> list[MotionPose] | None:
         """Turn on the spot and go straight to a place, ahead, or in another gear where it is near."""
-        away = math.dist(here[:2], place)
+        away = math.dist(here[:2], point)
         if away < 0.02:
             return []
-        bearing = math.atan2(place[1] - here.y, place[0] - here.x)
+        bearing = math.atan2(point[1] - here.y, point[0] - here.x)
         gears: tuple[int, ...] = (1, -1) if away <= _SHORT else (1,)
         if self._steering.sideways and away <= _SHORT:
             gears = gears_by_turn(here.yaw, bearing)

@@ -19,12 +19,12 @@ _NEIGHBOURS = np.ones((3, 3), bool)  # diagonal ones count, as in the search ove
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RegionGraph:
-    """Nodes at `places` (n, 2) in cells (row, column), and the cost of each step between neighbours, in cells.
+    """Nodes at `points` (n, 2) in cells (row, column), and the cost of each step between neighbours, in cells.
 
-    `places` are centres of regions, or whole numbers for cells.
+    `points` are centres of regions, or whole numbers for cells.
     """
 
-    places: NDArray[np.float64]
+    points: NDArray[np.float64]
     steps: csr_array
 
 

@@ -9,15 +9,15 @@ from __future__ import annotations
 from ur_nodes.ports.values.basics import NO_MATRIX, ClockTime, Level, LogLine, Number, Result, Signal, Time
 from ur_nodes.ports.values.motion import DriverOdometry, Joints, Joystick, Odometry, StampedTwist, Twist
 from ur_nodes.ports.values.pictures import Calibration, PackedPicture, Picture
-from ur_nodes.ports.values.places import (
+from ur_nodes.ports.values.poses import (
     Map,
     MapInfo,
     MapUpdate,
     Outline,
     Path,
-    PlacedPose,
     PoseEstimate,
     Poses,
+    StampedPose,
     Transform,
 )
 from ur_nodes.ports.values.sensors import Battery, Imu, Range, Scan
@@ -47,7 +47,7 @@ __all__ = [
     "PackedPicture",
     "Path",
     "Picture",
-    "PlacedPose",
+    "StampedPose",
     "PointCloud",
     "PoseEstimate",
     "Poses",

@@ -6,8 +6,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from ur_nodes.codecs.dialect import duration_of
-from ur_nodes.codecs.places import fill_placed, placed_of
-from ur_nodes.ports.values import PlacedPose
+from ur_nodes.codecs.poses import fill_stamped, stamped_of
+from ur_nodes.ports.values import StampedPose
 
 if TYPE_CHECKING:
     from nav2_msgs.action import NavigateToPose
@@ -50,26 +50,26 @@ def key_message(key: bytes) -> UUID:
     return UUID(uuid=list(key))  # type: ignore[arg-type]  # ROS 2 wants numbers of what it gives as bytes
 
 
-def targets_of(goal: NavigateToPose.Goal) -> tuple[PlacedPose, ...]:
+def targets_of(goal: NavigateToPose.Goal) -> tuple[StampedPose, ...]:
     """Return the poses of a goal, in order. Raises ValueError if there are none, or too many."""
     if hasattr(goal, "pose"):
-        return (placed_of(goal.pose),)
+        return (stamped_of(goal.pose),)
     poses = goal.poses if isinstance(goal.poses, list) else goal.poses.goals
     if not 1 <= len(poses) <= _MOST_POSES:
         raise ValueError(f"goal with {len(poses)} poses, expected 1 to {_MOST_POSES}")
-    return tuple(map(placed_of, poses))
+    return tuple(map(stamped_of, poses))
 
 
-def fill_target(goal: NavigateToPose.Goal, target: PlacedPose) -> None:
+def fill_target(goal: NavigateToPose.Goal, target: StampedPose) -> None:
     """Write a goal of one pose."""
-    fill_placed(goal.pose, target)
+    fill_stamped(goal.pose, target)
 
 
 def fill_feedback(
-    message: NavigateToPose.Feedback, place: PlacedPose, seconds: float, distance: float, poses: int
+    message: NavigateToPose.Feedback, pose: StampedPose, seconds: float, distance: float, poses: int
 ) -> None:
     """Write the robot's pose, its driving time (s), the remaining distance (m), and the number of remaining poses."""
-    fill_placed(message.current_pose, place)
+    fill_stamped(message.current_pose, pose)
     message.navigation_time = duration_of(max(0.0, seconds))
     message.distance_remaining = distance
     if hasattr(message, "number_of_poses_remaining"):

@@ -16,7 +16,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 
 from ur_nodes.goal_topics import TopicGoalServer
 from ur_nodes.ports.actions import Goal, GoalState
-from ur_nodes.ports.values import PlacedPose
+from ur_nodes.ports.values import StampedPose
 from ur_nodes.ros2.navigation.messages import fill_feedback, fill_result, find_action, targets_of
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ class Pursuit:
         self._handle, self._feedback, self._server = handle, feedback, server
         self._now, self._post, self._end = now, post, end
         self._name = bytes(handle.goal_id.uuid).hex()
-        self._targets: tuple[PlacedPose, ...] = ()
+        self._targets: tuple[StampedPose, ...] = ()
         self._id = self._name
         self._began = now()
         self._cancelled = self._ended = False
@@ -73,12 +73,12 @@ class Pursuit:
         self._id = f"{self._name}-{len(self._targets)}"
         self._post(self._send)  # the node is still at the end of the one before
 
-    def report_pose(self, place: PlacedPose) -> None:
+    def report_pose(self, pose: StampedPose) -> None:
         if not self._ended:
-            there, here = self._targets[0].pose, place.pose
+            there, here = self._targets[0].pose, pose.pose
             seconds = (self._now() - self._began) / 1e9
             distance = math.hypot(there.x - here.x, there.y - here.y)
-            fill_feedback(self._feedback, place, seconds, distance, len(self._targets))
+            fill_feedback(self._feedback, pose, seconds, distance, len(self._targets))
             self._handle.publish_feedback(self._feedback)
 
     def _send(self) -> None:

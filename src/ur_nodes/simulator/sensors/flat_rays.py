@@ -80,9 +80,9 @@ class UprightShapes:
         now = (place[:, 0] + a * x + b * y, place[:, 1] + c * x + d * y, a * dx + b * dy, c * dx + d * dy)
         return np.concatenate((self._fixed, np.stack(now)), axis=1)
 
-    def is_at_height(self, place: Floats, turn: Floats) -> bool:
+    def is_at_height(self, point: Floats, turn: Floats) -> bool:
         """Return whether a lidar with a place (3,) and a rotation matrix (9,) sees in the plane of the sides."""
-        return bool(turn[8] >= _LEVEL and abs(place[2] - self._height) < _ROOM / 2.0)
+        return bool(turn[8] >= _LEVEL and abs(point[2] - self._height) < _ROOM / 2.0)
 
 
 class PlanarBeams:
@@ -93,10 +93,10 @@ class PlanarBeams:
         self._first, self._step, self._reach = first, step, reach
         self._angles = first + step * np.arange(count)
 
-    def cast(self, sides: Floats, place: tuple[float, float], yaw: float) -> Floats:
+    def cast(self, sides: Floats, point: tuple[float, float], yaw: float) -> Floats:
         """Distances (m), shape (count,), from a place to the nearest of the sides; inf where nothing is in reach."""
         x, y, dx, dy = sides
-        x, y = x - place[0], y - place[1]
+        x, y = x - point[0], y - point[1]
         away = y * dx - x * dy  # to the line of the side, times its length
         facing = away > 0.0
         x, y, dx, dy, away = x[facing], y[facing], dx[facing], dy[facing], away[facing]

@@ -69,12 +69,12 @@ class InertialUnit:
         return ImuReading(quaternion(after.rotation * self._mount), (gx, gy, gz), (ax, ay, az))
 
 
-def specific_force(before: BodyMotion, after: BodyMotion, place: Floats, period: float) -> Floats:
-    """The mean force per mass (m/s^2, in the body's axes) at `place` (m, in the body) between two instants.
+def specific_force(before: BodyMotion, after: BodyMotion, point: Floats, period: float) -> Floats:
+    """The mean force per mass (m/s^2, in the body's axes) at `point` (m, in the body) between two instants.
 
     It is what an accelerometer there feels: its acceleration, less that of free fall.
     """
-    acceleration = (_velocity_at(after, place) - _velocity_at(before, place)) / period
+    acceleration = (_velocity_at(after, point) - _velocity_at(before, point)) / period
     felt = acceleration + np.array([0.0, 0.0, GRAVITY])
     force: Floats = (before.rotation.inv().apply(felt) + after.rotation.inv().apply(felt)) / 2.0
     return force
@@ -86,8 +86,8 @@ def quaternion(rotation: Rotation) -> tuple[float, float, float, float]:
     return (x, y, z, w) if w >= 0.0 else (-x, -y, -z, -w)
 
 
-def _velocity_at(motion: BodyMotion, place: Floats) -> Floats:
-    velocity: Floats = motion.velocity + motion.rotation.apply(np.cross(motion.turning, place))
+def _velocity_at(motion: BodyMotion, point: Floats) -> Floats:
+    velocity: Floats = motion.velocity + motion.rotation.apply(np.cross(motion.turning, point))
     return velocity
 
 

@@ -25,15 +25,15 @@ class RayCaster:
         self._hit = np.zeros(count, np.int32)
         self._distance = np.zeros(count)
 
-    def cast(self, data: object, place: Floats, directions: Floats) -> Floats:
-        """Distances (m), shape (count,), from `place` (3,) along unit vectors (count, 3); negative where nothing is.
+    def cast(self, data: object, point: Floats, directions: Floats) -> Floats:
+        """Distances (m), shape (count,), from `point` (3,) along unit vectors (count, 3); negative where nothing is.
 
         The array is used again by the next call.
         """
         mujoco.mj_multiRay(
             self._model,
             data,
-            place,
+            point,
             directions.ravel(),
             self._groups,
             1,  # walls too

@@ -43,8 +43,8 @@ class SonarRing:
         nearest = np.array([self._nearest(data, place, fan @ turn) for place, fan in directions])
         return measured_ranges(nearest, sonars.noise * noise, (sonars.range_min, sonars.range_max))
 
-    def _nearest(self, data: mujoco.MjData, place: Floats, rays: Floats) -> float:
-        distances = self._rays.cast(data, place, rays)
+    def _nearest(self, data: mujoco.MjData, point: Floats, rays: Floats) -> float:
+        distances = self._rays.cast(data, point, rays)
         hits = distances[distances >= 0.0]
         return float(hits.min()) if hits.size else math.inf
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from ur_nodes.geometry.difference import describe_places
+from ur_nodes.geometry.difference import describe_poses
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.mapping.save_requests import SaveRequests
@@ -55,12 +55,12 @@ class GridMapOutput:
             self._busy = True
             self._picture(self._publish)
 
-    def describe(self, places: Sequence[Pose2]) -> None:
+    def describe(self, poses: Sequence[Pose2]) -> None:
         """Log what would distinguish places on the map."""
 
         def compare(grid: Grid) -> None:
             text = "drive to another room"
-            self._node.work(lambda: describe_places(grid, places, text), self._node.log.warn, _DRAWING)
+            self._node.work(lambda: describe_poses(grid, poses, text), self._node.log.warn, _DRAWING)
 
         self.state(lambda state: self.draw(state, compare))
 

@@ -99,9 +99,9 @@ class SlamReports:
             return
         if not self._lost:
             self._log.warn("lost: looking for the place on the map; drive slowly through places that are mapped")
-        if len(step.places) not in (0, self._places):
-            self._describe(step.places)
-        self._places = len(step.places)
+        if len(step.poses) not in (0, self._places):
+            self._describe(step.poses)
+        self._places = len(step.poses)
 
     def _watch_wheels(self, step: SlamStep) -> None:
         last, self._last = self._last, step.odometry

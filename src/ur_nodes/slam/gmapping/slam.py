@@ -21,7 +21,7 @@ class SlamStep:
     """The outcome of a scan: an estimate, and `odometry` as it was given.
 
     `correction` is the pose of the odometry's frame in the map, or of the robot without odometry; None while `lost`.
-    `places` are those, at least two, that fit equally while the robot is lost; else none. `first`: the map begins.
+    `poses` are those, at least two, that fit equally while the robot is lost; else none. `first`: the map begins.
     `mount` is the pose of the lidar on the robot, None where there are several.
     """
 
@@ -29,7 +29,7 @@ class SlamStep:
     odometry: Pose2 | None
     correction: Pose2 | None
     lost: bool
-    places: Sequence[Pose2]
+    poses: Sequence[Pose2]
     first: bool
     mount: Pose2 | None = None
 

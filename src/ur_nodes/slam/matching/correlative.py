@@ -234,7 +234,7 @@ def finish(work: Work[T]) -> T:
         return result
 
 
-def search_places(
+def search_poses(
     pyramid: Pyramid, points: Floats, guess: Pose2, window: Window, most: int, floor: float = 0.3
 ) -> list[tuple[Pose2, float]]:
     """Find up to `most` places with the best scores in a window about a guess: pose and score, the best first.

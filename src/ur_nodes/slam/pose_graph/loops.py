@@ -115,9 +115,9 @@ def verify_group(
     )
 
 
-def agree(one: PoseLink, other: PoseLink, place: Pose2) -> bool:
+def agree(one: PoseLink, other: PoseLink, pose: Pose2) -> bool:
     """Test two links for the same correction of a pose on the map."""
-    a, b = one.correction.compose(place), other.correction.compose(place)
+    a, b = one.correction.compose(pose), other.correction.compose(pose)
     return math.hypot(a.x - b.x, a.y - b.y) < _AGREEMENT[0] and abs(wrap_angle(a.yaw - b.yaw)) < _AGREEMENT[1]
 
 

@@ -55,8 +55,8 @@ def _explain(result: NotMerged, first: str, second: str) -> Diagnostic:
     if result.reason == "no-scans":
         return error(f"{both}: one has a picture only, expected scans", rule="no-scans", help="make a new map")
     if result.reason == "several-places":
-        places = ", ".join(f"({place.x:.1f}, {place.y:.1f})" for place in result.places[:3])
-        message = f"{both} fit together at {len(result.places)} places equally well: {places}, expected one"
+        places = ", ".join(f"({place.x:.1f}, {place.y:.1f})" for place in result.poses[:3])
+        message = f"{both} fit together at {len(result.poses)} places equally well: {places}, expected one"
         return error(
             message, rule="not-merged", help=f"continue {first!r} to where the places differ: {_CONTINUE}{first}"
         )
@@ -88,7 +88,7 @@ def merge_stored(store: MapStore, first: str, second: str, name: str) -> dict[st
             raise UserError(_explain(merged, first, second))
         state, drawn = merged.state, OccupancyMap(records[0].resolution, records[0].threshold)
         drawn.update(state.poses, state.scans, state.drives)
-        moved = move_record(records[1], merged.place)
+        moved = move_record(records[1], merged.pose)
         record = MapRecord(
             robot=records[0].robot,
             resolution=records[0].resolution,
@@ -98,7 +98,7 @@ def merge_stored(store: MapStore, first: str, second: str, name: str) -> dict[st
         )
         MapWriter(folder, record).write(drawn.grid(), state.poses, state.edges, state.scans)
         draw_masks(folder)
-    return {"name": name, "keyframes": len(state.poses), "links": merged.links, "place": list(merged.place)}
+    return {"name": name, "keyframes": len(state.poses), "links": merged.links, "place": list(merged.pose)}
 
 
 if __name__ == "__main__":

@@ -30,13 +30,13 @@ class Mark:
     blocked: bool = False
 
 
-def place_marks(marks: Sequence[Mark], view: Viewport, palette: MapPalette) -> list[Glyph]:
+def draw_marks(marks: Sequence[Mark], view: Viewport, palette: MapPalette) -> list[Glyph]:
     """Return the marks that lie in the view."""
     found = ((mark, _cell(view, Pose2(mark.x, mark.y, 0.0))) for mark in marks)
     return [Glyph(*cell, m.text, palette.scan if m.blocked else palette.label) for m, cell in found if cell]
 
 
-def place_glyphs(
+def draw_glyphs(
     snapshot: RobotSnapshot,
     places: Mapping[str, Pose2],
     preview: GoalReport | None,
@@ -50,9 +50,9 @@ def place_glyphs(
     """
     marks = []
     goal = preview or snapshot.goal
-    if goal.place is not None and not goal.over:
-        sign = _NO_HEADING if goal.any_heading else _arrow_of(goal.place.yaw)
-        marks += _mark(view, goal.place, sign, palette.ink, palette.goal)
+    if goal.pose is not None and not goal.over:
+        sign = _NO_HEADING if goal.any_heading else _arrow_of(goal.pose.yaw)
+        marks += _mark(view, goal.pose, sign, palette.ink, palette.goal)
     if snapshot.pose is not None and ROBOT_LENGTH / view.scale < SMALL_ROBOT:
         marks += _mark(view, snapshot.pose, _arrow_of(snapshot.pose.yaw), palette.ink, palette.robot)
     taken = {(mark.column, mark.row) for mark in marks} | _robot_cells(snapshot.pose, view)
@@ -120,12 +120,12 @@ def _inside(view: Viewport, cell: Cell) -> bool:
     return 0 <= cell[0] < view.width and 0 <= cell[1] < view.height // 2
 
 
-def _cell(view: Viewport, place: Pose2) -> Cell | None:
-    column, row = view.to_pixel(place.x, place.y)
+def _cell(view: Viewport, pose: Pose2) -> Cell | None:
+    column, row = view.to_pixel(pose.x, pose.y)
     cell = math.floor(column), math.floor(row / 2)
     return cell if _inside(view, cell) else None
 
 
-def _mark(view: Viewport, place: Pose2, text: str, colour: Colour, behind: Colour) -> list[Glyph]:
-    cell = _cell(view, place)
+def _mark(view: Viewport, pose: Pose2, text: str, colour: Colour, behind: Colour) -> list[Glyph]:
+    cell = _cell(view, pose)
     return [Glyph(*cell, text, colour, behind)] if cell else []

@@ -11,7 +11,7 @@ import numpy as np
 from ur.tui.screen.half_blocks import draw_half_blocks
 from ur_nodes.client.snapshot import RobotSnapshot
 from ur_nodes.geometry.grid import Grid
-from ur_nodes.teleop.map_view.glyphs import Mark, place_glyphs, place_marks, scale_bar
+from ur_nodes.teleop.map_view.glyphs import Mark, draw_glyphs, draw_marks, scale_bar
 from ur_nodes.teleop.map_view.palette import DARK
 from ur_nodes.teleop.map_view.picture import GridIndex, Viewport, draw_map, draw_overlay, fit_viewport, index_grid
 
@@ -98,8 +98,8 @@ def draw_map_lines(
     """
     picture = draw_overlay(draw_map(growing.index if growing else None, view, DARK), snapshot, view, DARK)
     glyphs = [
-        *place_marks(marks, view, DARK),
-        *place_glyphs(snapshot, {}, None, view, DARK),
+        *draw_marks(marks, view, DARK),
+        *draw_glyphs(snapshot, {}, None, view, DARK),
         *scale_bar(view, DARK),
     ]
     return draw_half_blocks(picture, "palette" if colour else "letters", glyphs)

@@ -19,7 +19,7 @@ from ur.tui.screen.half_blocks import Colour, Pixels, Run, cells_of_pixels
 from ur_nodes.client.snapshot import GoalReport, LastGoalState, RobotSnapshot, heading_there
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.map_view.glyphs import place_glyphs, scale_bar
+from ur_nodes.teleop.map_view.glyphs import draw_glyphs, scale_bar
 from ur_nodes.teleop.map_view.palette import MapPalette
 from ur_nodes.teleop.map_view.picture import (
     GridIndex,
@@ -49,9 +49,9 @@ class MapView(Widget, can_focus=False):
     class GoalPicked(Message):
         """The user has chosen a goal with the mouse; `any_heading` for a click, which has no heading."""
 
-        def __init__(self, place: Pose2, *, any_heading: bool) -> None:
+        def __init__(self, pose: Pose2, *, any_heading: bool) -> None:
             super().__init__()
-            self.place, self.any_heading = place, any_heading
+            self.place, self.any_heading = pose, any_heading
 
     class ViewChanged(Message):
         """The scale, the position or the following of the robot has changed."""
@@ -130,7 +130,7 @@ class MapView(Widget, can_focus=False):
             self._base = (*key, draw_map(self._index, self.view, self.palette))
             self.post_message(self.ViewChanged())
         picture = draw_overlay(self._base[3], self._snapshot, self.view, self.palette)
-        glyphs = place_glyphs(self._snapshot, self._places, self._preview(), self.view, self.palette)
+        glyphs = draw_glyphs(self._snapshot, self._places, self._preview(), self.view, self.palette)
         glyphs += scale_bar(self.view, self.palette)
         lines = cells_of_pixels(picture, glyphs)
         old = self._lines
@@ -188,8 +188,8 @@ class MapView(Widget, can_focus=False):
             if (event.x, event.y) == self._pressed[1:]:
                 self._dragged_to = None
             goal = self._preview()
-            if goal is not None and goal.place is not None:
-                self.post_message(self.GoalPicked(goal.place, any_heading=goal.any_heading))
+            if goal is not None and goal.pose is not None:
+                self.post_message(self.GoalPicked(goal.pose, any_heading=goal.any_heading))
         self._pressed = self._dragged_to = None
         self.redraw()
 
@@ -213,10 +213,10 @@ class MapView(Widget, can_focus=False):
         x, y = self.view.to_map(column + 0.5, row * 2 + 1.0)
         if self._dragged_to is None:
             place = Pose2(x, y, heading_there(self._snapshot.pose, x, y))
-            return GoalReport(place=place, state=LastGoalState.WAITING, any_heading=True)
+            return GoalReport(pose=place, state=LastGoalState.WAITING, any_heading=True)
         to_column, to_row = self._dragged_to
         place = Pose2(x, y, math.atan2(2.0 * (row - to_row), to_column - column))
-        return GoalReport(place=place, state=LastGoalState.WAITING)
+        return GoalReport(pose=place, state=LastGoalState.WAITING)
 
     def _move(self, columns: float, rows: float) -> None:
         self.following = self._fitted = False

@@ -13,7 +13,7 @@ from textual.widgets import Static
 from ur.source.diagnostic import UserError
 from ur.source.run_users import describe_users
 from ur_nodes.client.patrol_text import PatrolRoute
-from ur_nodes.client.snapshot import LastGoalState, format_place
+from ur_nodes.client.snapshot import LastGoalState, format_pose
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.widget import MapView
@@ -162,7 +162,7 @@ class NavigateApp(NavigateView):
         self._require_to_drive()
         place = Pose2(command.x, command.y, command.yaw)
         self._navigator.set_pose(place)
-        self._show_message(f"pose set to {format_place(place)}")
+        self._show_message(f"pose set to {format_pose(place)}")
 
     @_do.register
     def _save_map(self, _: c.StoreMap) -> None:
@@ -239,7 +239,7 @@ class NavigateApp(NavigateView):
         if pose is None:
             raise bad_command_error("the robot's pose is not known yet, expected a localised robot")
         fresh = self._store().remember(command.name, pose)
-        self._show_places(f"waypoint '{command.name}' {'saved at' if fresh else 'moved to'} {format_place(pose)}")
+        self._show_places(f"waypoint '{command.name}' {'saved at' if fresh else 'moved to'} {format_pose(pose)}")
 
     @_do.register
     def _forget(self, command: c.Forget) -> None:
@@ -260,12 +260,12 @@ class NavigateApp(NavigateView):
             raise bad_command_error("the map has no name yet, expected one as soon as it is saved; try again")
         return store
 
-    def _send(self, place: Pose2, *, any_heading: bool) -> None:
+    def _send(self, pose: Pose2, *, any_heading: bool) -> None:
         if reason := reason_not_to_send(self._navigator.snapshot()):
             self._show_message(f"not sent: {reason}", "yellow")
             return
         try:
-            self._sent = self._navigator.go(place, any_heading=any_heading)
+            self._sent = self._navigator.go(pose, any_heading=any_heading)
         except UserError as problem:
             self._show_message(f"not sent: {error_line(problem)}", "bold red")
         self._look()

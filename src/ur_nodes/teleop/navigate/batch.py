@@ -10,7 +10,7 @@ from ur_nodes.client.driver_text import DriverRequest
 from ur_nodes.client.mux import MuxRequest
 from ur_nodes.client.patrol_text import PatrolRoute
 from ur_nodes.client.saving import MapSaving, Saving
-from ur_nodes.client.snapshot import LastGoalState, NavigationClient, RobotSnapshot, format_place
+from ur_nodes.client.snapshot import LastGoalState, NavigationClient, RobotSnapshot, format_pose
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.navigate import commands as c
@@ -178,12 +178,12 @@ class _Batch:
                 pose = self._navigator.snapshot().pose
                 assert pose is not None, "waited for before the first line"
                 fresh = self._store.remember(command.name, pose)
-                return f"{text}: {'saved at' if fresh else 'moved to'} {format_place(pose)}"
+                return f"{text}: {'saved at' if fresh else 'moved to'} {format_pose(pose)}"
             case c.Forget():
                 self._store.forget(command.name)
                 return f"{text}: deleted"
             case c.ListPlaces():
-                places = (f"{name}: {format_place(place)}" for name, place in self._store.places().items())
+                places = (f"{name}: {format_pose(place)}" for name, place in self._store.places().items())
                 return "\n".join(places) or f"{text}: no waypoints yet"
             case c.CancelGoal():
                 self._navigator.stop()

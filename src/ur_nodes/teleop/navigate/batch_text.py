@@ -20,7 +20,7 @@ class BatchTimeouts:
 
 def result_line(text: str, report: GoalReport, snapshot: RobotSnapshot, seconds: float) -> str:
     """Describe the end of a goal: `g 2 3 90: reached, 0.04 m and 1.2 degrees off, 12.3 s`."""
-    goal, pose = report.place, snapshot.pose
+    goal, pose = report.pose, snapshot.pose
     if report.state is LastGoalState.REACHED and goal is not None and pose is not None:
         off = math.hypot(goal.x - pose.x, goal.y - pose.y)
         turned = math.degrees(abs(wrap_angle(goal.yaw - pose.yaw)))

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from ur_nodes.client.driver_text import DriverRequest
-from ur_nodes.client.snapshot import LastGoalState, RobotSnapshot, format_place
+from ur_nodes.client.snapshot import LastGoalState, RobotSnapshot, format_pose
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.navigate.status_text import silence_line
 
@@ -22,10 +22,10 @@ REQUESTED: dict[DriverRequest, str] = {
 def announce_goal(snapshot: RobotSnapshot) -> tuple[str, str]:
     """Return the message about the state of the goal, and its style. The goal has a place."""
     report = snapshot.goal
-    assert report.place is not None
-    where = format_place(report.place, any_heading=report.any_heading)
+    assert report.pose is not None
+    where = format_pose(report.pose, any_heading=report.any_heading)
     if report.state is LastGoalState.REACHED and snapshot.pose is not None:
-        off = math.hypot(report.place.x - snapshot.pose.x, report.place.y - snapshot.pose.y)
+        off = math.hypot(report.pose.x - snapshot.pose.x, report.pose.y - snapshot.pose.y)
         return f"reached {where}, {off:.2f} m off", "green"
     if report.state is LastGoalState.FAILED:
         return f"{where}: failed: {report.text}", "bold red"

@@ -12,7 +12,7 @@ from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 from textual.widgets import Static
 
-from ur_nodes.client.snapshot import format_place
+from ur_nodes.client.snapshot import format_pose
 from ur_nodes.geometry.pose import Pose2
 
 _WIDEST = 200
@@ -93,7 +93,7 @@ def list_places(places: Mapping[str, Pose2]) -> RenderableType:
     """List the waypoints, one a line."""
     table = Table.grid(padding=(0, 2), pad_edge=False)
     for name, place in places.items():
-        table.add_row(Text(name, "cyan"), format_place(place))
+        table.add_row(Text(name, "cyan"), format_pose(place))
     table.add_row(Text("m NAME" if places else "w NAME", "dim"), Text(_hint(bool(places)), "dim"))
     return table
 

@@ -179,7 +179,7 @@ class NavigateView(FullScreenApp[None]):
         if (report.number, report.state) == self._announced:
             return
         self._announced = (report.number, report.state)
-        if report.place is not None:
+        if report.pose is not None:
             self._show_message(*announce_goal(snapshot))
             self._result_shown = True
 

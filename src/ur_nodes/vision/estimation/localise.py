@@ -58,7 +58,7 @@ class FiducialLocaliser:
         self._errors = UNKNOWN_ERRORS
         self._belief: Belief | None = None
         if start is not None:
-            self.place(start)
+            self.set_pose(start)
 
     @property
     def contradicting(self) -> frozenset[int]:
@@ -80,7 +80,7 @@ class FiducialLocaliser:
         """The estimated errors of the wheels."""
         return self._belief.errors if self._belief else self._errors
 
-    def place(self, pose: Pose2) -> None:
+    def set_pose(self, pose: Pose2) -> None:
         """Set the robot's pose, to half a metre and half a radian."""
         self.forget()
         self._belief = guess(pose, self._errors)

@@ -55,10 +55,10 @@ def _describe_covariance(found: Mapping[str, object], place: Place) -> dict[str,
 def _describe_fiducials(found: Mapping[str, object], _place: Place) -> dict[str, object]:
     """Describe the fiducials of the map: id, x, y (m)."""
     marks = [
-        [each.number, *_round(*each.place[:2])]
+        [each.number, *_round(*each.position[:2])]
         for fiducials in _only(found, MappedFiducials).values()
         for each in fiducials.fiducials[:_MOST_MARKS]
-        if all(map(math.isfinite, each.place[:2]))
+        if all(map(math.isfinite, each.position[:2]))
     ]
     return {"marks": marks}
 

@@ -30,7 +30,7 @@ def test_place_that_is_pursued_is_kept_when_another_is_as_good() -> None:
     floor = read_floor(draw(HALL), place(9.5, 1.5, HALL), 0.2)
     left, right = viewpoint(floor, 2), viewpoint(floor, 17)
     for each in (left, right):
-        assert choose_viewpoint(floor, (left, right), Weights(), each.frontier.place) is each
+        assert choose_viewpoint(floor, (left, right), Weights(), each.frontier.point) is each
 
 
 def test_gain_decides_between_equal_ways() -> None:

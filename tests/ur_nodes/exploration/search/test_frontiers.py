@@ -19,7 +19,7 @@ def test_frontier_is_where_known_floor_ends() -> None:
     _, found = frontiers_of(draw(ROOM))
     assert len(found) == 1
     # The floor beyond the door: its end and both its sides.
-    assert found[0].place == pytest.approx((4.9, 2.0), abs=0.5)
+    assert found[0].point == pytest.approx((4.9, 2.0), abs=0.5)
     assert found[0].gain > 2.0
 
 
@@ -39,7 +39,7 @@ def test_gaps_between_beams_are_no_frontiers() -> None:
 
 def test_floor_at_the_edge_of_the_grid_is_a_frontier() -> None:
     _, found = frontiers_of(draw("####\n....\n....\n####"))
-    assert sorted(round(each.place[0], 1) for each in found) == [0.0, 1.6]
+    assert sorted(round(each.point[0], 1) for each in found) == [0.0, 1.6]
 
 
 def test_short_frontiers_are_left_out() -> None:

@@ -44,7 +44,7 @@ def test_robot_arrives_looking_ahead_and_faces_the_frontier_when_asked() -> None
     assert ahead is not None
     assert facing is not None
     assert abs(ahead.pose.yaw) < math.pi / 2  # it drives to the right
-    towards = math.atan2(frontier.place[1] - facing.pose.y, frontier.place[0] - facing.pose.x)
+    towards = math.atan2(frontier.point[1] - facing.pose.y, frontier.point[0] - facing.pose.x)
     assert abs(facing.pose.yaw - towards) < 1.2
 
 

@@ -42,30 +42,30 @@ def test_one_who_walks_is_found_with_place_and_velocity(speed: float, course: fl
     step = PERIOD * speed * np.array((math.cos(course), math.sin(course)))
     places = [(2.5 + i * step[0], 0.5 + i * step[1]) for i in range(16)]
     people = track(*places, noise=0.01)
-    assert len(people.places) == 1
-    assert math.dist(people.places[0], places[-1]) < 0.12
+    assert len(people.points) == 1
+    assert math.dist(people.points[0], places[-1]) < 0.12
     assert np.hypot(*(people.velocities[0] - step / PERIOD)) < 0.25
 
 
 def test_one_who_stands_counts_as_a_person_at_first_only() -> None:
-    assert len(track(*[(2.0, 0.0)] * 20).places) == 1
+    assert len(track(*[(2.0, 0.0)] * 20).points) == 1
     assert np.all(track(*[(2.0, 0.0)] * 20).velocities == 0.0)
-    assert len(track(*[(2.0, 0.0)] * 310).places) == 0
+    assert len(track(*[(2.0, 0.0)] * 310).points) == 0
 
 
 def test_one_who_walked_and_stands_stays_a_person() -> None:
     walk = [(2.0 + 0.08 * i, 0.0) for i in range(15)]
     people = track(*walk, *[walk[-1]] * 130)
-    assert len(people.places) == 1
+    assert len(people.points) == 1
     assert np.hypot(*people.velocities[0]) < 0.05
 
 
 def test_what_the_map_explains_and_what_is_wider_is_no_person() -> None:
-    assert len(track((2.0, 0.0), explained=True).places) == 0
+    assert len(track((2.0, 0.0), explained=True).points) == 0
     wall = np.column_stack((np.full(60, 2.0), np.linspace(-1.0, 1.0, 60)))
     tracker = PeopleTracker()
     tracker.update(0.0, SENSOR, wall, np.zeros(60, bool))
-    assert len(tracker.people(0.0).places) == 0
+    assert len(tracker.people(0.0).points) == 0
 
 
 def test_two_who_cross_keep_their_tracks() -> None:
@@ -92,7 +92,7 @@ def test_a_long_pause_and_forgetting_end_all_tracks() -> None:
     points = arc(2.0, 0.0)
     tracker.update(0.0, SENSOR, points, np.zeros(len(points), bool))
     tracker.forget()
-    assert len(tracker.people(0.0).places) == 0
+    assert len(tracker.people(0.0).points) == 0
     tracker.update(0.0, SENSOR, points, np.zeros(len(points), bool))
     tracker.update(5.0, SENSOR, np.empty((0, 2)), np.zeros(0, bool))
-    assert len(tracker.people(5.0).places) == pytest.approx(0)
+    assert len(tracker.people(5.0).points) == pytest.approx(0)

@@ -34,7 +34,7 @@ def test_regions_know_their_centres_and_mean_weights() -> None:
     costs[0:4, 0:2] = 100
     costs[1, 3] = 0
     regions = find_regions(costs, WEIGHTS, 4)
-    assert regions.graph.places.tolist() == [[1.5, 0.5], [1.0, 3.0]]
+    assert regions.graph.points.tolist() == [[1.5, 0.5], [1.0, 3.0]]
     assert regions.blocks.tolist() == [[0, 0], [0, 0]]
 
 

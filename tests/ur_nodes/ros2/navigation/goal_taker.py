@@ -10,7 +10,7 @@ import sys
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.actions import GoalHandle
 from ur_nodes.ports.node import Node
-from ur_nodes.ports.values import PlacedPose
+from ur_nodes.ports.values import StampedPose
 from ur_nodes.run import run
 
 _BEAT = 0.05  # s
@@ -46,7 +46,7 @@ class GoalTaker:
             return
         self._beats += 1
         aim = handle.goal.target
-        handle.report(PlacedPose(self._node.now(), "map", Pose2(aim.pose.x * self._beats / 3.0, 0.0, 0.0)))
+        handle.report(StampedPose(self._node.now(), "map", Pose2(aim.pose.x * self._beats / 3.0, 0.0, 0.0)))
         if self._beats == 3 and aim.pose.x <= 5.0:
             self._handle = None
             if aim.pose.x < -5.0:

@@ -92,7 +92,7 @@ class Nav2Driver:
 
     def _note(self, name: str) -> None:
         goal = self._topics.goal()
-        self._found[name] = [goal.state.value, goal.text, goal.place and goal.place.x, goal.recoveries]
+        self._found[name] = [goal.state.value, goal.text, goal.pose and goal.pose.x, goal.recoveries]
 
     def _look(self) -> None:
         if self._condition():

@@ -9,7 +9,7 @@ import pytest
 from geometry_msgs.msg import PoseStamped
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.ports.values import PlacedPose
+from ur_nodes.ports.values import StampedPose
 from ur_nodes.ros2.navigation.messages import (
     UNKNOWN_ERROR,
     fill_feedback,
@@ -21,7 +21,7 @@ from ur_nodes.ros2.navigation.messages import (
 )
 
 pytestmark = pytest.mark.ros
-THERE = PlacedPose(2_000_000_000, "map", Pose2(1.0, -2.0, 0.5))
+THERE = StampedPose(2_000_000_000, "map", Pose2(1.0, -2.0, 0.5))
 
 
 def goal_of(*poses: PoseStamped) -> Any:

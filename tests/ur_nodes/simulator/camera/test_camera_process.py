@@ -60,7 +60,7 @@ def test_picture_turns_with_the_robot(magni: Base, make_world: MakeWorld) -> Non
     process = CameraProcess(world, base, base.raspicam, 1)
     try:
         ahead = process.render(0, simulation.state(), pixels=True, jpeg=False)
-        simulation.place("robot", (0.0, 0.0, math.pi / 2))
+        simulation.set_pose("robot", (0.0, 0.0, math.pi / 2))
         left = process.render(0, simulation.state(), pixels=True, jpeg=False)
     finally:
         process.close()

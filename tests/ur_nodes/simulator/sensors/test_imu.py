@@ -127,7 +127,7 @@ def test_simulated_unit_feels_the_bump_into_a_wall(room: WorldModel, stage: Base
 def test_simulated_unit_does_not_feel_that_it_is_placed_elsewhere(room: WorldModel, stage: Base, drive: Drive) -> None:
     simulation = Simulation(room, replace(stage, imu=unit()))
     drive(simulation, 1.0, 0.5)
-    simulation.place("robot", (3.0, 1.0, 1.0))
+    simulation.set_pose("robot", (3.0, 1.0, 1.0))
     force = read(simulation).force
     assert max(abs(force[0]), abs(force[1]), abs(force[2] - GRAVITY)) < 0.6
 

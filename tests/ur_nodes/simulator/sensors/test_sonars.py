@@ -43,7 +43,7 @@ def test_sonar_gives_the_distance_to_the_wall_it_faces(room: WorldModel, stage: 
     left, back = (0.0, 0.2, 0.15, 0.0, 0.0, math.pi / 2), (-0.2, 0.0, 0.15, 0.0, 0.0, math.pi)
     simulation = Simulation(room, fit(stage, AHEAD, left, back), start=(3.0, 0.5, 0.0))
     assert hear(simulation) == pytest.approx([5.0 - 3.2, 2.0 - 0.7, math.inf], abs=0.005)
-    simulation.place("robot", (3.0, 0.5, math.pi / 2))
+    simulation.set_pose("robot", (3.0, 0.5, math.pi / 2))
     assert hear(simulation) == pytest.approx([1.3, math.inf, 2.3], abs=0.005)
 
 
@@ -59,11 +59,11 @@ def test_sonar_hears_an_obstacle_that_moves_in_and_out_of_its_cone(make_world: M
     world = make_world("obstacles:\n  - {name: crate, pose: [-4, 0, 0], size: [0.3, 0.3, 0.6], mass: 20}\n")
     simulation = Simulation(world, fit(stage, AHEAD, range_max=2.0))
     assert hear(simulation) == [math.inf]
-    simulation.place("crate", (1.5, 0.0, 0.0))
+    simulation.set_pose("crate", (1.5, 0.0, 0.0))
     assert hear(simulation)[0] == pytest.approx(1.5 - 0.15 - 0.2, abs=0.005)
-    simulation.place("crate", (1.5, 0.3, 0.0))  # its corner is still in the cone
+    simulation.set_pose("crate", (1.5, 0.3, 0.0))  # its corner is still in the cone
     assert 1.1 < hear(simulation)[0] < 1.3
-    simulation.place("crate", (1.5, 0.8, 0.0))
+    simulation.set_pose("crate", (1.5, 0.8, 0.0))
     assert hear(simulation) == [math.inf]
 
 

@@ -41,7 +41,7 @@ class BatchWorld:
 def arriving(navigator: Any) -> Callable[[float], None]:
     def happens(_now: float) -> None:
         if not navigator.seen.goal.over:
-            navigator.move(navigator.seen.goal.place)
+            navigator.move(navigator.seen.goal.pose)
             navigator.end(LastGoalState.REACHED)
 
     return happens

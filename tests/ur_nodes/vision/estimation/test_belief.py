@@ -60,7 +60,7 @@ def test_robot_learns_on_the_way_how_its_wheels_err_and_strays_less_where_it_see
         learned.add(said, seen)
     # The wheels of `drift` are 1 % long, turn by 0.004 rad a metre, and by 1.5 % too much.
     assert np.allclose(learned.errors.values, (-0.01, -0.004, -0.015), atol=0.008)
-    learned.place(HERE)
+    learned.set_pose(HERE)
     offs = []
     for pose, said in drift(drive([(0.0, 0.0), (6.0, 0.0), (6.0, 6.0)]), random):
         for localiser in (learned, naive):

@@ -12,7 +12,7 @@ from ur_nodes.geometry.pose import Pose2, Pose3
 
 
 @dataclass(frozen=True, slots=True)
-class PlacedPose:
+class StampedPose:
     """A pose in a frame."""
 
     stamp: int

@@ -16,7 +16,7 @@ from ur_nodes.codecs.dialect import ROS_2, parts_of, stamp_of
 from ur_nodes.codecs.geometry import checked_pose_of, fill_pose, matrix_of, numbers_of, pose_message, pose_of_message
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.services import AskPath
-from ur_nodes.ports.values import Outline, Path, PlacedPose, PoseEstimate, Poses, Result
+from ur_nodes.ports.values import Outline, Path, PoseEstimate, Poses, Result, StampedPose
 
 if ROS_2 and not TYPE_CHECKING:  # as in `dialect`
     from geometry_msgs.msg import PoseArray as PosesMessage
@@ -26,15 +26,15 @@ else:
 _PlanRequest, _PlanResponse = parts_of(GetPlan)
 
 
-def fill_placed(message: PoseStamped, value: PlacedPose) -> None:
+def fill_stamped(message: PoseStamped, value: StampedPose) -> None:
     """Write a geometry_msgs/PoseStamped."""
     fill_header(message, value.stamp, value.frame)
     fill_pose(message.pose, value.pose)
 
 
-def placed_of(message: PoseStamped) -> PlacedPose:
+def stamped_of(message: PoseStamped) -> StampedPose:
     """Read a geometry_msgs/PoseStamped."""
-    return PlacedPose(stamp_of(message.header.stamp), frame_of(message), checked_pose_of(message.pose))
+    return StampedPose(stamp_of(message.header.stamp), frame_of(message), checked_pose_of(message.pose))
 
 
 def fill_estimate(message: PoseWithCovarianceStamped, value: PoseEstimate) -> None:
@@ -96,8 +96,8 @@ def _rows(poses: Iterable[Pose2]) -> NDArray[np.float64]:
 
 def _ask_path_request(value: AskPath) -> GetPlan.Request:
     request = _PlanRequest(start=PoseStamped(), goal=PoseStamped(), tolerance=value.tolerance)
-    fill_placed(request.start, value.start)
-    fill_placed(request.goal, value.goal)
+    fill_stamped(request.start, value.start)
+    fill_stamped(request.goal, value.goal)
     return request
 
 
@@ -108,7 +108,7 @@ def _path_response(result: Result) -> GetPlan.Response:
 
 
 CODECS = {
-    PlacedPose: Codec(PoseStamped, fill_placed, placed_of),
+    StampedPose: Codec(PoseStamped, fill_stamped, stamped_of),
     PoseEstimate: Codec(PoseWithCovarianceStamped, fill_estimate, estimate_of),
     Poses: Codec(PosesMessage, _fill_poses, _poses_of),
     Path: Codec(PathMessage, fill_path, path_of),
@@ -119,7 +119,7 @@ SERVICES = {
     AskPath: ServiceCodec(
         GetPlan,
         _ask_path_request,
-        lambda request: AskPath(placed_of(request.start), placed_of(request.goal), float(request.tolerance)),
+        lambda request: AskPath(stamped_of(request.start), stamped_of(request.goal), float(request.tolerance)),
         _path_response,
         lambda response: Result(success=True, value=path_of(response.plan)),
     ),
