@@ -118,13 +118,13 @@ async def take_screenshot(size: tuple[int, int], light: bool) -> str:
     with ours, RunClient(theirs) as control:
         app = WatchApp(control, services, light=light)
         async with app.run_test(size=size) as pilot:
-            app.take(make_state())
+            app.show_events(make_state())
             for when, name, text in (*LINES, (-6, "", DEATH), *LATER):
                 services.time = NOW + when
                 said = OutputLine(f"/{name}", "out", find_severity(text), text) if name else Notice("error", text)
-                app.take([said])
+                app.show_events([said])
             services.time = NOW
-            app.take([])
+            app.show_events([])
             for _ in range(3):
                 await pilot.press("down")
             await pilot.pause(0.2)

@@ -93,7 +93,7 @@ class Tree:
 class TreeShell:
     """A shell of the computer of a tree: scripts that look at devices or ask them see only those."""
 
-    place = "the computer of the tree"
+    destination = "the computer of the tree"
 
     def __init__(self, tree: Tree) -> None:
         self._root = str(tree.root)

@@ -21,26 +21,26 @@ def make(count: int, *pairs: tuple[int, int]) -> DrawnGraph:
 
 
 def test_chain_goes_from_left_to_right() -> None:
-    places = lay_out_graph(make(3, (0, 1), (1, 2), (0, 2))).places
+    places = lay_out_graph(make(3, (0, 1), (1, 2), (0, 2))).positions
     assert places["b0"].x < places["b1"].x < places["b2"].x
 
 
 def test_arrow_that_passes_a_layer_goes_round_its_boxes() -> None:
     picture = lay_out_graph(make(3, (0, 1), (1, 2), (0, 2)))
-    between = picture.places["b1"]
+    between = picture.positions["b1"]
     assert [not between.y <= y <= between.y + HEIGHT for _, y in picture.routes["b0", "b2"]] == [True, True]
 
 
 def test_crossings_are_avoided() -> None:
-    places = lay_out_graph(make(4, (0, 3), (1, 2))).places
+    places = lay_out_graph(make(4, (0, 3), (1, 2))).positions
     assert (places["b0"].y < places["b1"].y) == (places["b3"].y < places["b2"].y)
 
 
 @given(GRAPHS)
 def test_no_two_boxes_overlap_and_all_lie_inside(graph: DrawnGraph) -> None:
     picture = lay_out_graph(graph)
-    assert set(picture.places) == {box.id for box in graph.boxes}
-    placed = list(picture.places.values())
+    assert set(picture.positions) == {box.id for box in graph.boxes}
+    placed = list(picture.positions.values())
     for number, one in enumerate(placed):
         assert 0.0 <= one.x <= one.x + one.width <= picture.width + 1e-6
         assert 0.0 <= one.y <= one.y + HEIGHT <= picture.height + 1e-6
@@ -50,4 +50,4 @@ def test_no_two_boxes_overlap_and_all_lie_inside(graph: DrawnGraph) -> None:
 
 
 def test_graph_without_boxes_is_empty() -> None:
-    assert lay_out_graph(make(0)).places == {}
+    assert lay_out_graph(make(0)).positions == {}

@@ -10,7 +10,7 @@ from ur.check.computer import make_world
 from ur.lsp.actions import list_actions
 from ur.lsp.completion import complete
 from ur.lsp.definitions import find_definitions, find_references
-from ur.lsp.hover import describe_place
+from ur.lsp.hover import describe_at
 from ur.lsp.workspace import Workspace
 
 PART = """<launch>
@@ -98,7 +98,7 @@ def test_completion_offers_what_fits(tmp_path: Path, text: str, labels: list[str
 )
 def test_hover_describes_a_thing(tmp_path: Path, text: str, words: str) -> None:
     here = EditedText(tmp_path, text)
-    found = describe_place(here.workspace, here.path, here.offset)
+    found = describe_at(here.workspace, here.path, here.offset)
     assert found is not None
     assert words in found[0]
 

@@ -145,9 +145,9 @@ async def _run_sequence(
                 person.let_go()
             if robot.link.silent:
                 robot.link.silent = False
-                robot.files.take_back(robot.assistant.id)
+                robot.files.revoke(robot.assistant.id)
         _end(robot, allowed)
-        robot.files.take_back(robot.assistant.id)
+        robot.files.revoke(robot.assistant.id)
         rest = robot.now + 2.0
         while robot.now < rest:
             await asyncio.sleep(0)
@@ -161,7 +161,7 @@ def _change_grant(robot: AssistedRobot, choose: random.Random, allowed: list[All
     kind = choose.choice(("keep", "keep", "keep", "give", "give", "short", "take"))
     if kind == "take":
         _end(robot, allowed)
-        robot.files.take_back(robot.assistant.id)
+        robot.files.revoke(robot.assistant.id)
     elif kind in ("give", "short"):
         _end(robot, allowed)
         speed = round(choose.uniform(0.05, 0.4), 2)
@@ -194,7 +194,7 @@ def _choose_areas(x: float, y: float, choose: random.Random) -> tuple[tuple[Area
 def _end(robot: AssistedRobot, allowed: list[Allowed]) -> None:
     """The newest grant ends now, and the server looks at its files: how soon it does by itself, real time decides."""
     if not robot.link.silent:
-        robot.files.take_back(robot.assistant.id)
+        robot.files.revoke(robot.assistant.id)
         robot.assistant.look_at_grant()
     _note_end(robot, allowed)
 

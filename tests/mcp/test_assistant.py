@@ -140,7 +140,7 @@ async def test_grant_that_is_taken_back_stops_the_robot(robot: AssistedRobot) ->
     async with robot.connect() as client:
         task = asyncio.create_task(client.call_tool("go_to", {"x": 0.9, "y": 0.0}))
         await wait_for_motion(robot)
-        assert robot.files.take_back(robot.assistant.id)
+        assert robot.files.revoke(robot.assistant.id)
         assert "no grant" in text_of(await task)
 
 
@@ -152,7 +152,7 @@ async def test_no_sign_of_life_follows_the_end_of_a_grant(robot: AssistedRobot) 
             began = await wait_for_motion(robot)
             while robot.now < began + 0.01 * each:
                 await asyncio.sleep(0)
-            robot.files.take_back(robot.assistant.id)
+            robot.files.revoke(robot.assistant.id)
             beats = robot.link.beats
             assert "no grant" in text_of(await task)
             assert robot.link.beats == beats

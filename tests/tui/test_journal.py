@@ -81,10 +81,10 @@ def test_notice_of_several_lines_is_one_entry() -> None:
 
 def test_changes_name_the_oldest_entry_that_changed() -> None:
     made = journal("one", "two")
-    assert made.take_changes() == 0
-    assert made.take_changes() is None
+    assert made.pop_changes() == 0
+    assert made.pop_changes() is None
     made.add([line("/a", "two")], 2.0)
-    assert made.take_changes() == 1
+    assert made.pop_changes() == 1
 
 
 @pytest.mark.parametrize(("filter_", "shown"), [

@@ -62,7 +62,7 @@ class FileWatch:
         self._paths = [os.path.abspath(path) for path in paths]  # noqa: PTH100 - texts throughout
         self._stamps = dict(self._look())
 
-    def take_changes(self) -> list[str]:
+    def pop_changes(self) -> list[str]:
         """Return the sorted paths that were written, created or removed since the last call."""
         before, self._stamps = self._stamps, dict(self._look())
         return sorted(path for path in {*before, *self._stamps} if before.get(path) != self._stamps.get(path))

@@ -44,7 +44,7 @@ def become_root(shell: SshShell, given: str) -> list[Secret]:
     from ur.robot.ssh.secret import Secret
 
     def ask() -> Secret:
-        return Secret(getpass.getpass(f"password of {shell.place}: "))
+        return Secret(getpass.getpass(f"password of {shell.destination}: "))
 
     return become(shell, Secret(given) if given else None, ask if sys.stdin.isatty() else None)
 

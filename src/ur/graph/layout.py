@@ -24,7 +24,7 @@ _BEND = (0.0, 0.0)  # the size of a place where an arrow passes a layer
 
 
 @dataclass(frozen=True, slots=True)
-class BoxPlace:
+class BoxPosition:
     """Left, top, width and height of a box, in px."""
 
     x: float
@@ -39,7 +39,7 @@ class GraphLayout:
 
     width: float
     height: float
-    places: Mapping[str, BoxPlace]
+    positions: Mapping[str, BoxPosition]
     routes: Mapping[tuple[str, str], tuple[tuple[float, float], ...]]
 
 
@@ -51,7 +51,7 @@ def lay_out_graph(graph: DrawnGraph) -> GraphLayout:
     layers = _find_layers(ids, pairs)
     links, bends = _bend_long_arrows(layers, pairs)
     layers = _sort_layers(layers, links)
-    places: dict[str, BoxPlace] = {}
+    places: dict[str, BoxPosition] = {}
     # A bend has no height, and goes straight through its layer.
     tall = max((sum(sizes.get(each, _BEND)[1] + _GAP_Y for each in layer) for layer in layers), default=_GAP_Y)
     x = 0.0
@@ -60,7 +60,7 @@ def lay_out_graph(graph: DrawnGraph) -> GraphLayout:
         y = (tall - sum(sizes.get(each, _BEND)[1] + _GAP_Y for each in layer)) / 2.0
         for each in layer:
             width, height = sizes.get(each, (wide, 0.0))
-            places[each] = BoxPlace(x, y, width, height)
+            places[each] = BoxPosition(x, y, width, height)
             y += height + _GAP_Y
         x += wide + _GAP_X
     routes = {
@@ -74,8 +74,8 @@ def _measure(box: GraphBox) -> tuple[float, float]:
     return longest * _CHARACTER + _PADDING, TALL if box.note else HEIGHT
 
 
-def _through(place: BoxPlace) -> tuple[tuple[float, float], tuple[float, float]]:
-    return (place.x, place.y), (place.x + place.width, place.y)
+def _through(position: BoxPosition) -> tuple[tuple[float, float], tuple[float, float]]:
+    return (position.x, position.y), (position.x + position.width, position.y)
 
 
 def _bend_long_arrows(

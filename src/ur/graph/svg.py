@@ -6,7 +6,7 @@ from html import escape
 from itertools import pairwise
 
 from ur.graph.boxes import Arrow, DrawnGraph, GraphBox
-from ur.graph.layout import HEIGHT, BoxPlace, GraphLayout, lay_out_graph
+from ur.graph.layout import HEIGHT, BoxPosition, GraphLayout, lay_out_graph
 from ur.source.printable import printable_lines
 
 _MARGIN = 12.0
@@ -35,7 +35,7 @@ def write_svg(graph: DrawnGraph, title: str) -> str:
     """Return a separate picture with `title` as its name; it follows the reader's light or dark scheme."""
     picture = lay_out_graph(graph)
     # Arrows that lead back dip below the boxes.
-    dips = [_dip(picture.places[arrow.source], picture.places[arrow.target]) for arrow in graph.arrows]
+    dips = [_dip(picture.positions[arrow.source], picture.positions[arrow.target]) for arrow in graph.arrows]
     bottom = max([picture.height, *(0.75 * dip + 0.25 * picture.height for dip in dips if dip)])
     width, height = picture.width + 2 * _MARGIN, bottom + 2 * _MARGIN
     parts = [
@@ -45,29 +45,30 @@ def write_svg(graph: DrawnGraph, title: str) -> str:
         f'<g transform="translate({_MARGIN:g} {_MARGIN:g})">\n',
     ]
     parts += [_draw_arrow(arrow, picture) for arrow in graph.arrows]
-    parts += [_draw_box(box, picture.places[box.id]) for box in graph.boxes]
+    parts += [_draw_box(box, picture.positions[box.id]) for box in graph.boxes]
     return printable_lines("".join([*parts, "</g>\n</svg>\n"]))
 
 
-def _draw_box(box: GraphBox, place: BoxPlace) -> str:
-    middle = place.x + place.width / 2
+def _draw_box(box: GraphBox, position: BoxPosition) -> str:
+    middle = position.x + position.width / 2
     long = ", ".join(part for part in (box.title or box.label, box.note) if part)
     note = ""
     if box.note:
         note = (
-            f'<text class="note" x="{middle:.1f}" y="{place.y + HEIGHT + 5:.1f}" text-anchor="middle">'
+            f'<text class="note" x="{middle:.1f}" y="{position.y + HEIGHT + 5:.1f}" text-anchor="middle">'
             f"{escape(box.note)}</text>"
         )
     return (
         f'<g class="{box.kind}"><title>{escape(long)}</title>'
-        f'<rect x="{place.x:.1f}" y="{place.y:.1f}" width="{place.width:.1f}" height="{place.height:g}" rx="6"/>'
-        f'<text x="{middle:.1f}" y="{place.y + HEIGHT / 2 + 4.5:.1f}" text-anchor="middle">'
+        f'<rect x="{position.x:.1f}" y="{position.y:.1f}" width="{position.width:.1f}"'
+        f' height="{position.height:g}" rx="6"/>'
+        f'<text x="{middle:.1f}" y="{position.y + HEIGHT / 2 + 4.5:.1f}" text-anchor="middle">'
         f"{escape(box.label)}</text>{note}</g>\n"
     )
 
 
 def _draw_arrow(arrow: Arrow, picture: GraphLayout) -> str:
-    source, target = picture.places[arrow.source], picture.places[arrow.target]
+    source, target = picture.positions[arrow.source], picture.positions[arrow.target]
     dip = _dip(source, target)
     if dip is None:
         points = [(source.x + source.width, source.y + source.height / 2)]
@@ -88,7 +89,7 @@ def _draw_arrow(arrow: Arrow, picture: GraphLayout) -> str:
     return f'<g class="arrow{name}"><path d="{line}"/><path class="tip" d="M{_at(points[-1])}{tip}"/>{text}</g>\n'
 
 
-def _dip(source: BoxPlace, target: BoxPlace) -> float | None:
+def _dip(source: BoxPosition, target: BoxPosition) -> float | None:
     """Return the lowest control point of an arrow that does not lead to the right; None for one that does."""
     return None if target.x > source.x else max(source.y + source.height, target.y + target.height) + 26
 

@@ -11,9 +11,9 @@ from ur.check.rule import TextEdit
 from ur.lsp.actions import format_text, list_actions
 from ur.lsp.completion import complete
 from ur.lsp.convert import path_of, uri_of
+from ur.lsp.cursor import Candidate, CandidateKind
 from ur.lsp.definitions import find_definitions, find_references
-from ur.lsp.hover import describe_place
-from ur.lsp.place import Candidate, CandidateKind
+from ur.lsp.hover import describe_at
 from ur.lsp.symbols import Symbol, SymbolKind, list_folds, list_symbols, outline
 from ur.source.file import Span
 
@@ -64,7 +64,7 @@ def _add_places(server: LaunchServer) -> None:
     @server.feature(types.TEXT_DOCUMENT_HOVER)
     def _hover(params: types.HoverParams) -> types.Hover | None:
         place = _place(server, params.text_document.uri, params.position)
-        found = describe_place(server.files, *place) if place is not None else None
+        found = describe_at(server.files, *place) if place is not None else None
         if found is None:
             return None
         text = types.MarkupContent(types.MarkupKind.Markdown, found[0])

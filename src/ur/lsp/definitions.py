@@ -86,7 +86,7 @@ def find_argument_in(path: str, name: str, workspace: Workspace) -> list[Occurre
 
 def included_by(thing: NamedThing, view: LaunchView, workspace: Workspace) -> list[str]:
     """The files that the `<include>` around a place takes in, in any case."""
-    include = thing.place.parents[-1]
+    include = thing.cursor.parents[-1]
     start, end = include.values.get("file", (0, 0))
     return find_files(view.tree.source.text[start:end], view, start, workspace)
 
@@ -109,7 +109,7 @@ def find_programs(thing: NamedThing, view: LaunchView, workspace: Workspace) -> 
 
 def programs_around(thing: NamedThing, view: LaunchView, workspace: Workspace) -> list[NodeProgram]:
     """The programs of the `<node>` that holds a place."""
-    tags = (thing.place.tag, *reversed(thing.place.parents))
+    tags = (thing.cursor.tag, *reversed(thing.cursor.parents))
     node = next((each for each in tags if each is not None and each.name in ("node", "test")), None)
     return programs_of_tag(node, view, workspace) if node is not None else []
 
@@ -129,7 +129,7 @@ def _others(thing: NamedThing, view: LaunchView, workspace: Workspace) -> Iterat
 
 def _full_names(thing: NamedThing, view: LaunchView, workspace: Workspace) -> set[str]:
     # A parameter's, as the tag that sets it is resolved; else what is written.
-    tag = thing.place.tag
+    tag = thing.cursor.tag
     if thing.kind == "param" and tag is not None:
         params = (param for _, plan, _ in workspace.cases(view) for param in plan.params)
         spans = ((param.name, param.origin) for param in params)

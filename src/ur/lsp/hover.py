@@ -28,7 +28,7 @@ from ur.tools.find.programs import read_program
 _MOST = 8  # cases, topics
 
 
-def describe_place(workspace: Workspace, path: str, offset: int) -> tuple[str, Span] | None:
+def describe_at(workspace: Workspace, path: str, offset: int) -> tuple[str, Span] | None:
     """Markdown about the thing at a place, and the text that it is about; None where there is nothing to show."""
     if is_yaml(path):
         return _describe_key(workspace, path, offset)
@@ -42,7 +42,7 @@ def describe_place(workspace: Workspace, path: str, offset: int) -> tuple[str, S
 
 def _describe(thing: NamedThing, view: LaunchView, workspace: Workspace) -> str:
     if thing.kind in ("tag", "attribute"):
-        choices = find_choices(thing.place.tag.name if thing.place.tag else "", thing.name)
+        choices = find_choices(thing.cursor.tag.name if thing.cursor.tag else "", thing.name)
         return " ".join([DOCUMENTS.get(thing.name, ""), f"One of {', '.join(choices)}." if choices else ""]).strip()
     if thing.kind == "arg":
         return _describe_argument(thing.name, view, workspace)
@@ -106,7 +106,7 @@ def _list_values(values: dict[str, list[str]]) -> str:
 
 
 def _expansion(thing: NamedThing, view: LaunchView, workspace: Workspace) -> str:
-    place = thing.place
+    place = thing.cursor
     if place.kind != "value" or thing.kind == "file":
         return ""
     value = view.tree.source.text[place.start : place.end]
@@ -117,7 +117,7 @@ def _expansion(thing: NamedThing, view: LaunchView, workspace: Workspace) -> str
 
 
 def _describe_node(thing: NamedThing, view: LaunchView, workspace: Workspace) -> str:
-    start = thing.place.tag.start if thing.place.tag is not None else -1
+    start = thing.cursor.tag.start if thing.cursor.tag is not None else -1
     for _, plan, _ in workspace.cases(view):
         for node in plan.all_nodes():
             if node.origin.span.start == start and node.origin.span.file.path == view.path:

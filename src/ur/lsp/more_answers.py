@@ -1,4 +1,4 @@
-"""Requests of the protocol about names and marks: rename, colours, values, includes as calls, commands."""
+"""Requests of the protocol about names and annotations: rename, colours, values, includes as calls, commands."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from lsprotocol import types
 from pygls.exceptions import JsonRpcInvalidParams
 
 from ur.check.rule import TextEdit
+from ur.lsp.annotations import TOKEN_KINDS, list_code_lenses, list_inlay_hints, list_semantic_tokens
 from ur.lsp.convert import path_of, uri_of
 from ur.lsp.definitions import included_by
-from ur.lsp.marks import WORD_KINDS, list_hints, list_lenses, list_words
 from ur.lsp.names import NamedThing, find_name_at
 from ur.lsp.programs.places import list_programs
 from ur.lsp.symbols import IncludeStep, find_included, find_including
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
 
 def add_more_answers(server: LaunchServer) -> None:
-    """Register what a client may ask about names and marks."""
+    """Register what a client may ask about names and annotations."""
     _add_rename(server)
-    _add_marks(server)
+    _add_annotations(server)
     _add_hierarchy(server)
     _add_commands(server)
 
@@ -66,20 +66,20 @@ def _add_rename(server: LaunchServer) -> None:
         return types.WorkspaceEdit(server.units.edits(TextEdit(span, params.new_name) for span in spans))
 
 
-def _add_marks(server: LaunchServer) -> None:
-    legend = types.SemanticTokensLegend(list(WORD_KINDS), [])
+def _add_annotations(server: LaunchServer) -> None:
+    legend = types.SemanticTokensLegend(list(TOKEN_KINDS), [])
 
     @server.feature(types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL, legend)
     def _words(params: types.SemanticTokensParams) -> types.SemanticTokens:
         view = server.files.view(path_of(params.text_document.uri) or "")
         data: list[int] = []
         line = column = 0
-        for word in list_words(view) if view is not None else ():
+        for word in list_semantic_tokens(view) if view is not None else ():
             place = server.units.range(word.span)
             start = place.start
             shift = start.character - (column if start.line == line else 0)
             length = place.end.character - start.character
-            data += [start.line - line, shift, length, WORD_KINDS.index(word.kind), 0]
+            data += [start.line - line, shift, length, TOKEN_KINDS.index(word.kind), 0]
             line, column = start.line, start.character
         return types.SemanticTokens(data)
 
@@ -92,13 +92,13 @@ def _add_marks(server: LaunchServer) -> None:
         start, end = (server.units.offset(source, each) for each in (params.range.start, params.range.end))
         return [
             types.InlayHint(server.units.position(source, hint.span.start), hint.text)
-            for hint in list_hints(server.files, view, start, end)
+            for hint in list_inlay_hints(server.files, view, start, end)
         ]
 
     @server.feature(types.TEXT_DOCUMENT_CODE_LENS)
     def _lenses(params: types.CodeLensParams) -> list[types.CodeLens]:
         view = server.files.view(path_of(params.text_document.uri) or "")
-        lenses = list_lenses(server.files, view) if view is not None else []
+        lenses = list_code_lenses(server.files, view) if view is not None else []
         arguments = [params.text_document.uri]
         return [
             types.CodeLens(server.units.range(each.span), types.Command(each.title, each.command, arguments=arguments))

@@ -15,7 +15,7 @@ from ur.launchfile.plan.specs import ArgumentStep
 from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.plan.values.substitute import substitute
 from ur.launchfile.syntax import SubstitutionProblem
-from ur.lsp.place import CursorPlace, find_place
+from ur.lsp.cursor import CursorPosition, find_cursor
 from ur.lsp.workspace import ResolvedCase, Workspace
 from ur.source.file import SourceFile, Span
 
@@ -48,12 +48,12 @@ class NamedThing:
     kind: NameKind
     name: str
     span: Span
-    place: CursorPlace
+    cursor: CursorPosition
 
 
 def find_name_at(source: SourceFile, offset: int) -> NamedThing | None:
     """The name at an offset of a launch file; None in comments and elsewhere."""
-    place = find_place(source.text, offset)
+    place = find_cursor(source.text, offset)
     if place.tag is None:
         return None
     if place.kind == "tag":
@@ -74,21 +74,21 @@ def find_thing(workspace: Workspace, path: str, offset: int) -> tuple[LaunchView
     return (view, thing) if view is not None and thing is not None else None
 
 
-def _in_substitution(source: SourceFile, offset: int, place: CursorPlace) -> NamedThing | None:
-    value = source.text[place.start : place.end]
+def _in_substitution(source: SourceFile, offset: int, cursor: CursorPosition) -> NamedThing | None:
+    value = source.text[cursor.start : cursor.end]
     if value.startswith("$(eval "):
-        words = _words(source, place.start + len("$(eval "), place.end)
+        words = _words(source, cursor.start + len("$(eval "), cursor.end)
         return next(
-            (NamedThing("arg", each.text, each, place) for each in words if each.start <= offset <= each.end), None
+            (NamedThing("arg", each.text, each, cursor) for each in words if each.start <= offset <= each.end), None
         )
     for piece in _PIECE.finditer(value):
-        if not place.start + piece.start() < offset <= place.start + piece.end():
+        if not cursor.start + piece.start() < offset <= cursor.start + piece.end():
             continue
         kinds: dict[str, NameKind] = {"arg": "arg", "find": "package"}
         kind = kinds.get(piece.group("command"))
-        start, end = (place.start + each for each in piece.span("rest"))
+        start, end = (cursor.start + each for each in piece.span("rest"))
         word = next(iter(_words(source, start, end)), None)
-        return NamedThing(kind, word.text, word, place) if kind is not None and word is not None else None
+        return NamedThing(kind, word.text, word, cursor) if kind is not None and word is not None else None
     return None
 
 
@@ -96,15 +96,15 @@ def _words(source: SourceFile, start: int, end: int) -> Iterator[Span]:
     return (Span(source, *match.span()) for match in _WORD.finditer(source.text, start, end))
 
 
-def _in_value(source: SourceFile, place: CursorPlace) -> NamedThing | None:
-    assert place.tag is not None
-    span = Span(source, place.start, place.end)
-    kind = _KINDS.get((place.tag.name, place.attribute))
-    if kind == "arg" and place.inside == "include":
+def _in_value(source: SourceFile, cursor: CursorPosition) -> NamedThing | None:
+    assert cursor.tag is not None
+    span = Span(source, cursor.start, cursor.end)
+    kind = _KINDS.get((cursor.tag.name, cursor.attribute))
+    if kind == "arg" and cursor.inside == "include":
         kind = "passed"
     if kind is None and "/" in span.text and ("$(find" in span.text or "$(dirname)" in span.text):
         kind = "file"
-    return NamedThing(kind, span.text, span, place) if kind is not None and span.text else None
+    return NamedThing(kind, span.text, span, cursor) if kind is not None and span.text else None
 
 
 def arguments_before(case: ResolvedCase, view: LaunchView, offset: int) -> dict[str, str]:

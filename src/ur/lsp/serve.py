@@ -30,21 +30,21 @@ def _add_documents(server: LaunchServer) -> None:
     def _folders(_: types.DidChangeWorkspaceFoldersParams) -> None:
         server.begin([path for path in map(path_of, server.workspace.folders) if path is not None])
         for uri, document in server.workspace.text_documents.items():
-            server.take(uri, document)
+            server.update(uri, document)
 
     @server.feature(types.TEXT_DOCUMENT_DID_OPEN)
     def _open(params: types.DidOpenTextDocumentParams) -> None:
         uri = params.text_document.uri
-        server.take(uri, server.workspace.get_text_document(uri))
+        server.update(uri, server.workspace.get_text_document(uri))
 
     @server.feature(types.TEXT_DOCUMENT_DID_CHANGE)
     def _change(params: types.DidChangeTextDocumentParams) -> None:
         uri = params.text_document.uri
-        server.take(uri, server.workspace.get_text_document(uri))
+        server.update(uri, server.workspace.get_text_document(uri))
 
     @server.feature(types.TEXT_DOCUMENT_DID_CLOSE)
     def _close(params: types.DidCloseTextDocumentParams) -> None:
-        server.take(params.text_document.uri, None)
+        server.update(params.text_document.uri, None)
 
     @server.feature(types.TEXT_DOCUMENT_DID_SAVE)
     def _save(params: types.DidSaveTextDocumentParams) -> None:

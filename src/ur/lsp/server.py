@@ -38,7 +38,7 @@ class LaunchServer(LanguageServer):
         self.files = Workspace(folders, self.make_world)
         self.units = Units(self.workspace.position_encoding or types.PositionEncodingKind.Utf16)
 
-    def take(self, uri: str, document: TextDocument | None) -> None:
+    def update(self, uri: str, document: TextDocument | None) -> None:
         """Take the text of a document, or with None that of the file, and find what is wrong in it."""
         path = path_of(uri)
         if path is None:

@@ -92,7 +92,7 @@ def import_picture(store: MapStore, source: Path, name: str) -> MapImage:
     return image
 
 
-def takes_grey_as_free(image: MapImage) -> bool:
+def treats_grey_as_free(image: MapImage) -> bool:
     """Return whether an imported picture has map_server's grey of unknown floor, and its thresholds make that free."""
     file = image.file
     if file.mode != "trinary" or file.negate or file.free_thresh <= _GREY_DARKNESS:

@@ -191,7 +191,7 @@ class Assistant:
         return grant
 
     def _revoke(self, reason: str) -> None:
-        self._files.take_back(self.id)
+        self._files.revoke(self.id)
         self.log.add(self._client, "grant", {}, f"ended: {reason}")
         self.look_at_grant()
 

@@ -80,7 +80,7 @@ class GrantFiles:
 
     def forget_server(self, id: str) -> None:
         """Remove a server and its grant."""
-        self.take_back(id)
+        self.revoke(id)
         with suppress(OSError):
             (self.folder / "servers" / f"{id}.json").unlink()
 
@@ -105,7 +105,7 @@ class GrantFiles:
         if record is not None and record.asks is not None:
             self.note_server(id, replace(record, asks=None))
 
-    def take_back(self, id: str) -> bool:
+    def revoke(self, id: str) -> bool:
         """Take the grant of a server back; return whether there was one."""
         try:
             (self.folder / "grants" / f"{id}.json").unlink()

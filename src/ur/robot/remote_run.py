@@ -23,13 +23,13 @@ def ask_part(shell: Shell, request: str, timeout: float) -> str:
     done = shell.run(quote("bash", "-lc", _SCRIPT), stdin=request, timeout=timeout)
     lines = done.out.splitlines()
     if done.code or not lines:
-        raise explain_failure(shell.place, done)
+        raise explain_failure(shell.destination, done)
     return lines[-1]
 
 
-def explain_failure(place: str, done: ShellResult) -> UserError:
+def explain_failure(destination: str, done: ShellResult) -> UserError:
     """Explain a robot's failure to answer the request."""
-    name = place.rpartition("@")[2].removesuffix(".local")
+    name = destination.rpartition("@")[2].removesuffix(".local")
     reported = (done.err.strip().splitlines() or [f"exit code {done.code}"])[-1]
     if done.code == NOT_THERE:
         message = f"{name}: ubiquity_launches is not there, expected it in ~/{LIBRARIES[1]} to start the robot's nodes"

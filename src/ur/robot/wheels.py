@@ -55,13 +55,13 @@ def copy_wiring(shell: Shell, package: str) -> Path | None:
 
     Raises UserError for a file that cannot be used, and OSError for one here.
     """
-    robot = parse_robot_file(shell.run(f"head -c {_MOST} {ROBOT_FILE}").out, f"{ROBOT_FILE} of {shell.place}")
+    robot = parse_robot_file(shell.run(f"head -c {_MOST} {ROBOT_FILE}").out, f"{ROBOT_FILE} of {shell.destination}")
     if robot is None or not is_base_name(robot.base):
         return None
     text = shell.run(_read_script(robot.base)).out
     if not text.strip():
         return None
-    file = SourceFile(f"bases/{robot.base}/base.yaml of {shell.place}", text)
+    file = SourceFile(f"bases/{robot.base}/base.yaml of {shell.destination}", text)
     there = read_base_section(parse_section(file, "a base file"), robot.base, robot.variant)
     here = load_base(package, robot.base, robot.variant)
     path = Path(package, "bases", robot.base, "base.yaml")

@@ -101,12 +101,12 @@ async def start_node(
     return NodeProcess(process, opened, asyncio.create_task(read_errors(process, log)))
 
 
-async def read_errors(process: asyncio.subprocess.Process, take: Callable[[str], None]) -> None:
+async def read_errors(process: asyncio.subprocess.Process, callback: Callable[[str], None]) -> None:
     """Pass on each line of a process's errors until it ends."""
     assert process.stderr is not None
     with suppress(ValueError):
         while line := await process.stderr.readline():
-            take(line.decode("utf-8", "replace").rstrip())
+            callback(line.decode("utf-8", "replace").rstrip())
 
 
 async def wait_or_kill(process: asyncio.subprocess.Process, limit: float = _END_LIMIT) -> None:

@@ -91,7 +91,7 @@ class Journal:
         self._last.clear()
         self._oldest_change = 0
 
-    def take_changes(self) -> int | None:
+    def pop_changes(self) -> int | None:
         """Return the number of the oldest entry that is new or has changed since the last call, or None."""
         found, self._oldest_change = self._oldest_change, None
         return found

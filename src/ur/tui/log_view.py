@@ -90,7 +90,7 @@ class LogView(ScrollView, can_focus=False):
 
     def show_changes(self) -> None:
         """Add new entries of the journal."""
-        oldest = self._journal.take_changes()
+        oldest = self._journal.pop_changes()
         if oldest is not None:
             self._rebuild(oldest)
 

@@ -129,7 +129,7 @@ class RunScreen(FullScreenApp[str]):
         self.set_focus(None)
         self.control.send(Watch(output=True, stats=True, readiness=True))
         asyncio.get_running_loop().add_reader(self.control.fileno(), self._listen)
-        self.take(self._early)
+        self.show_events(self._early)
 
     def on_unmount(self) -> None:
         """Stop following the run."""
@@ -142,11 +142,11 @@ class RunScreen(FullScreenApp[str]):
         if received is None:
             self.exit("ended" if self.state.exit_code is not None else "killed")
             return
-        self.take(received)
+        self.show_events(received)
         if self.is_running:
             loop.call_later(PAUSE, lambda: loop.add_reader(self.control.fileno(), self._listen))
 
-    def take(self, received: Sequence[RunEvent]) -> None:
+    def show_events(self, received: Sequence[RunEvent]) -> None:
         """Show events."""
         for each in received:
             self._stopping = self._stopping or isinstance(each, RunStopping)

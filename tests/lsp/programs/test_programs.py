@@ -10,7 +10,7 @@ import pytest
 from ur.check.computer import make_world
 from ur.lsp.completion import complete
 from ur.lsp.definitions import find_definitions, find_references
-from ur.lsp.hover import describe_place
+from ur.lsp.hover import describe_at
 from ur.lsp.symbols import find_including
 from ur.lsp.workspace import Workspace
 
@@ -112,7 +112,7 @@ def test_yaml_file_gets_the_parameters_of_the_program_that_loads_it(workspace: W
     ],
 )
 def test_hover_describes_a_parameter(workspace: Workspace, name: str, text: str, words: str) -> None:
-    found = describe_place(*place(workspace, name, text))
+    found = describe_at(*place(workspace, name, text))
     assert found is not None
     assert words in found[0]
 

@@ -47,7 +47,7 @@ def test_program_gets_the_domain_and_middleware_of_the_nodes() -> None:
 class LocalRobotShell:
     """A robot on this computer: its shell runs programs here, and prints a robot file."""
 
-    place = "bob.local"
+    destination = "bob.local"
 
     def __init__(self, text: str) -> None:
         self.text = text

@@ -17,7 +17,7 @@ FACTS = {"base": "magni", "variant": "lidar"}
 
 
 class FakeShell:
-    place = "bob"
+    destination = "bob"
 
     def __init__(self, *answers: ShellResult) -> None:
         self.answers = list(answers)
@@ -78,7 +78,7 @@ def test_launch_file_of_a_robot_with_ros2_is_looked_up_among_its_packages(tmp_pa
     (tmp_path / "ubiquity_launches/.venv/ready-run").touch()
 
     class ComputerShell:
-        place = "bob"
+        destination = "bob"
 
         def run(self, script: str, **_: object) -> ShellResult:
             done = subprocess.run(["bash", "-c", script], env=environment, capture_output=True, text=True, check=False)

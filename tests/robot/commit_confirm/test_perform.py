@@ -76,7 +76,7 @@ class _Link:
     asked: list[tuple[Address, str]]
 
     @property
-    def place(self) -> str:
+    def destination(self) -> str:
         return str(self.address)
 
     def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> ShellResult:

@@ -11,6 +11,7 @@ from ur.robot.image.seed import (
     HostKeyPair,
     SeedNetwork,
     SeedOptions,
+    accepts_host_key,
     custom_toml,
     hide_secrets,
     make_seed,
@@ -18,7 +19,6 @@ from ur.robot.image.seed import (
     network_text,
     present_host_key,
     present_password,
-    takes_host_key,
     user_data_text,
 )
 from ur.robot.setup.robot_states import WantedRobot
@@ -144,5 +144,5 @@ def test_host_key_is_brought_found_again_and_hidden() -> None:
 
 
 def test_system_that_makes_its_own_host_key_gets_none() -> None:
-    assert takes_host_key(LAYOUT)
-    assert not takes_host_key(replace(LAYOUT, scheme=Scheme.CUSTOM_TOML))
+    assert accepts_host_key(LAYOUT)
+    assert not accepts_host_key(replace(LAYOUT, scheme=Scheme.CUSTOM_TOML))

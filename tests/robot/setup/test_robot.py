@@ -30,7 +30,7 @@ def test_refusal_of_sudo_is_explained(said: str, given: bool, message: str, help
 class ClockShell:
     """A computer that knows what time it is."""
 
-    place = "ros@robot.local"
+    destination = "ros@robot.local"
 
     def __init__(self, seconds: float) -> None:
         self.seconds = seconds

@@ -73,7 +73,7 @@ def test_computer_that_boots_is_waited_for(tmp_path: Path, monkeypatch: pytest.M
     program.chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
     with connect(Address("ros", "robot.local")) as shell:
-        assert shell.place == "ros@robot.local"
+        assert shell.destination == "ros@robot.local"
     assert (tmp_path / "ssh.tried").exists()
 
 

@@ -63,13 +63,13 @@ def test_path_follows_the_side_that_changed_it(here: str, there: str, last: str,
     assert plan.same["other"].identity == file("o").identity
 
 
-@pytest.mark.parametrize("take", ["here", "there"])
-def test_conflict_that_is_taken_goes_one_way_and_keeps_the_other(take: Side) -> None:
-    plan = compare(manifest(tree("b")), manifest(tree("c")), agreed(tree("a")), take=take, only=["p"])
+@pytest.mark.parametrize("prefer", ["here", "there"])
+def test_conflict_that_is_taken_goes_one_way_and_keeps_the_other(prefer: Side) -> None:
+    plan = compare(manifest(tree("b")), manifest(tree("c")), agreed(tree("a")), prefer=prefer, only=["p"])
     (step,) = plan.steps
-    assert step.to == ("there" if take == "here" else "here")
+    assert step.to == ("there" if prefer == "here" else "here")
     assert step.keep
-    assert step.after == file("b" if take == "here" else "c")
+    assert step.after == file("b" if prefer == "here" else "c")
 
 
 def test_one_direction_leaves_the_other_waiting() -> None:

@@ -57,11 +57,11 @@ def test_computer_without_a_wireless_interface_says_so() -> None:
 def test_both_ends_and_the_way_between_are_measured() -> None:
     with Meter("ros", "bob.local", lambda: "10.0.0.2") as meter:
         until(lambda: meter.there.link())
-        samples = [meter.take()]
+        samples = [meter.sample()]
         while not samples[-1].sent:
             assert len(samples) < 6000
             time.sleep(0.01)
-            samples.append(meter.take())
+            samples.append(meter.sample())
     assert samples[-1].lost == 0
     assert samples[-1].latency == pytest.approx(0.002)
     assert meter.there.wireless

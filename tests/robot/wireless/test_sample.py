@@ -11,7 +11,7 @@ from ur.robot.wireless.sample import Echoes, Sample, summarize
 
 def take(echoes: Echoes) -> tuple[int, int, float | None]:
     """With the latency in ms."""
-    sent, lost, latency = echoes.take()
+    sent, lost, latency = echoes.pop()
     return sent, lost, None if latency is None else round(latency * 1000, 6)
 
 
@@ -24,7 +24,7 @@ def test_echoes_count_once_they_are_a_second_old() -> None:
     for number in range(1, 11):
         echoes.read(reply(number, number))
     assert take(echoes) == (5, 0, 3.0)
-    assert echoes.take() == (0, 0, None)
+    assert echoes.pop() == (0, 0, None)
 
 
 @pytest.mark.parametrize(
@@ -42,7 +42,7 @@ def test_late_echo_counts_unless_a_second_has_passed() -> None:
     echoes = Echoes()
     for line in (reply(1, 1.0), "no answer yet for icmp_seq=2", reply(2, 300.0), reply(7, 1.0)):
         echoes.read(line)
-    assert echoes.take()[:2] == (2, 0)
+    assert echoes.pop()[:2] == (2, 0)
     echoes.read(reply(2, 5000.0))
     for number in range(8, 13):
         echoes.read(reply(number, 1.0))

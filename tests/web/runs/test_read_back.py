@@ -30,7 +30,7 @@ class Node:
 
     def send(self, first: int, last: int) -> None:
         for text in self.printed[first:last]:
-            self.read_back.take("/talk", "", text)
+            self.read_back.process("/talk", "", text)
 
 
 @pytest.mark.parametrize("seed", range(50))
@@ -57,7 +57,7 @@ def test_lines_that_are_equal_are_shown_as_often_as_they_are_sent_later(tmp_path
     node.read_back.begin(node.logs)
     node.read_back.confirm(node.logs)
     for _ in range(3):
-        node.read_back.take("/talk", "", "line 0")
+        node.read_back.process("/talk", "", "line 0")
     assert node.shown == ["line 0"] * 4
 
 

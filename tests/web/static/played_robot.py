@@ -116,7 +116,7 @@ class PlayedRobot:
             if not self._running:
                 await asyncio.sleep(0.02)
                 continue
-            self._application._drivers.take({"n": [count, 0]})
+            self._application._drivers.process({"n": [count, 0]})
             self._application.show(pose_frame(PoseSample(0.0, 0.0, 0.0, 0.0, 0.0, 0.01, 0.01)))
             values = {"t": count / 50, "v": {PLOT: count % 7 / 7}}
             self._application.show(json_frame(Kind.VALUES, values, Layer.PLOTS))

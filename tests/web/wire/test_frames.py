@@ -75,7 +75,7 @@ def test_newer_frames_replace_older_ones_and_small_ones_go_first() -> None:
     tile, pose = tile_frame(Layer.MAP, 3, 0, 0, bytes(TILE * TILE)), pose_frame(PoseSample(x=2.0))
     for each in (tile, pose_frame(PoseSample(x=1.0)), pose):
         frames.put(each)
-    assert (frames.take(), frames.take(), frames.take()) == (pose, tile, None)
+    assert (frames.pop(), frames.pop(), frames.pop()) == (pose, tile, None)
 
 
 def test_another_map_drops_the_tiles_of_the_one_before() -> None:

@@ -64,7 +64,7 @@ def _password(address: Address, descriptor: int | None) -> Secret | None:
 def find_sudo(remote: SshShell, password: Secret | None) -> None:
     """Find out how to become root on the robot: with the password of the login, or one that the user enters."""
     if not remote.find_sudo([password] if password else []) and sys.stdin.isatty():
-        remote.find_sudo([Secret(getpass.getpass(f"password of {remote.place}: "))])
+        remote.find_sudo([Secret(getpass.getpass(f"password of {remote.destination}: "))])
 
 
 def short_name(address: Address) -> str:

@@ -118,7 +118,7 @@ def _watch(places: list[str], chosen: frozenset[str], values: Mapping[str, str],
     while True:
         _show(finish_report(session), form)
         sys.stdout.flush()
-        while not (changed := files.take_changes()):
+        while not (changed := files.pop_changes()):
             time.sleep(_INTERVAL)
         names = ", ".join(os.path.relpath(path) for path in changed[:3]) + (", ..." if len(changed) > 3 else "")
         click.echo(printable(f"\nchanged: {names}"), err=True)

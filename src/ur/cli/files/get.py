@@ -224,4 +224,4 @@ def _run_on_robot(robot: str, words: Sequence[str], flags: Sequence[tuple[str, b
     script += "echo 'error: ubiquity_launches is not set up on the robot; ur robot setup installs it' >&2; exit 2"
     with connect_robot(robot_address(robot)) as shell:
         terminal = ["-t"] if sys.stdin.isatty() else []
-        return run_attached([*shell.words, *terminal, "--", shell.place, quote("bash", "-lc", script)])
+        return run_attached([*shell.words, *terminal, "--", shell.destination, quote("bash", "-lc", script)])

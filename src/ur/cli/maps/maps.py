@@ -134,14 +134,14 @@ def import_(file: Path, name: str | None) -> int:
 
     A map without scans can be navigated on and edited, but not continued.
     """
-    from ur.maps.exchange import import_picture, takes_grey_as_free
+    from ur.maps.exchange import import_picture, treats_grey_as_free
     from ur.maps.names import check_map_name
 
     store = _store()
     name = check_map_name(name or (file.name if file.is_dir() else file.stem))
     image = _guard(lambda: import_picture(store, file.expanduser(), name))
     click.echo(f"{name}: {describe_map(store, name)}")
-    if takes_grey_as_free(image):
+    if treats_grey_as_free(image):
         click.echo(
             f"note: free_thresh: {image.file.free_thresh:g} makes the grey of unknown floor (205) free; "
             "to keep it unknown, write free_thresh: 0.196 in the file and import it again"

@@ -20,7 +20,14 @@ from ur.robot.image.device import DiskDevice, check_device, is_device
 from ur.robot.image.host_key import know_host_key, make_host_key
 from ur.robot.image.layout import find_layout
 from ur.robot.image.prepare import Write, plan_undo, plan_writes, read_seed, write_all
-from ur.robot.image.seed import SeedOptions, hide_secrets, make_seed, present_host_key, present_password, takes_host_key
+from ur.robot.image.seed import (
+    SeedOptions,
+    accepts_host_key,
+    hide_secrets,
+    make_seed,
+    present_host_key,
+    present_password,
+)
 from ur.robot.image.volume import run_tool
 from ur.robot.setup.change import Change, show_difference
 from ur.robot.ssh.host_key import HostKey
@@ -125,7 +132,7 @@ def _write_seed(
         passwords = passwords or read_passwords(options, passwords_from)
         texts = [(text or b"").decode(errors="replace") for text in present.values()]
         options = add_passwords(options, passwords, present_password(texts))
-        if takes_host_key(layout):
+        if accepts_host_key(layout):
             name = options.robot.name
             options = replace(options, host_key=present_host_key(texts, name) or make_host_key(name))
         writes = plan_writes(layout, present, make_seed(options, layout))

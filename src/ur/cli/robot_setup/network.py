@@ -73,7 +73,7 @@ def network(
         if wanted is None:
             _show_devices(networks)
             return None
-        check_managed(networks, shell.place, chosen)
+        check_managed(networks, shell.destination, chosen)
         profile = networks.profile(chosen.profile)
         if profile is None:
             raise UserError(
@@ -138,11 +138,11 @@ def _find_device(shell: SshShell, networks: Networks, name: str | None) -> Netwo
     if found is None:
         from ur.robot.commit_confirm.network import check_managed
 
-        check_managed(networks, shell.place, None)
+        check_managed(networks, shell.destination, None)
         names = ", ".join(each.name for each in networks.devices if each.kind != "loopback")
         raise UserError(
             error_about(
-                shell.place,
+                shell.destination,
                 f"{f'no network device {name!r}' if name else 'it is not clear which device is meant'}, "
                 f"expected one of {names}",
                 rule="bad-device",

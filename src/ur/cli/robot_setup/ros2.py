@@ -7,8 +7,8 @@ from dataclasses import replace
 from ur.cli.changing import ChangeReporter
 from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.setup.login import Task, open_robot
-from ur.robot.setup.raspberry_pi.take_back import take_back_header
-from ur.robot.setup.robot import take_back
+from ur.robot.setup.raspberry_pi.header import undo_header
+from ur.robot.setup.robot import undo_ros2
 from ur.robot.setup.robot_states import ViewerFacts
 from ur.robot.setup.ros2.find import find_robot_ros2
 from ur.robot.setup.ros2.mux_between import give_back, take_over
@@ -60,7 +60,7 @@ def take_back_ros2(task: Task, viewer: ViewerFacts) -> int:
     task = find_ros2(task, report)
     if task.robot.ros2 is None:
         with open_robot(task, report) as shell:
-            count = take_back_header(shell, task.address.user, report)
+            count = undo_header(shell, task.address.user, report)
         if count:
             report("the rest of the set-up stays: docs/how-to/uninstall.md has the steps")
             return 0
@@ -68,6 +68,6 @@ def take_back_ros2(task: Task, viewer: ViewerFacts) -> int:
         raise UserError(error(message, rule="usage", help="docs/how-to/uninstall.md has the steps"))
     with open_robot(task, report) as shell:
         count = give_back(shell, report)
-    count += take_back(task, viewer, report)
+    count += undo_ros2(task, viewer, report)
     report(f"{count} changes taken back; packages stay" if count else "nothing to take back")
     return 0

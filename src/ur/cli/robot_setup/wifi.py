@@ -61,8 +61,8 @@ def wifi(
 
         device = networks.wireless
         if device is None:
-            refuse_wireless(shell.place, networks)
-        check_managed(networks, shell.place, device)
+            refuse_wireless(shell.destination, networks)
+        check_managed(networks, shell.destination, device)
         assert device is not None
         if ssid is not None:
             wanted = choose_network(

@@ -105,7 +105,7 @@ def end(of: str | None) -> int:
     """Revoke the grants of all assistants at once."""
     files = grant_files()
     servers = files.list_servers()
-    ended = [id for id in ([_choose(files, of)] if of is not None else servers) if files.take_back(id)]
+    ended = [id for id in ([_choose(files, of)] if of is not None else servers) if files.revoke(id)]
     for id in ended:
         _note(files, servers[id].client, "taken back in a terminal")
     count = len(ended)

@@ -43,7 +43,7 @@ def run_there(selection: Selection, program: Program, options: Sequence[str], ar
             words = ["run", program.name, *options, *program_arguments(robot, argv, declared)]
             script = remote_script(robot.name, ros2, words, link)
             sys.stdout.flush()
-            return run_in_front([*shell.words, "-t" if terminal else "-T", "--", shell.place, script])
+            return run_in_front([*shell.words, "-t" if terminal else "-T", "--", shell.destination, script])
 
 
 def serve_there(selection: Selection, port: int | None, options: Sequence[str]) -> int:
@@ -60,4 +60,4 @@ def serve_there(selection: Selection, port: int | None, options: Sequence[str]) 
             message = f"port {port} of this computer is in use, or the robot's ssh server forwards none"
             raise UserError(error(message, rule="no-port", help="choose another one: ur web --port PORT"))
         sys.stdout.flush()
-        return run_in_front([*shell.words, "-t", "--", shell.place, script])
+        return run_in_front([*shell.words, "-t", "--", shell.destination, script])

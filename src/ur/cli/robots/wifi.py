@@ -97,7 +97,7 @@ def _measure(
     while seconds is None or len(samples) < seconds:
         time.sleep(max(0.0, due - clock()))
         due += TICK
-        sample = meter.take()
+        sample = meter.sample()
         samples.append(sample)
         del samples[:-KEPT]
         if file:

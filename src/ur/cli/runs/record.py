@@ -76,4 +76,4 @@ def _run_there(robot: str, words: Sequence[str]) -> int:
         ros2 = found.ros2 if found is not None else None
         script = remote_script(robot, ros2, words)
         sys.stdout.flush()
-        return run_in_front([*shell.words, "-T", "--", shell.place, script], escaped=True)
+        return run_in_front([*shell.words, "-T", "--", shell.destination, script], escaped=True)

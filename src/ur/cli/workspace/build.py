@@ -52,11 +52,11 @@ def command(robots: tuple[str, ...], every: bool, packages: tuple[str, ...], job
         line = _prepare(builder, names, jobs)
         source = base64.b64encode(zlib.compress(Path(build_attached.__file__).read_bytes())).decode()
         code = f"import base64,zlib;exec(zlib.decompress(base64.b64decode('{source}')))"
-        done = run_attached([*shell.words, "--", shell.place, quote("python3", "-I", "-c", code, line)])
+        done = run_attached([*shell.words, "--", shell.destination, quote("python3", "-I", "-c", code, line)])
     if done == 255:
         raise UserError(
             error_about(
-                shell.place,
+                shell.destination,
                 "the connection has ended, and the build with it",
                 rule="lost-connection",
                 help="ur doctor",
@@ -68,7 +68,7 @@ def command(robots: tuple[str, ...], every: bool, packages: tuple[str, ...], job
 def _look(shell: Shell, *, here: bool) -> Builder:
     done = shell.run(quote("bash", "-lc", FACTS))
     builder = parse_builder(done.out)
-    check_builder(builder, shell.place, here=here)
+    check_builder(builder, shell.destination, here=here)
     return builder
 
 

@@ -81,7 +81,7 @@ def command(
         agreed = both.last.agreed if both.last else {}
         check_paths(dict(zip(paths, only, strict=True)), {*both.here.files, *both.there.files, *agreed}, root, name)
         sides: Sequence[Side] = ["there"] if only_to else ["here"] if only_from else SIDES
-        plan = compare(both.here, both.there, agreed, to=sides, take=take, only=only if "" not in only else [])
+        plan = compare(both.here, both.there, agreed, to=sides, prefer=take, only=only if "" not in only else [])
         click.echo("\n".join(map(printable, [*describe_plan(plan, name), summarise(plan, name)])))
         if dry_run:
             return 1 if plan.conflicts else 0

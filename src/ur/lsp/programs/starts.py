@@ -12,8 +12,8 @@ from ur.check.survey import walk_elements
 from ur.launchfile.plan.specs import NodeSpec, ParamSpec, Plan
 from ur.launchfile.syntax import Element
 from ur.launchfile.world.protocol import PackageNotFound
+from ur.lsp.cursor import OpenTag
 from ur.lsp.names import expand_everywhere, find_files
-from ur.lsp.place import OpenTag
 from ur.lsp.workspace import Workspace
 from ur.source.diagnostic import UserError
 from ur.tools.find.programs import NodeProgram, may_name

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from ur.complete.yaml_keys import KnownKey, find_parents, plain_parents, survey_keys
 from ur.launchfile.world.protocol import PackageNotFound
-from ur.lsp.place import Candidate
+from ur.lsp.cursor import Candidate
 from ur.lsp.programs.parameters import know_parameters
 from ur.lsp.programs.starts import programs_of_yaml
 from ur.lsp.workspace import Workspace

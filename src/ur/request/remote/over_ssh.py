@@ -37,7 +37,7 @@ def read_robot(shell: SshShell) -> tuple[RobotFile, Ros2Robot]:
     if found is None or found.ros2 is None:
         name = shell.address.host.removesuffix(".local")
         message = f"{ROBOT_FILE} names no release of ROS 2, expected one"
-        raise UserError(error_about(shell.place, message, rule="bad-robot-file", help=f"ur robot setup {name}"))
+        raise UserError(error_about(shell.destination, message, rule="bad-robot-file", help=f"ur robot setup {name}"))
     return found, found.ros2
 
 

@@ -29,10 +29,10 @@ def become_root(shell: SshShell, given: Secret | None, ask: Callable[[], Secret]
     reason = "sudo refuses this password" if candidates else "sudo requires a password"
     raise UserError(
         error(
-            f"{shell.place}: {reason}, expected the password of {shell.address.user}, who may use sudo",
+            f"{shell.destination}: {reason}, expected the password of {shell.address.user}, who may use sudo",
             rule="no-root",
             help="run this in a terminal, or give --password-from FD (with wifi: --passwords-from FD)",
-            subject=shell.place,
+            subject=shell.destination,
         )
     )
 

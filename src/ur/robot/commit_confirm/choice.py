@@ -63,13 +63,13 @@ def choose_network(
     return WirelessNetwork(ssid, secret, management, hidden, band)
 
 
-def refuse_wireless(place: str, networks: Networks) -> None:
+def refuse_wireless(destination: str, networks: Networks) -> None:
     """Raise UserError if the robot has no wireless device, or NetworkManager does not manage it."""
     device = next((each for each in networks.devices if each.kind == "wifi"), None)
-    check_managed(networks, place, device)
+    check_managed(networks, destination, device)
     raise UserError(
         error_about(
-            place,
+            destination,
             "it has no wireless device, expected one",
             rule="no-wifi",
             help="is its adapter plugged in, and is its driver there? 'ur robot network' shows what it has",

@@ -221,7 +221,7 @@ def find_profile(networks: Networks, ssid: str) -> Profile | None:
     )
 
 
-def check_managed(networks: Networks, place: str, device: NetworkDevice | None) -> None:
+def check_managed(networks: Networks, destination: str, device: NetworkDevice | None) -> None:
     """Raise UserError if a service other than NetworkManager manages the device (None: all devices)."""
     if networks.running and (device is None or device.managed):
         return
@@ -233,7 +233,7 @@ def check_managed(networks: Networks, place: str, device: NetworkDevice | None) 
     else:
         how = f"change it in the settings of {owner}"
     raise _refused(
-        f"{place}: {what} is managed by {owner}, expected NetworkManager; nothing was changed",
+        f"{destination}: {what} is managed by {owner}, expected NetworkManager; nothing was changed",
         "no-network-manager",
         f"{how}; or hand it to NetworkManager: sudo apt-get install network-manager"
         + ("; set 'renderer: NetworkManager' there" if networks.netplan else ""),

@@ -81,12 +81,12 @@ def hand_over(shell: Shell, order: Order, facts: ComputerFacts) -> None:
         arm_script(order.identity, change.title), root=True, stdin=pack_order(order, facts), timeout=60 + GRACE
     )
     if done.code == BUSY:
-        raise _pending(shell.place, done.out)
+        raise _pending(shell.destination, done.out)
     if done.code:
         reported = (done.err or done.out).strip().splitlines()
         raise UserError(
             error_about(
-                shell.place,
+                shell.destination,
                 f"{change.title}: the robot could not prepare to revert it, so nothing was changed: "
                 f"{reported[-1] if reported else f'exit code {done.code}'}",
                 rule="failed-change",
@@ -99,16 +99,16 @@ def refuse_pending(shell: Shell) -> None:
     """Raise UserError, with the title of the change, while another change is pending: what was read may be reverted."""
     done = shell.run(pending_script(), root=True)
     if done.code == BUSY:
-        raise _pending(shell.place, done.out)
+        raise _pending(shell.destination, done.out)
 
 
-def _pending(place: str, reported: str) -> UserError:
+def _pending(destination: str, reported: str) -> UserError:
     title, by = [*reported.splitlines(), "", ""][:2]
     change = f"'{title}'" if title else "another change"
     begun = f", begun by {by}," if by else ""
     return UserError(
         error_about(
-            place,
+            destination,
             f"{change}{begun} is not finished, expected one change at a time",
             rule="change-pending",
             help="it is confirmed or reverted within two minutes; then run this again",

@@ -70,14 +70,14 @@ def choose_jobs(builder: Builder, wanted: int | None) -> tuple[int, str]:
     return builder.processors, ""
 
 
-def check_builder(builder: Builder, place: str, *, here: bool) -> None:
+def check_builder(builder: Builder, destination: str, *, here: bool) -> None:
     """Raise UserError if a build tool is missing, or the workspace has no packages to build."""
     again = "ur setup" if here else "ur robot setup"
     if builder.packages is None:
-        raise _problem(f"{place}: no workspace, expected ~/{WORKSPACE}/src", f"run: {again}")
+        raise _problem(f"{destination}: no workspace, expected ~/{WORKSPACE}/src", f"run: {again}")
     if not builder.packages:
         raise _problem(
-            f"{place}: ~/{WORKSPACE}/src holds no package, expected at least one",
+            f"{destination}: ~/{WORKSPACE}/src holds no package, expected at least one",
             "put one there: ur new package" if here else "bring yours: ur sync",
         )
     command, package = ("catkin", "catkin-tools") if builder.catkin_tools else ("catkin_make", "catkin")
@@ -85,7 +85,7 @@ def check_builder(builder: Builder, place: str, *, here: bool) -> None:
     missing += [tool for tool in ("cmake", "g++", "make") if tool not in builder.tools]
     if missing:
         names = " ".join(missing)
-        raise _problem(f"{place}: {names} not installed, needed to build", f"there: sudo apt-get install {names}")
+        raise _problem(f"{destination}: {names} not installed, needed to build", f"there: sudo apt-get install {names}")
 
 
 def build_command(builder: Builder, packages: Sequence[str], jobs: int) -> str:

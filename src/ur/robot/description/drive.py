@@ -68,7 +68,7 @@ def find_drive(description: Description) -> DriveGeometry:
 
     The result has no wheels if none were found.
     """
-    places = description.places()
+    places = description.poses()
     links = {link.name: link for link in description.links}
     wheels = [
         _wheel(description, joint, links[joint.child], places[joint.child])
@@ -95,18 +95,18 @@ def find_drive(description: Description) -> DriveGeometry:
     return DriveGeometry(sides[0], sides[1], tuple(others))
 
 
-def _find_sides(description: Description, places: Mapping[str, Pose], wheels: list[Wheel]) -> Sides:
+def _find_sides(description: Description, poses: Mapping[str, Pose], wheels: list[Wheel]) -> Sides:
     """Find the driven wheels by the strongest evidence: a plugin, continuous joints, their names, or swivel joints."""
     plugin = description.drive
     named = {*plugin.left, *plugin.right} if plugin else set()
     sides = _sides([wheel for wheel in wheels if wheel.joint.name in named])
     if sides[0] and sides[1]:
         return sides
-    swivels = _swivels(description, places)
+    swivels = _swivels(description, poses)
     own = [wheel for wheel in wheels if not _names_caster(wheel.joint)]
     for candidates in (
         [wheel for wheel in own if wheel.joint.child not in swivels],
-        _still_wheels(description, places),
+        _still_wheels(description, poses),
         [wheel for wheel in own if wheel.joint.child in swivels],
     ):
         sides = _largest_pairs(_sides(candidates))
@@ -115,21 +115,21 @@ def _find_sides(description: Description, places: Mapping[str, Pose], wheels: li
     return (), ()
 
 
-def _still_wheels(description: Description, places: Mapping[str, Pose]) -> list[Wheel]:
+def _still_wheels(description: Description, poses: Mapping[str, Pose]) -> list[Wheel]:
     """Find the wheels of a description without movable joints: links with the name and the shape of a wheel."""
     links = {link.name: link for link in description.links}
     found = []
     for joint in description.joints:
-        place = places[joint.child]
+        place = poses[joint.child]
         if joint.kind == "fixed" and _WHEEL.search(joint.child) and not _names_caster(joint):
             sideways = replace(joint, axis=place.rotation[1])  # the y axis of the root in the link's frame
             found.append(_wheel(description, sideways, links[joint.child], place))
     return [wheel for wheel in found if wheel.radius]
 
 
-def _lowest(link: Link, place: Pose) -> float:
+def _lowest(link: Link, pose: Pose) -> float:
     shapes = (*link.collision, *link.visual)
-    return min((z for shape in shapes for _, _, z in list_corners(shape, place)), default=place.at[2])
+    return min((z for shape in shapes for _, _, z in list_corners(shape, pose)), default=pose.at[2])
 
 
 def _sides(wheels: list[Wheel]) -> Sides:
@@ -150,21 +150,21 @@ def _largest_pairs(sides: Sides) -> Sides:
     return tuple(dict.fromkeys(left for left, _ in pairs)), tuple(dict.fromkeys(right for _, right in pairs))
 
 
-def _wheel(description: Description, joint: Joint, link: Link, place: Pose) -> Wheel:
+def _wheel(description: Description, joint: Joint, link: Link, pose: Pose) -> Wheel:
     radius, width, middle = _measure(link, joint.axis)
     source = f"{'mesh' if radius and not _has_round_shape(link) else 'shape'} of link {link.name}"
     plugin = description.drive
     if radius is None and plugin and plugin.radius and joint.name in (*plugin.left, *plugin.right):
         radius, source = plugin.radius, "gazebo plugin"
-    if radius is None and description.root in _GROUND_ROOTS and place.at[2] > 0.005:
-        radius, source = place.at[2], f"height of joint {joint.name} above {description.root}"
+    if radius is None and description.root in _GROUND_ROOTS and pose.at[2] > 0.005:
+        radius, source = pose.at[2], f"height of joint {joint.name} above {description.root}"
     if radius is None and (solid := _solid_wheel(link)):
         (radius, width), source = solid, f"inertia of link {link.name}"
     mass = link.inertia.mass if link.inertia else 0.0
     if joint.kind != "fixed":  # it turns about the joint, independent of the position of its shape
         along = _along(middle, joint.axis)
         middle = (along * joint.axis[0], along * joint.axis[1], along * joint.axis[2])
-    return Wheel(joint, *place.apply(middle), radius, width, mass, source)
+    return Wheel(joint, *pose.apply(middle), radius, width, mass, source)
 
 
 def _has_round_shape(link: Link) -> bool:
@@ -233,19 +233,19 @@ def _solid_wheel(link: Link) -> tuple[float, float] | None:
     return (radius, width) if 0.01 < radius < 1.0 and 0.002 < width < 2.0 * radius else None
 
 
-def _is_upright(joint: Joint, places: Mapping[str, Pose]) -> bool:
-    return abs(places[joint.child].turn(joint.axis)[2]) > _UPRIGHT
+def _is_upright(joint: Joint, poses: Mapping[str, Pose]) -> bool:
+    return abs(poses[joint.child].turn(joint.axis)[2]) > _UPRIGHT
 
 
 def _names_caster(joint: Joint) -> bool:
     return bool(_CASTER.search(joint.name) or _CASTER.search(joint.child))
 
 
-def _swivels(description: Description, places: Mapping[str, Pose]) -> set[str]:
+def _swivels(description: Description, poses: Mapping[str, Pose]) -> set[str]:
     """Return the links of swivel casters: those that turn about a vertical axis, and the links below them."""
     children = description.children()
     turning = [joint for joint in description.joints if joint.kind in ("continuous", "revolute")]
-    left = [joint.child for joint in turning if _is_upright(joint, places)]
+    left = [joint.child for joint in turning if _is_upright(joint, poses)]
     found: set[str] = set()
     while left:
         name = left.pop()
@@ -257,7 +257,7 @@ def _swivels(description: Description, places: Mapping[str, Pose]) -> set[str]:
 
 def find_steering(description: Description, drive: DriveGeometry) -> tuple[str, ...]:
     """Find the steering joints of wheels, as cars have them: vertical, with a limited range, and not of casters."""
-    places = description.places()
+    places = description.poses()
     wheels = {wheel.joint.child for wheel in drive.wheels} | {contact.link for contact in drive.casters}
     children = description.children()
     return tuple(

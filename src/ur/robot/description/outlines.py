@@ -34,7 +34,7 @@ def measure_extent(description: Description, leave_out: Collection[str], *, care
     A link with meshes of unknown size is replaced by the box that has its inertia. A `careful` measurement uses no such
     box, and visual geometries only of links without collision geometry.
     """
-    places = description.places()
+    places = description.poses()
     rigid = _rigid_links(description)
     points: list[Vector] = []
     estimated: list[str] = []
@@ -97,9 +97,9 @@ def _rigid_links(description: Description) -> set[str]:
     return found
 
 
-def list_corners(shape: Shape, place: Pose) -> Iterator[Vector]:
-    """Yield the outermost points of a shape of a link at `place`."""
-    inside = place.then(shape.pose)
+def list_corners(shape: Shape, pose: Pose) -> Iterator[Vector]:
+    """Yield the outermost points of a shape of a link at `pose`."""
+    inside = pose.then(shape.pose)
     if shape.kind == "box":
         x, y, z = (length / 2.0 for length in shape.size)
         yield from (inside.apply((a * x, b * y, c * z)) for a, b, c in product((-1.0, 1.0), repeat=3))

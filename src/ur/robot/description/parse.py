@@ -93,7 +93,7 @@ def _find_root(path: str, links: Sequence[Link], joints: Sequence[Joint]) -> str
             f"{len(roots)} links without a parent ({', '.join(roots[:5])}), expected a tree of links with one root",
         )
     whole = Description("", roots[0], tuple(links), tuple(joints))
-    if len(whole.places()) != len(names):
+    if len(whole.poses()) != len(names):
         _fail(path, "joints form a loop, expected a tree of links")
     return roots[0]
 

@@ -78,7 +78,7 @@ def list_extra_sensors(description: Description, used: tuple[FoundSensor, ...]) 
 
 
 def _simulated(description: Description) -> Iterator[FoundSensor]:
-    places = description.places()
+    places = description.poses()
     for sensor in description.sensors:
         kind = _kind(sensor)
         if kind is not None:
@@ -104,7 +104,7 @@ def _kind(sensor: GazeboSensor) -> Kind | None:
 
 
 def _named(description: Description) -> Iterator[FoundSensor]:
-    places = description.places()
+    places = description.poses()
     children = description.children()
     movable = {joint.child for joint in description.joints if joint.kind != "fixed"}
     for kind, pattern in _NAMES.items():

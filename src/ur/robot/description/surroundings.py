@@ -48,10 +48,10 @@ class Surroundings:
                 return None if any(part[0] == "." for part in place.relative_to(folder).parts) else place
         return None
 
-    def _covers(self, folder: Path, place: Path) -> bool:
+    def _covers(self, folder: Path, path: Path) -> bool:
         """Return whether a path is in a folder; in the home folder, only files directly in it count."""
         wide = _is_wide(folder, self.home)
-        return place.parent == folder if wide else place.is_relative_to(folder)
+        return path.parent == folder if wide else path.is_relative_to(folder)
 
 
 def find_surroundings(path: Path, environment: Mapping[str, str]) -> Surroundings:
@@ -80,9 +80,9 @@ def is_safe_program(path: str) -> bool:
     return all(_is_safe(Path(place), owners) for place in places)
 
 
-def _is_safe(place: Path, owners: set[int]) -> bool:
+def _is_safe(path: Path, owners: set[int]) -> bool:
     try:
-        status = place.stat()
+        status = path.stat()
     except OSError:
         return False
     return status.st_uid in owners and not status.st_mode & stat.S_IWOTH

@@ -115,7 +115,7 @@ class Description:
             children.setdefault(joint.parent, []).append(joint.child)
         return children
 
-    def places(self) -> dict[str, Pose]:
+    def poses(self) -> dict[str, Pose]:
         """Return the pose of each link in the root link, with every joint at zero."""
         by_parent: dict[str, list[Joint]] = {}
         for joint in self.joints:

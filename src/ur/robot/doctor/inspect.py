@@ -112,7 +112,7 @@ def read_name(remote: Shell) -> str:
     if not _NAME.fullmatch(name):
         raise UserError(
             error_about(
-                remote.place,
+                remote.destination,
                 f"{printable(name[:40])!r} is not a host name, expected letters, digits and -",
                 rule="no-facts",
                 help="is it the computer that you expect? Run this again; if it persists, report it",
@@ -173,7 +173,7 @@ def _offset(local: Shell, remote: Shell) -> float:
     if strange is not None:
         raise UserError(
             error_about(
-                remote.place,
+                remote.destination,
                 f"{printable(strange[:40])!r} is not a time, expected seconds since 1970",
                 rule="no-facts",
                 help="is it the computer that you expect? Run this again; if it persists, report it",

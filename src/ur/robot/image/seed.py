@@ -218,7 +218,7 @@ def present_password(texts: Sequence[str]) -> str:
     return next((match[0] for match in found if match), "")
 
 
-def takes_host_key(layout: Layout) -> bool:
+def accepts_host_key(layout: Layout) -> bool:
     """Return whether a system uses the host key of a seed: Raspberry Pi OS 12 generates its own at the first boot."""
     return layout.scheme is not Scheme.CUSTOM_TOML
 

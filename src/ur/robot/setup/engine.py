@@ -111,7 +111,7 @@ def apply_change(
             reason = reported[0] if reported else f"exit code {done.code}"
             raise UserError(
                 error_about(
-                    shell.place,
+                    shell.destination,
                     f"{change.title}: {reason}",
                     rule="failed-change",
                     help="fix that and run this again: it continues where it stopped",
@@ -157,7 +157,7 @@ def apply_states(
             if change in made:
                 raise UserError(
                     error_about(
-                        shell.place,
+                        shell.destination,
                         f"{change.title}: changed, and still not as wanted",
                         rule="failed-change",
                         help="look at its log there (journalctl), then run this again",
@@ -168,7 +168,7 @@ def apply_states(
             made.append(change)
     raise UserError(
         error_about(
-            shell.place,
+            shell.destination,
             f"{MOST_CHANGES} changes were made, and it is still not as wanted",
             rule="failed-change",
             help="each check of it finds another state: ur doctor",

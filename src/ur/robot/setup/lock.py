@@ -60,23 +60,23 @@ def hold_robot(shell: SshShell, who: str, report: Callable[[str], None]) -> Iter
         if word == "held":
             raise UserError(
                 error(
-                    f"{shell.place} is being set up already, by {rest}, expected one at a time",
+                    f"{shell.destination} is being set up already, by {rest}, expected one at a time",
                     rule="busy-robot",
                     help="wait until that is done, then run this again",
-                    subject=shell.place,
+                    subject=shell.destination,
                 )
             )
         if word == "failed":
             raise UserError(
                 error_about(
-                    shell.place,
+                    shell.destination,
                     f"{LOCK_FILE}: {rest}",
                     rule="failed-change",
                     help="free space on the robot; df shows what is full",
                 )
             )
         if word != "mine":
-            raise lost_connection(shell.place, "")
+            raise lost_connection(shell.destination, "")
         heart.start()
         yield
     finally:

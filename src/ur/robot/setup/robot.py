@@ -65,7 +65,7 @@ def preview(task: Task, shell: SshShell, viewer: ViewerFacts) -> list[Change]:
     return plan_changes(items, gather_facts(shell, items, user, base, root=True))
 
 
-def take_back(task: Task, viewer: ViewerFacts, report: Report) -> int:
+def undo_ros2(task: Task, viewer: ViewerFacts, report: Report) -> int:
     """Revert the set-up of a robot with ROS 2, on the robot and this computer; return the number of changes.
 
     Packages stay. The login by key is removed last. Raises UserError.
@@ -89,7 +89,7 @@ def take_back(task: Task, viewer: ViewerFacts, report: Report) -> int:
 def _wanted(task: Task, shell: SshShell, viewer: ViewerFacts, facts: ComputerFacts) -> list[Wanted]:
     if task.robot.ros2:
         return wanted_on_ros2(facts, task.robot, viewer, _password(task, shell), library=task.library)
-    check_robot_system(shell.place, parse_os_release(facts.system))
+    check_robot_system(shell.destination, parse_os_release(facts.system))
     return wanted_there(facts, task.robot, viewer, _password(task, shell), library=task.library, devices=task.devices)
 
 
@@ -276,7 +276,7 @@ def _check_robot(task: Task, shell: SshShell) -> None:
     """Raise UserError if its system cannot have ROS 1, or another computer has its future name."""
     mine = gather(shell, FactsRequest(task.address.user))
     if not task.robot.ros2:
-        check_robot_system(shell.place, parse_os_release(mine.system))
+        check_robot_system(shell.destination, parse_os_release(mine.system))
     if mine.hostname == task.robot.name:
         return
     done = shell.run(f"getent ahostsv4 {quote(task.later.host)}")

@@ -76,7 +76,7 @@ def verify(
     ]
     if task.robot.master:
         found = find_master(robot)
-        checks.append(Check("ROS master", here.place, found, f"http://{robot}:11311" if found else "no answer"))
+        checks.append(Check("ROS master", here.destination, found, f"http://{robot}:11311" if found else "no answer"))
         checks.append(_expect(there, "ROS master at boot", "systemctl is-enabled ubiquity-master", "enabled"))
     if task.robot.programs:
         checks.append(_programs(there))
@@ -84,7 +84,7 @@ def verify(
         login = f"{STRICT} {quote(f'{viewer.user}@{laptop}')} cat /proc/sys/kernel/hostname"
         checks.append(_expect(there, "login by key", login, viewer.name))
     elif task.robot_login:
-        checks.append(Check("login by key", there.place, False, "no ssh server on this computer; run: ur setup"))
+        checks.append(Check("login by key", there.destination, False, "no ssh server on this computer; run: ur setup"))
     return checks
 
 
@@ -105,7 +105,7 @@ def _verify_ros2(task: Task, here: Shell, there: SshShell) -> list[Check]:
     if task.robot.programs:
         done = there.run(quote("bash", "-c", nodes + _PROGRAMS_ROS2), timeout=120.0)
         last = (done.err.strip().splitlines() or [f"exit code {done.code}"])[-1]
-        checks.append(Check("programs", there.place, done.code == 0, _one_line(last if done.code else done.out)))
+        checks.append(Check("programs", there.destination, done.code == 0, _one_line(last if done.code else done.out)))
     return checks
 
 
@@ -114,27 +114,30 @@ def _expect(shell: Shell, title: str, script: str, wanted: str) -> Check:
     reported = done.out.strip()
     good = done.code == 0 and reported == wanted
     seen = _one_line(reported) if good else _one_line(done.err.strip() or reported or f"exit code {done.code}")
-    return Check(title, shell.place, good, seen)
+    return Check(title, shell.destination, good, seen)
 
 
 def _succeed(shell: Shell, title: str, script: str, *, first: bool = False) -> Check:
     done = shell.run(script)
     reported = _one_line(done.out.strip().splitlines()[0].split()[0] if first and done.out.strip() else done.out)
     return Check(
-        title, shell.place, done.code == 0, reported if done.code == 0 else reported or _one_line(done.err) or "nothing"
+        title,
+        shell.destination,
+        done.code == 0,
+        reported if done.code == 0 else reported or _one_line(done.err) or "nothing",
     )
 
 
 def _file(there: Shell, task: Task) -> Check:
     done = there.run(f"cat {ROBOT_FILE}")
     good = done.code == 0 and done.out == robot_file(task.robot, done.out)
-    return Check("robot file", there.place, good, "as wanted" if good else _one_line(done.err or done.out))
+    return Check("robot file", there.destination, good, "as wanted" if good else _one_line(done.err or done.out))
 
 
 def _programs(there: Shell) -> Check:
     done = there.run(quote("bash", "-lc", _PROGRAMS), timeout=120.0)
     last = (done.err.strip().splitlines() or [f"exit code {done.code}"])[-1]
-    return Check("programs", there.place, done.code == 0, _one_line(last if done.code else done.out))
+    return Check("programs", there.destination, done.code == 0, _one_line(last if done.code else done.out))
 
 
 def _ros(here: Shell, robot: str, wanted: str) -> Check:
@@ -149,8 +152,8 @@ def _clock(here: Shell, there: Shell) -> Check:
     try:
         offset = clock_offset(float(before), float(middle), float(after))
     except ValueError:
-        return Check("clock", there.place, False, f"not a time: {_one_line(middle)}")
-    return Check("clock", there.place, abs(offset) < CLOCK_SECONDS, f"{offset:+.3f} s")
+        return Check("clock", there.destination, False, f"not a time: {_one_line(middle)}")
+    return Check("clock", there.destination, abs(offset) < CLOCK_SECONDS, f"{offset:+.3f} s")
 
 
 def _one_line(text: str) -> str:

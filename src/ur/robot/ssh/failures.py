@@ -9,12 +9,14 @@ NOT_STARTED = "not-started"
 """The rule of a computer that boots or is about to stop."""
 
 
-def lost_connection(place: str, reported: str) -> UserError:
+def lost_connection(destination: str, reported: str) -> UserError:
     """Return the error for a broken connection."""
     reason = reported.strip().splitlines()[-1] if reported.strip() else "it closed"
     if reason.startswith("kex_exchange_identification"):  # the shared connection had ended before: see _ONLY_SHARED
         reason = "it closed"
-    return UserError(error_about(place, f"the connection has ended: {reason}", rule="lost-connection", help=_AGAIN))
+    return UserError(
+        error_about(destination, f"the connection has ended: {reason}", rule="lost-connection", help=_AGAIN)
+    )
 
 
 def is_expired(reported: str) -> bool:

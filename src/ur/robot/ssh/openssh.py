@@ -54,7 +54,7 @@ class SshShell:
         self.sudo_reported = ""  # why the latest try of find_sudo failed
 
     @property
-    def place(self) -> str:
+    def destination(self) -> str:
         """The address."""
         return str(self.address)
 
@@ -80,10 +80,13 @@ class SshShell:
         words = self._words(f"({script}\n); code=$?; [ $code -ne 255 ] || code=254; exit $code", root)
         with self._waiting(_describe_wait(self.address)):
             done = run_process(
-                words, stdin=Secret(self._preface(root) + text), timeout=timeout, what=f"a command on {self.place}"
+                words,
+                stdin=Secret(self._preface(root) + text),
+                timeout=timeout,
+                what=f"a command on {self.destination}",
             )
         if done.code == 255:
-            raise lost_connection(self.place, done.err)
+            raise lost_connection(self.destination, done.err)
         if done.code and is_expired(done.err):
             raise expired_password(self.address)
         return done
@@ -120,8 +123,8 @@ class SshShell:
     def _forward(self, kind: str, ports: str) -> ShellResult:
         # Options other than the shared connection's socket have no effect here, and one of them forbids forwarding.
         shared = next(word for word in self._options if word.startswith("ControlPath="))
-        words = ["ssh", "-F", "none", "-o", shared, "-O", "forward", kind, ports, "--", self.place]
-        return run_process(words, timeout=CONNECT_SECONDS, what=f"forwarding to {self.place}")
+        words = ["ssh", "-F", "none", "-o", shared, "-O", "forward", kind, ports, "--", self.destination]
+        return run_process(words, timeout=CONNECT_SECONDS, what=f"forwarding to {self.destination}")
 
     @property
     def accepted(self) -> frozenset[Secret]:
@@ -137,7 +140,7 @@ class SshShell:
         if root and self.address.user != "root":
             options = "-n" if self._sudo is None else "-k -S -p ''"
             command = f"LC_ALL=C sudo {options} -- {command}"
-        return ["ssh", *_ONLY_SHARED, *self._options, "--", self.place, command]
+        return ["ssh", *_ONLY_SHARED, *self._options, "--", self.destination, command]
 
     def _preface(self, root: bool) -> str:
         """Return the input that sudo reads before the script."""

@@ -40,7 +40,7 @@ class Shell(Protocol):
     """Runs POSIX shell scripts on one computer as one user, or as root by sudo."""
 
     @property
-    def place(self) -> str:
+    def destination(self) -> str:
         """The name of the computer in messages."""
 
     def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> ShellResult:
@@ -50,7 +50,7 @@ class Shell(Protocol):
 class LocalShell:
     """Runs scripts on this computer. With `terminal`, sudo may ask there for this user's password."""
 
-    place = "this computer"
+    destination = "this computer"
 
     def __init__(self, *, terminal: bool = False, most: int = MOST_BYTES) -> None:
         """A command that prints more than `most` bytes is ended."""
@@ -58,7 +58,7 @@ class LocalShell:
 
     def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> ShellResult:
         """Run a script with sh. With `root`, by sudo, which asks on the terminal if there is one."""
-        what = f"a command on {self.place}"
+        what = f"a command on {self.destination}"
         if not root or os.geteuid() == 0:
             return run_process(["sh", "-c", script], stdin=stdin, timeout=timeout, what=what, most=self._most)
         if self._terminal:
@@ -68,7 +68,7 @@ class LocalShell:
         done = run_process(command, stdin=stdin, timeout=timeout, what=what, own_session=False)
         if done.code and done.err.startswith("sudo:"):
             reason = done.err.splitlines()[0].removeprefix("sudo: ")
-            raise UserError(error_about(self.place, f"sudo refused: {reason}", rule="no-root", help=_NO_ROOT))
+            raise UserError(error_about(self.destination, f"sudo refused: {reason}", rule="no-root", help=_NO_ROOT))
         return done
 
 

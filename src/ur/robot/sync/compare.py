@@ -19,14 +19,14 @@ def compare(
     last: Mapping[str, Agreed],
     *,
     to: Collection[Side] = SIDES,
-    take: Side | None = None,
+    prefer: Side | None = None,
     only: Sequence[str] = (),
 ) -> SyncPlan:
     """Plan a sync.
 
     A path that is unchanged on one side follows the other side; one changed on both sides is a conflict.
 
-    `to` are the sides that may be changed. `only` limits the sync to these paths and those below them. `take` resolves
+    `to` are the sides that may be changed. `only` limits the sync to these paths and those below. `prefer` resolves
     their conflicts in favour of one side; the other side's files are kept. Paths that either side cannot transfer are
     skipped. If one side has no path at all, nothing is deleted: that workspace is a new one.
     """
@@ -47,7 +47,7 @@ def compare(
                 same[path] = last[path]
             continue
         mine, yours = here.files.get(path), there.files.get(path)
-        found = _compare_path(path, mine, yours, last.get(path), take)
+        found = _compare_path(path, mine, yours, last.get(path), prefer)
         if isinstance(found, SyncStep):
             steps.append(found)
         elif isinstance(found, Conflict):
@@ -69,7 +69,7 @@ def compare(
 
 
 def _compare_path(
-    path: str, here: File | None, there: File | None, last: Agreed | None, take: Side | None
+    path: str, here: File | None, there: File | None, last: Agreed | None, prefer: Side | None
 ) -> SyncStep | Conflict | None:
     mine, yours, old = (each.identity if each else None for each in (here, there, last))
     if mine == yours:
@@ -78,9 +78,9 @@ def _compare_path(
         return SyncStep(path, "here", here, there)
     if yours == old:
         return SyncStep(path, "there", there, here)
-    if take == "here":
+    if prefer == "here":
         return SyncStep(path, "there", there, here, keep=there is not None)
-    if take == "there":
+    if prefer == "there":
         return SyncStep(path, "here", here, there, keep=here is not None)
     return Conflict(path, here, there, _reason(mine, yours, old))
 

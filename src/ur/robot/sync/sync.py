@@ -101,7 +101,7 @@ def list_workspaces(shell: SshShell, root: Path, last: SyncMemory | None) -> Wor
         request = {"do": "scan", "root": where, "ignore": [], "known": known_files(agreed, place.side)}
         answers[place.side] = _ask(place, request, _Scan)
         if not answers[place.side].rsync:
-            who = "this computer" if place.side == "here" else shell.place
+            who = "this computer" if place.side == "here" else shell.destination
             raise UserError(
                 error_about(
                     who, "rsync is not installed", rule="missing-program", help="there: sudo apt-get install rsync"
@@ -142,7 +142,7 @@ def carry_out(
         paths = [step.path for step in steps if step.after and step.after.kind == "file"]
         if paths:
             count = f"{len(paths)} file{'' if len(paths) == 1 else 's'}"
-            report(f"{count} to {'this computer' if side == 'here' else shell.place} ...")
+            report(f"{count} to {'this computer' if side == 'here' else shell.destination} ...")
             _run_rsync(shell, side, roots, request["arriving"], paths, progress=progress)
         rows = [(step.path, step.before, step.after, step.keep) for step in steps]
         answer = _ask(places[side], {**request, "do": "apply", "steps": rows}, _Applied)
@@ -168,7 +168,7 @@ def _ask(place: SyncSide, request: Mapping[str, object], kind: type[Answer]) -> 
         reasons = [f"exit code {done.code}" if done and done.code else str(problem)]
         reasons += done.err.strip().splitlines() if done else []
         message = f"its workspace cannot be read: {reasons[-1]}"
-        who = place.shell.place if place.shell else "this computer"
+        who = place.shell.destination if place.shell else "this computer"
         raise UserError(error_about(who, message, rule="failed-sync", help="ur doctor")) from None
     return answer
 
@@ -211,9 +211,9 @@ def _run_rsync(
             process.terminate()
             raise
     if process.returncode in _RSYNC_LOST:
-        raise lost_connection(shell.place, reported.decode(errors="replace"))
+        raise lost_connection(shell.destination, reported.decode(errors="replace"))
     # 23 and 24: some files changed or vanished meanwhile. `apply` then reports them as incomplete.
     if process.returncode not in (0, 23, 24):
         lines = reported.decode(errors="replace").strip().splitlines() or [f"exit code {process.returncode}"]
-        raise UserError(error_about(shell.place, f"rsync: {lines[0]}", rule="failed-sync", help="ur doctor"))
+        raise UserError(error_about(shell.destination, f"rsync: {lines[0]}", rule="failed-sync", help="ur doctor"))
     sys.stdout.flush()

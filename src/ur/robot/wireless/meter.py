@@ -128,10 +128,10 @@ class Meter:
         for lines in self._lines:
             lines.close()
 
-    def take(self) -> Sample:
+    def sample(self) -> Sample:
         """Return the samples measured since the last call."""
         with self._lock:
-            sent, lost, latency = self._echoes.take()
+            sent, lost, latency = self._echoes.pop()
         self._silent = self._silent + 1 if latency is None else 0
         if self._silent and self._silent % PATIENCE == 0:
             self._lines[0].renew()  # it may have another address by now

@@ -57,7 +57,7 @@ class Echoes:
         if missing:
             self._found.setdefault(int(missing[1] or missing[2]), None)
 
-    def take(self) -> tuple[int, int, float | None]:
+    def pop(self) -> tuple[int, int, float | None]:
         """Return (sent, lost, median latency in s) since the last call."""
         end = max(self._found, default=0) - SETTLED
         taken = [self._found.pop(number, None) for number in range(self._taken + 1, end + 1)]

@@ -148,7 +148,7 @@ class RunWatcher:
         watched.state = apply_events(watched.state, events)
         for event in events:
             if isinstance(event, OutputLine):
-                watched.read_back.take(event.name, event.severity, event.text)
+                watched.read_back.process(event.name, event.severity, event.text)
             elif isinstance(event, Notice):
                 for line in event.text.splitlines():
                     watched.lines.add("", event.severity or "info", line)
@@ -181,7 +181,7 @@ class ReadBack:
         for node, path in logs.items():
             self._read(node, path)
 
-    def take(self, node: str, severity: str, text: str) -> None:
+    def process(self, node: str, severity: str, text: str) -> None:
         """Process a line that the run has sent."""
         if self._held is not None:
             self._held.append((node, severity, text))
@@ -196,7 +196,7 @@ class ReadBack:
             self._twice[node] = deque(self._read(node, path))
         held, self._held = self._held, None
         for line in held:
-            self.take(*line)
+            self.process(*line)
 
     def _read(self, node: str, path: str) -> list[str]:
         lines, self._offsets[node] = read_lines(path, self._offsets.get(node, 0))

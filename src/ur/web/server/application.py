@@ -78,7 +78,9 @@ class Application:
         self._runs = runs or RunPages(environment, log)
         self._devices = SessionPages(gate, self._drivers.rename, log)
         self._assistants = assistants or AssistantPages(environment, log)
-        self.robot_end = make_robot_end(environment, self.show, self._drivers.take, self._on_start, self._on_state, log)
+        self.robot_end = make_robot_end(
+            environment, self.show, self._drivers.process, self._on_start, self._on_state, log
+        )
         self._foxglove = ViewerGate(environment, self._drivers, self._send, self._is_up, log)
         self._data = DataPages(environment, self._is_up, log)
         self._maps = MapPages(commands or CommandQueue(environment), log)

@@ -77,7 +77,7 @@ class AssistantPages:
         """Take a grant back, or refuse what an assistant asks for. Every login may: it stops a robot."""
         asked = await read_body(request, _GrantEnded)
         server = self._files.list_servers().get(asked.id)
-        self._files.take_back(asked.id)
+        self._files.revoke(asked.id)
         self._files.answer(asked.id)
         name = server.client if server is not None else asked.id
         self._note(request, f"does not let {name} drive any more", name)

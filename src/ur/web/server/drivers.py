@@ -139,7 +139,7 @@ class DrivingPages:
         for arrival in self._arrivals.values():
             self._send(arrival)
 
-    def take(self, message: Mapping[str, object]) -> None:
+    def process(self, message: Mapping[str, object]) -> None:
         """Process a message of the robot's process: a challenge for all pages, or an answer for one."""
         if "n" in message:
             text = json.dumps({"n": message["n"]}, separators=(",", ":"))

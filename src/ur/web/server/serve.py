@@ -36,7 +36,7 @@ from ur.web.server.logins.gate import VIEWER_PATH, LoginGate
 from ur.web.server.logins.session_file import state_folder
 from ur.web.server.logins.sessions import discard_line
 from ur.web.server.robot_end import robot_environment
-from ur.web.server.robots.parent_server import ParentServer, take_connection
+from ur.web.server.robots.parent_server import ParentServer, adopt_connection
 from ur.web.server.robots.robot_servers import RobotServers
 from ur.web.server.robots.robots import Robots, ServerLogin
 from ur.web.server.static_files import load_files
@@ -82,7 +82,7 @@ async def serve(
 
     `report` prints lines for the user. Raises UserError if no port is free, or `phone` is set without a network.
     """
-    parent = take_connection(options.child) if options.child is not None else None
+    parent = adopt_connection(options.child) if options.child is not None else None
     address = find_address() if options.phone and parent is None else "localhost"
     network = options.phone or options.service
     folder = state_folder()

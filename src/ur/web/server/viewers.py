@@ -37,7 +37,7 @@ class ViewingPage:
         """Send frames until the page disconnects."""
         with suppress(ConnectionError):
             while not self.socket.closed:
-                frame = self._pending.take()
+                frame = self._pending.pop()
                 if frame is None:
                     self._due.clear()
                     await self._due.wait()
@@ -167,7 +167,7 @@ class FrameQueue:
                 del self._frames[each]
         self._frames[key] = frame
 
-    def take(self) -> bytes | None:
+    def pop(self) -> bytes | None:
         """Remove and return the most urgent frame: the lowest kind, the oldest key first; None if empty."""
         if not self._frames:
             return None

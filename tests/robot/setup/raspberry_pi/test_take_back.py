@@ -9,8 +9,7 @@ from tests.robot.setup.raspberry_pi.test_header import BOARD, COMMAND, CONFIG, L
 
 from ur.robot.setup.change import Change
 from ur.robot.setup.facts import ABSENT, ComputerFacts
-from ur.robot.setup.raspberry_pi.header import BEHIND, want_header
-from ur.robot.setup.raspberry_pi.take_back import take_back_header
+from ur.robot.setup.raspberry_pi.header import BEHIND, undo_header, want_header
 from ur.robot.ssh.shell import LocalShell, Shell
 
 
@@ -26,7 +25,7 @@ def run(seen: ComputerFacts, applied: list[Change]) -> list[str]:
     def apply(_shell: Shell, change: Change) -> None:
         applied.append(change)
 
-    count = take_back_header(LocalShell(), "ros", lines.append, look, apply)
+    count = undo_header(LocalShell(), "ros", lines.append, look, apply)
     assert count == len(applied)
     return lines
 

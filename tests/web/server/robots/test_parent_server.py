@@ -5,7 +5,7 @@ import os
 import pytest
 
 from ur.source.diagnostic import UserError
-from ur.web.server.robots.parent_server import IDLE_LIMIT, Idle, take_connection
+from ur.web.server.robots.parent_server import IDLE_LIMIT, Idle, adopt_connection
 
 
 def test_server_ends_when_no_page_was_connected_for_ten_minutes() -> None:
@@ -29,7 +29,7 @@ def test_descriptor_that_is_no_socket_of_another_server_is_refused_and_left_open
     try:
         for descriptor in (read, 987654, -1):
             with pytest.raises(UserError, match="expected a socket of the server"):
-                take_connection(descriptor)
+                adopt_connection(descriptor)
         os.fstat(read)
     finally:
         os.close(read)

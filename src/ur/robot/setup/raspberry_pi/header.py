@@ -8,13 +8,15 @@ has it free. The console of the kernel leaves it, too.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 from ur.devices.device import Expected
 from ur.robot.setup.change import Change, ChangeScript, show_difference
+from ur.robot.setup.engine import apply_change, gather_facts, plan_undo
 from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.wanted import Wanted, WantedFile, write_file
+from ur.robot.ssh.shell import Shell
 
 SERIAL, I2C = "/dev/ttyAMA0", "/dev/i2c-1"
 BEHIND = (Expected("base", "serial", SERIAL), Expected("imu", "i2c", I2C))
@@ -134,3 +136,23 @@ def _list_absent(config: str, wanted: Mapping[str, tuple[str, ...]]) -> list[str
 
 def _is_ours(row: str, lines: Iterable[str]) -> bool:
     return row in lines or row == "[all]" or row.startswith(_KEPT)
+
+
+def undo_header(
+    shell: Shell,
+    user: str,
+    report: Callable[[str], None],
+    look: Callable[..., ComputerFacts] = gather_facts,
+    apply: Callable[[Shell, Change], None] = apply_change,
+) -> int:
+    """Give the header back to Bluetooth and the console, without its I2C bus; return the number of changes.
+
+    The base does not matter: the set-up may have been for another one. Raises UserError.
+    """
+    base = FactsRequest(user, files=FILES)
+    items = want_header(look(shell, (), user, base, root=True), BEHIND)
+    changes = plan_undo(items, look(shell, items, user, base, root=True))
+    for change in changes:
+        report(f"{change.title}: taken back" + (f", {change.note}" if change.note else ""))
+        apply(shell, change)
+    return len(changes)

@@ -24,8 +24,8 @@ def find_robot_ros2(shell: Shell) -> tuple[Ros2Robot, dict[str, str]] | None:
     found = inspect_robot(shell)
     if not found.present or shell.run(f"{{ {_ROS1}; }} >/dev/null 2>&1").code == 0:
         return None
-    present = parse_robot_file(shell.run(f"cat {ROBOT_FILE} 2>/dev/null").out, f"{shell.place}:{ROBOT_FILE}")
-    ros2 = find_ros2(shell.place, found, present.ros2 if present else None)
+    present = parse_robot_file(shell.run(f"cat {ROBOT_FILE} 2>/dev/null").out, f"{shell.destination}:{ROBOT_FILE}")
+    ros2 = find_ros2(shell.destination, found, present.ros2 if present else None)
     assert ros2
     return ros2, list_topics(found.graph, ros2.commands) if found.graph else {}
 

@@ -66,7 +66,7 @@ def take_over(shell: SshShell, robot: WantedRobot, report: Callable[[str], None]
         give_back(shell, report)
         raise UserError(
             error_about(
-                shell.place,
+                shell.destination,
                 f"the nodes of {plan.unit} take {', '.join(plan.topics)} also after they were remapped",
                 rule="no-take-over",
                 help="the unit is as before; remap the driver in its own launch file: docs/how-to/ros2.md",

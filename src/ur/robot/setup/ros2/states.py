@@ -31,7 +31,7 @@ PACKAGES = (
 LINGER = "/var/lib/systemd/linger"
 
 
-def find_ros2(place: str, found: Ros2, present: Ros2Robot | None = None) -> Ros2Robot | None:
+def find_ros2(destination: str, found: Ros2, present: Ros2Robot | None = None) -> Ros2Robot | None:
     """Determine a robot's ROS 2 settings from an inspection; None if it has no ROS 2.
 
     If the base subscribes to the command topic in the `present` robot file, that topic stays. Raises UserError if its
@@ -43,7 +43,7 @@ def find_ros2(place: str, found: Ros2, present: Ros2Robot | None = None) -> Ros2
     if distro in OLD_RELEASES:
         raise UserError(
             error_about(
-                place,
+                destination,
                 f"it has ROS 2 {distro.capitalize()}, expected Jazzy, Kilted or Lyrical",
                 rule="old-ros",
                 help="install a newer release there: nodes of the two do not understand each other",

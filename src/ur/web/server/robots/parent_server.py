@@ -84,7 +84,7 @@ class Idle:
         return now - self._last > IDLE_LIMIT
 
 
-def take_connection(descriptor: int) -> socket.socket:
+def adopt_connection(descriptor: int) -> socket.socket:
     """Take over the socket that the parent server has passed. Raises UserError if it is not a socket."""
     try:
         connection = socket.socket(fileno=descriptor)

@@ -27,7 +27,7 @@ class OpenTag:
 
 
 @dataclass(frozen=True, slots=True)
-class CursorPlace:
+class CursorPosition:
     """A place: `begin` is what is typed before the cursor, from `start` on, up to which `end` it would be replaced.
 
     `parents` are the open tags around it, outermost first.
@@ -47,7 +47,7 @@ class CursorPlace:
         return self.parents[-1].name if self.parents else ""
 
 
-def find_place(text: str, offset: int) -> CursorPlace:
+def find_cursor(text: str, offset: int) -> CursorPosition:
     """The place of an offset in a launch file. Never raises."""
     parents: list[OpenTag] = []
     for token in _TOKEN.finditer(text):
@@ -56,7 +56,7 @@ def find_place(text: str, offset: int) -> CursorPlace:
         inside = offset < token.end() or (offset == token.end() and not text[: token.end()].endswith(">"))
         if token.group("name") is None:
             if inside:
-                return CursorPlace(
+                return CursorPosition(
                     "comment", text[token.start() : offset], token.start(), token.end(), None, "", (*parents,)
                 )
             continue
@@ -70,7 +70,7 @@ def find_place(text: str, offset: int) -> CursorPlace:
     start = offset
     while start > 0 and (text[start - 1].isalnum() or text[start - 1] in "_-"):
         start -= 1
-    return CursorPlace("text", text[start:offset], start, offset, None, "", tuple(parents))
+    return CursorPosition("text", text[start:offset], start, offset, None, "", tuple(parents))
 
 
 def _tag(text: str, token: re.Match[str]) -> OpenTag:
@@ -79,20 +79,20 @@ def _tag(text: str, token: re.Match[str]) -> OpenTag:
     return OpenTag(token.group("name"), token.start(), {name: span for name, span in values.items() if span[0] >= 0})
 
 
-def _in_tag(text: str, offset: int, token: re.Match[str], parents: tuple[OpenTag, ...]) -> CursorPlace:
+def _in_tag(text: str, offset: int, token: re.Match[str], parents: tuple[OpenTag, ...]) -> CursorPosition:
     tag = _tag(text, token)
     if offset <= token.end("name"):
         begin = token.start("name")
-        return CursorPlace("tag", text[begin:offset], min(begin, offset), token.end("name"), tag, "", parents)
+        return CursorPosition("tag", text[begin:offset], min(begin, offset), token.end("name"), tag, "", parents)
     for each in _ATTRIBUTE.finditer(text, token.start("rest"), token.end("rest")):
         if not each.start() <= offset <= each.end():
             continue
         if offset <= each.end(1):
-            return CursorPlace("attribute", text[each.start() : offset], each.start(), each.end(1), tag, "", parents)
+            return CursorPosition("attribute", text[each.start() : offset], each.start(), each.end(1), tag, "", parents)
         start, end = each.span(2 if each.group(2) is not None else 4)
         if 0 <= start <= offset <= end:
-            return CursorPlace("value", text[start:offset], start, end, tag, each.group(1), parents)
-    return CursorPlace("attribute", "", offset, offset, tag, "", parents)
+            return CursorPosition("value", text[start:offset], start, end, tag, each.group(1), parents)
+    return CursorPosition("attribute", "", offset, offset, tag, "", parents)
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,13 +14,13 @@ from ur.lsp.names import arguments_before, expand
 from ur.lsp.workspace import ResolvedCase, Workspace
 from ur.source.file import Span
 
-WordKind = Literal["macro", "parameter", "namespace", "function", "string", "keyword"]
-WORD_KINDS: tuple[WordKind, ...] = ("macro", "parameter", "namespace", "function", "string", "keyword")
+TokenKind = Literal["macro", "parameter", "namespace", "function", "string", "keyword"]
+TOKEN_KINDS: tuple[TokenKind, ...] = ("macro", "parameter", "namespace", "function", "string", "keyword")
 _PIECE = re.compile(r"\$\((\w+)\s*([^)]*)\)")
 _PLAIN_PATH = re.compile(r"\$\((?:find [\w.-]+|dirname)\)/[^$]*")  # its result would only repeat it
 _LONG = 40
 _EMPTY = "''"
-_NAMES: dict[tuple[str, str], WordKind] = {
+_NAMES: dict[tuple[str, str], TokenKind] = {
     ("arg", "name"): "parameter",
     ("node", "name"): "function",
     ("node", "pkg"): "namespace",
@@ -29,15 +29,15 @@ _NAMES: dict[tuple[str, str], WordKind] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Word:
+class SemanticToken:
     """A word with its kind."""
 
     span: Span
-    kind: WordKind
+    kind: TokenKind
 
 
 @dataclass(frozen=True, slots=True)
-class Hint:
+class InlayHint:
     """A text to show after an offset, which is not part of the file."""
 
     span: Span
@@ -45,7 +45,7 @@ class Hint:
 
 
 @dataclass(frozen=True, slots=True)
-class Lens:
+class CodeLens:
     """A command above a tag."""
 
     span: Span
@@ -53,13 +53,13 @@ class Lens:
     command: Literal["ur.check", "ur.graph", "ur.launch"]
 
 
-def list_words(view: LaunchView) -> list[Word]:
+def list_semantic_tokens(view: LaunchView) -> list[SemanticToken]:
     """The words of a file that have a meaning beyond XML, in order, without overlaps."""
     found = [word for element, _ in walk_elements(view.tree.launch) for word in _words_of(element)]
     return sorted(found, key=lambda each: each.span.start)
 
 
-def _words_of(element: Element) -> Iterator[Word]:
+def _words_of(element: Element) -> Iterator[SemanticToken]:
     for attribute in element.attributes:
         span = element.value_span(attribute)
         if span.start == element.start:
@@ -67,18 +67,18 @@ def _words_of(element: Element) -> Iterator[Word]:
         kind = _NAMES.get((element.name, attribute))
         if "$(" not in span.text:
             if kind is not None and span.text and "\n" not in span.text:
-                yield Word(span, kind)
+                yield SemanticToken(span, kind)
             continue
         for piece in _PIECE.finditer(span.text):
             start = span.start + piece.start(1)
-            yield Word(Span(span.file, start, start + len(piece.group(1))), "macro")
+            yield SemanticToken(Span(span.file, start, start + len(piece.group(1))), "macro")
             if piece.group(1) in ("arg", "find") and piece.group(2).strip() and "\n" not in piece.group(2):
                 start = span.start + piece.start(2)
                 word = Span(span.file, start, start + len(piece.group(2).rstrip()))
-                yield Word(word, "parameter" if piece.group(1) == "arg" else "namespace")
+                yield SemanticToken(word, "parameter" if piece.group(1) == "arg" else "namespace")
 
 
-def list_hints(workspace: Workspace, view: LaunchView, start: int, end: int) -> list[Hint]:
+def list_inlay_hints(workspace: Workspace, view: LaunchView, start: int, end: int) -> list[InlayHint]:
     """The results of values with `$(...)` between two offsets, where they are the same in every case."""
     cases = workspace.cases(view)
     found = []
@@ -90,7 +90,7 @@ def list_hints(workspace: Workspace, view: LaunchView, start: int, end: int) -> 
             results = {_result(value, case, view, element, workspace) for case in cases}
             if len(results) == 1 and (result := results.pop()) is not None and result != value:
                 shown = result if len(result) <= _LONG else f"...{result[3 - _LONG :]}"
-                found.append(Hint(Span(span.file, span.end + 1, span.end + 1), f" = {shown or _EMPTY}"))
+                found.append(InlayHint(Span(span.file, span.end + 1, span.end + 1), f" = {shown or _EMPTY}"))
     return found
 
 
@@ -98,7 +98,7 @@ def _result(value: str, case: ResolvedCase, view: LaunchView, element: Element, 
     return expand(value, arguments_before(case, view, element.start - 1), view.path, workspace)
 
 
-def list_lenses(workspace: Workspace, view: LaunchView) -> list[Lens]:
+def list_code_lenses(workspace: Workspace, view: LaunchView) -> list[CodeLens]:
     """Commands for a whole file, above its `<launch>`."""
     launch = view.tree.launch
     if launch is None:
@@ -107,8 +107,8 @@ def list_lenses(workspace: Workspace, view: LaunchView) -> list[Lens]:
     found = len(workspace.findings_of(view.path))
     state = "no findings" if not found else "1 finding" if found == 1 else f"{found} findings"
     title = f"Check for all {bases} bases: {state}" if bases else f"Check: {state}"
-    lenses = [Lens(launch.span, title, "ur.check"), Lens(launch.span, "Show graph", "ur.graph")]
+    lenses = [CodeLens(launch.span, title, "ur.check"), CodeLens(launch.span, "Show graph", "ur.graph")]
     session = workspace.session
     if view.path.endswith(".launch") or (session is not None and not session.sources.inclusions.tags.get(view.path)):
-        lenses.append(Lens(launch.span, "Launch", "ur.launch"))
+        lenses.append(CodeLens(launch.span, "Launch", "ur.launch"))
     return lenses
