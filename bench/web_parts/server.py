@@ -12,7 +12,7 @@ from pathlib import Path
 import aiohttp
 import psutil
 
-_BETWEEN = ("twist_mux", "stageros", "simulator", "robot_end_node", "web", "cmd_vel_mux_node", "simulator_node")
+_BETWEEN = ("twist_mux", "stageros", "simulator", "robot_endpoint_node", "web", "cmd_vel_mux_node", "simulator_node")
 
 
 async def log_in(port: int, log: Path) -> dict[str, str]:

@@ -298,7 +298,7 @@ def find_ends(robot: LaunchedRobot) -> list[int]:
         each.pid
         for each in psutil.process_iter(["cmdline", "environ"])
         if (each.info["environ"] or {}).get("ROS_MASTER_URI") == robot.env["ROS_MASTER_URI"]
-        and "ur_nodes.web.robot_end_node" in (each.info["cmdline"] or [])
+        and "ur_nodes.web.robot_endpoint_node" in (each.info["cmdline"] or [])
     ]
 
 

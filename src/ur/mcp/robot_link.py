@@ -12,7 +12,7 @@ from typing import Protocol
 from ur.source.foreign.json_values import read_json
 from ur.system.child_processes import NodeProcess, PendingAnswers, start_node
 
-_MODULE = "ur_nodes.assistant.assistant_end_node"
+_MODULE = "ur_nodes.assistant.assistant_endpoint_node"
 _LINE = 1 << 26  # bytes
 _START_LIMIT = 20.0  # s
 

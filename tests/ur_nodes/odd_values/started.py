@@ -54,7 +54,7 @@ ARGUMENTS: dict[str, list[str]] = {
     "republish": ["compressed", "raw"],
     "map_server": [str(launch_library() / "n_map_server/maps/maze.yaml")],
 }
-SOCKETS = {"robot_end": 2, "data_end": 1, "assistant_end": 1, "viewer_end": 1, "graph_report": 1}
+SOCKETS = {"robot_endpoint": 2, "data_endpoint": 1, "assistant_endpoint": 1, "viewer_endpoint": 1, "graph_report": 1}
 
 
 class StartedNode:

@@ -49,10 +49,10 @@ def read_all(link: socket.socket) -> bytes:
 
 def test_viewer_gets_a_node_with_its_socket_until_the_node_ends(path: str, answers: Answers) -> None:
     ours, theirs = socket.socketpair()
-    with ours, theirs, ask(path, "ur_nodes.web.robot_end_node", [theirs.fileno()]) as connection:
+    with ours, theirs, ask(path, "ur_nodes.web.robot_endpoint_node", [theirs.fileno()]) as connection:
         assert read_all(connection) == b""
         assert read_all(ours) == b"hello"
-    assert answers.words == [["ur_nodes.web.robot_end_node"]]
+    assert answers.words == [["ur_nodes.web.robot_endpoint_node"]]
 
 
 def test_viewer_that_asks_for_something_else_gets_nothing(path: str, answers: Answers) -> None:
@@ -74,4 +74,4 @@ def test_request_that_names_no_module_of_the_page_is_none(text: bytes) -> None:
 def test_folder_of_the_socket_is_private_and_a_path_without_a_run_answers_nothing(path: str) -> None:
     assert Path(path).parent.stat().st_mode & 0o077 == 0
     with pytest.raises(OSError, match="No such file"):
-        ask("elsewhere", "ur_nodes.web.robot_end_node", [])
+        ask("elsewhere", "ur_nodes.web.robot_endpoint_node", [])

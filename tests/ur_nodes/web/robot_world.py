@@ -15,7 +15,7 @@ from ur_nodes.memory.bus import Bus
 from ur_nodes.motion.cmd_vel_mux_node import start
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Twist
-from ur_nodes.web.robot_end import RobotSession
+from ur_nodes.web.robot_endpoint import RobotSession
 
 ROOT = Path(__file__).parents[3]
 SOURCES = yaml.safe_load((ROOT / "ubiquity_launches/n_cmd_vel_mux/params/sources.yaml").read_text())
@@ -81,7 +81,7 @@ class RobotWorld:
 
     def state(self) -> dict[str, Any]:
         """The newest state that pages have, after a moment."""
-        self.end.take_view({"viewers": 1})
+        self.end.on_view({"viewers": 1})
         self.bus.run(1.0)
         found: dict[str, Any] = self.view.newest(Kind.STATE)
         return found
@@ -96,7 +96,7 @@ class DrivingPage:
         self.wanted: tuple[int, float, float] | None = None
         self.alive = True
         world.pages[client] = self
-        world.end.take_drive({"do": "come", "page": client, "name": client, "computer": computer, **more})
+        world.end.on_drive({"do": "come", "page": client, "name": client, "computer": computer, **more})
         world.robot.every(0.1, lambda: self.ask("alive") if self.alive else None)
         world.robot.every(0.05, self._send_stick)
 
@@ -104,7 +104,7 @@ class DrivingPage:
         """Send a request that answers the newest challenge, or none of the last second."""
         answers = [1, 1] if late else self.world.challenge
         message = json.dumps({"t": request, "n": answers, **more})
-        self.world.end.take_drive({"page": self.client, "m": message})
+        self.world.end.on_drive({"page": self.client, "m": message})
 
     def told(self, seconds: float = 0.5) -> list[dict[str, Any]]:
         """The answers since the last time, after a moment."""
@@ -115,7 +115,7 @@ class DrivingPage:
     def leave(self) -> None:
         """The page is closed."""
         self.alive, self.wanted = False, None
-        self.world.end.take_drive({"do": "leave", "page": self.client})
+        self.world.end.on_drive({"do": "leave", "page": self.client})
 
     def _send_stick(self) -> None:
         if self.wanted is not None:

@@ -15,7 +15,7 @@ aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requi
 
 from aiohttp import web  # noqa: E402
 from tests.fakes.page_server import PageServerClient  # noqa: E402
-from tests.web.server.robot_ends import KeptRobotEnd, keep  # noqa: E402
+from tests.web.server.robot_processes import KeptRobotEnd, keep  # noqa: E402
 
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
@@ -36,7 +36,7 @@ GUARDED = ["/", "/main.js", "/api/me", "/ws/view", DRIVE, RUNS, *PROGRAMS]
 class ApplicationServer(PageServerClient):
     application: Application
     log: list[str]
-    robot_end: KeptRobotEnd
+    robot_process: KeptRobotEnd
 
     @property
     def origin(self) -> dict[str, str]:
@@ -54,7 +54,7 @@ async def server(tmp_path: Path) -> AsyncIterator[ApplicationServer]:
     gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", log.append)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}
     ends = list[KeptRobotEnd]()
-    application = Application(gate, load_files(), environment, "bob", log.append, make_robot_end=keep(ends))
+    application = Application(gate, load_files(), environment, "bob", log.append, make_robot_process=keep(ends))
     jar = aiohttp.CookieJar(unsafe=True)
     async with (
         open_server(application.build(), gate, listen("127.0.0.1", port), log.append),
@@ -182,7 +182,7 @@ async def test_page_changes_what_it_shows_over_its_open_connection(server: Appli
     def look(viewers: int, layers: frozenset[Layer], plots: frozenset[str], _camera: str) -> None:
         asked.append((viewers, Layer.GLOBAL in layers, sorted(plots)))
 
-    server.robot_end.on_look = look
+    server.robot_process.on_look = look
     await server.log_in(Role.LOOK)
     newest = points_frame(Layer.GLOBAL, [(1.0, 2.0)])  # before the page shows that layer
     server.application.show(newest)
@@ -242,7 +242,7 @@ async def test_camera_has_a_socket_of_its_own_and_waits_for_the_page(server: App
         if Layer.CAMERA in layers:
             come.set()
 
-    server.robot_end.on_look = look
+    server.robot_process.on_look = look
     await server.log_in(Role.LOOK)
     assert await server.status("GET", "/ws/camera", Origin="http://evil.example") == 403
     async with server.client.ws_connect(f"{server.url}/ws/camera", headers=server.origin) as socket:
@@ -282,7 +282,7 @@ async def test_camera_is_chosen_for_all_pages_by_those_that_may_drive(
             chosen.append(camera)
             done.set()
 
-    server.robot_end.on_look = look
+    server.robot_process.on_look = look
     await server.log_in(role)
     async with server.client.ws_connect(f"{server.url}/ws/camera", headers=server.origin) as socket:
         await socket.send_str(text)
@@ -330,7 +330,7 @@ async def test_plots_of_all_pages_are_asked_for_once_and_only_they_get_the_numbe
     def look(viewers: int, layers: frozenset[Layer], plots: frozenset[str], _camera: str) -> None:
         asked.append((viewers, Layer.PLOTS in layers, sorted(plots)))
 
-    server.robot_end.on_look = look
+    server.robot_process.on_look = look
     await server.log_in(Role.LOOK)
     view = f"{server.url}/ws/view?layers="
     assert await server.status("GET", "/ws/view?plots=odom", **server.origin) == 400
@@ -364,7 +364,7 @@ async def test_server_ends_although_a_cancellation_is_lost(tmp_path: Path) -> No
             await asyncio.Event().wait()
 
     gate = LoginGate(make_origins((), free_port()), tmp_path / "sessions.json", lambda _: None)
-    application = Application(gate, load_files(), {}, "bob", lambda _: None, make_robot_end=DeafRobotEnd)
+    application = Application(gate, load_files(), {}, "bob", lambda _: None, make_robot_process=DeafRobotEnd)
     runner = web.AppRunner(application.build(), access_log=None)
     await runner.setup()
     await asyncio.sleep(0)

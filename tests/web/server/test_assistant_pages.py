@@ -15,7 +15,7 @@ pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/we
 import aiohttp
 from tests.fakes.page_server import PageServerClient
 from tests.ros_session import free_port
-from tests.web.server.robot_ends import IdleRobotEnd, keep
+from tests.web.server.robot_processes import IdleRobotEnd, keep
 
 from ur.mcp.action_log import ActionLog
 from ur.mcp.grants import GrantFiles, Request, ServerRecord
@@ -55,7 +55,7 @@ async def page(tmp_path: Path) -> AsyncIterator[AssistantPage]:
     gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
     pages = AssistantPages(environment, lambda _: None, GrantFiles(tmp_path / "mcp"))
     application = Application(
-        gate, {}, environment, "bob", lambda _: None, make_robot_end=keep(ends, IdleRobotEnd), assistants=pages
+        gate, {}, environment, "bob", lambda _: None, make_robot_process=keep(ends, IdleRobotEnd), assistants=pages
     )
     async with (
         open_server(application.build(), gate, listen("127.0.0.1", port), lambda _: None),

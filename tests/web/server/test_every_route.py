@@ -14,7 +14,7 @@ from tests.ros_session import free_port
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 from tests.fakes.page_server import PageServerClient  # noqa: E402
-from tests.web.server.robot_ends import KeptRobotEnd, keep  # noqa: E402
+from tests.web.server.robot_processes import KeptRobotEnd, keep  # noqa: E402
 
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import SESSION_LIFE, TOKEN_LIFE, Role  # noqa: E402
@@ -98,7 +98,7 @@ async def server(tmp_path: Path) -> AsyncIterator[RouteServer]:
         make_origins((), port), tmp_path / "sessions.json", lambda _: None, clock=lambda: time.time() + ahead[0]
     )
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path)}
-    application = Application(gate, load_files(), environment, "bob", lambda _: None, make_robot_end=keep(ends))
+    application = Application(gate, load_files(), environment, "bob", lambda _: None, make_robot_process=keep(ends))
     built = application.build()
     routes = {
         (each.method, each.resource.canonical)

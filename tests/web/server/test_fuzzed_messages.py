@@ -17,7 +17,7 @@ from tests.ros_session import free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
-from tests.web.server.robot_ends import KeptRobotEnd, keep  # noqa: E402
+from tests.web.server.robot_processes import KeptRobotEnd, keep  # noqa: E402
 
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
@@ -48,7 +48,7 @@ async def test_only_requests_that_are_well_formed_reach_the_robot(tmp_path: Path
     port, chance, log, ends = free_port(), random.Random(COUNT), list[str](), list[KeptRobotEnd]()
     gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", log.append)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}
-    application = Application(gate, {}, environment, "bob", log.append, make_robot_end=keep(ends))
+    application = Application(gate, {}, environment, "bob", log.append, make_robot_process=keep(ends))
     url, seeds = f"http://127.0.0.1:{port}", [json.dumps(each).encode() for each in VALID]
     async with (
         open_server(application.build(), gate, listen("127.0.0.1", port), log.append),

@@ -48,7 +48,7 @@ class PlayedRobot:
         environment = {"ROS_MASTER_URI": "http://localhost:1", "XDG_STATE_HOME": str(folder)}
         self.assistants = grant_files(environment)
         self._application = Application(self._gate, load_files(), environment, "bob", lambda _: None)
-        end = self._application.robot_end
+        end = self._application.robot_process
         end.run = self._play  # type: ignore[method-assign]
         end.send = self._note  # type: ignore[method-assign]
         self._ready, self._loop = threading.Event(), asyncio.new_event_loop()
@@ -74,7 +74,7 @@ class PlayedRobot:
     def ended(self) -> Iterator[None]:
         """No master answers, so that the robot's end sends nothing."""
         self._running = False
-        self._loop.call_soon_threadsafe(self._application.robot_end._enter, "no master")
+        self._loop.call_soon_threadsafe(self._application.robot_process._enter, "no master")
         yield
         self._running = True
         self._loop.call_soon_threadsafe(self._begin)
@@ -105,7 +105,7 @@ class PlayedRobot:
             await self._over.wait()
 
     def _begin(self) -> None:
-        self._application.robot_end._enter("up")
+        self._application.robot_process._enter("up")
         self._application.show(json_frame(Kind.STATE, STATE))
         self._application.show(json_frame(Kind.FIELDS, {"fields": {"/odom": ["twist.twist.linear.x"]}}, Layer.PLOTS))
 

@@ -21,7 +21,7 @@ from ur.web.server.logins.gate import SESSION, VIEWER_PATH, LoginGate, demand_dr
 from ur.web.server.logins.session_pages import SessionPages
 from ur.web.server.map_pages import MapPages
 from ur.web.server.recordings.recording_pages import RecordingPages
-from ur.web.server.robot_end import RobotProcess
+from ur.web.server.robot_process import RobotProcess
 from ur.web.server.robots.robot_pages import RobotPages
 from ur.web.server.robots.robots import OneRobot, Robots
 from ur.web.server.run_pages import RunPages
@@ -58,7 +58,7 @@ class Application:
         log: Callable[[str], None],
         robots: Robots | None = None,
         *,
-        make_robot_end: Callable[..., RobotProcess] = RobotProcess,
+        make_robot_process: Callable[..., RobotProcess] = RobotProcess,
         runs: RunPages | None = None,
         recordings: RecordingPages | None = None,
         commands: CommandQueue | None = None,
@@ -78,7 +78,7 @@ class Application:
         self._runs = runs or RunPages(environment, log)
         self._devices = SessionPages(gate, self._drivers.rename, log)
         self._assistants = assistants or AssistantPages(environment, log)
-        self.robot_end = make_robot_end(
+        self.robot_process = make_robot_process(
             environment, self.show, self._drivers.process, self._on_start, self._on_state, log
         )
         self._foxglove = ViewerGate(environment, self._drivers, self._send, self._is_up, log)
@@ -88,7 +88,7 @@ class Application:
         self._robots = RobotPages(robots or OneRobot(robot, self._is_up), log)
 
     def _is_up(self) -> bool:
-        return self.robot_end.state == "up"
+        return self.robot_process.state == "up"
 
     def build(self) -> web.Application:
         """Return the aiohttp application."""
@@ -120,7 +120,7 @@ class Application:
         return app
 
     async def _run(self, _app: web.Application) -> AsyncIterator[None]:
-        tasks = [asyncio.create_task(self.robot_end.run()), asyncio.create_task(self._announce_often())]
+        tasks = [asyncio.create_task(self.robot_process.run()), asyncio.create_task(self._announce_often())]
         yield
         pending = set(tasks)
         while pending:  # before Python 3.12 wait_for loses a cancellation at the moment when its awaitable fails
@@ -153,12 +153,12 @@ class Application:
             await asyncio.sleep(_STATUS_EVERY)
 
     def _announce(self) -> None:
-        end = self.robot_end
+        end = self.robot_process
         status = {"robot": self._robot, "end": end.state, "problem": end.problem, "master": end.master}
         self._viewers.announce({**status, "moved": self._moved(), "assistants": self._assistants.describe()})
 
     def _on_state(self) -> None:
-        if self.robot_end.state == "no master":
+        if self.robot_process.state == "no master":
             self._viewers.forget()
         self._announce()
 
@@ -177,10 +177,10 @@ class Application:
     def _look(self) -> None:
         camera = {Layer.CAMERA} if self._cameras.any_open() else set()
         layers, plots = self._viewers.layers() | camera, self._viewers.plots()
-        self.robot_end.look(len(self._viewers), layers, plots, self._cameras.topic)
+        self.robot_process.look(len(self._viewers), layers, plots, self._cameras.topic)
 
     def _send(self, message: Mapping[str, object]) -> None:
-        self.robot_end.send(message)
+        self.robot_process.send(message)
 
     async def _serve_index(self, request: web.Request) -> web.Response:
         return self._serve(request, "index.html")
@@ -214,7 +214,7 @@ class Application:
 
     async def _stop(self, request: web.Request) -> web.Response:
         """Stop the robot, for every role."""
-        connected = self.robot_end.state == "up"
+        connected = self.robot_process.state == "up"
         if connected:
             self._send({"do": "stop"})
         session, grant = request[SESSION]

@@ -35,7 +35,7 @@ from ur.web.server.links import FIRST_PORT, LISTENERS, draw_code, find_address, 
 from ur.web.server.logins.gate import VIEWER_PATH, LoginGate
 from ur.web.server.logins.session_file import state_folder
 from ur.web.server.logins.sessions import discard_line
-from ur.web.server.robot_end import robot_environment
+from ur.web.server.robot_process import robot_environment
 from ur.web.server.robots.parent_server import ParentServer, adopt_connection
 from ur.web.server.robots.robot_servers import RobotServers
 from ur.web.server.robots.robots import Robots, ServerLogin

@@ -25,7 +25,7 @@ from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import Role
 from ur.web.server.drivers import DrivingPages
 from ur.web.server.logins.gate import SESSION
-from ur.web.server.viewer_end import ViewerProcess, ViewerProcessError
+from ur.web.server.viewer_process import ViewerProcess, ViewerProcessError
 from ur.web.server.viewers import limit_buffer
 from ur.web.wire.reading import BadRequestError
 from ur.web.wire.viewer_protocol import (

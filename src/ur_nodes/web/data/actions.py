@@ -51,7 +51,7 @@ class DataActions:
         self._publishing = Publishing(node)
         self._running = 0
 
-    def take(self, request: Request, answer: Answer) -> None:
+    def start(self, request: Request, answer: Answer) -> None:
         """Carry out a request and call `answer` with its result: `ok`, `text`, and `value` where a form needs it."""
         if self._running >= _MOST_CALLS:
             answer({"ok": False, "text": f"{_MOST_CALLS} requests have no answer yet, expected them first"})
@@ -119,7 +119,7 @@ class DataActions:
             raise RefusedError(refusal)
         began = self._node.steady()
 
-        def take(result: Result) -> None:
+        def on_result(result: Result) -> None:
             answer = result.value
             if not result.success or not isinstance(answer, ServiceAnswer):
                 finish(refuse(result.text))
@@ -127,7 +127,7 @@ class DataActions:
             seconds = self._node.steady() - began
             finish({"text": f"{answer.type_name}, {seconds:.2f} s\n{result.text[:_LONGEST_TEXT]}"})
 
-        self._node.raw.call(request.service, read_fields(request.value), take)
+        self._node.raw.call(request.service, read_fields(request.value), on_result)
 
     def _set(self, request: SetParameter, graph: Graph, finish: Answer) -> None:
         refusal = refuse_parameter(request.name)
@@ -158,7 +158,7 @@ class DataActions:
             value = float(value)
         part = _TUNED_FIELDS[type(value)]
 
-        def take(result: Result) -> None:
+        def on_result(result: Result) -> None:
             if not result.success or not isinstance(result.value, ServiceAnswer):
                 finish(refuse(result.text))
                 return
@@ -167,7 +167,7 @@ class DataActions:
             kept = next((each["value"] for each in group if each["name"] == last), None)
             finish({"text": f"the node has taken {kept}"})
 
-        self._node.raw.call(service, {"config": {part: [{"name": last, "value": value}]}}, take)
+        self._node.raw.call(service, {"config": {part: [{"name": last, "value": value}]}}, on_result)
 
     def _keep(self, name: str, value: object, finish: Answer) -> None:
         def keep() -> Fields:

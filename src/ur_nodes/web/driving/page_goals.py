@@ -58,7 +58,7 @@ class PageGoals:
             return replace(page, goal=0, lease=note_end(page.lease, self._node.steady()))
         return page
 
-    def take(self, page: GoalPage, request: GoalRequest | GoTo | InitialPose | Resume, refuse: Refuse) -> GoalPage:
+    def apply(self, page: GoalPage, request: GoalRequest | GoTo | InitialPose | Resume, refuse: Refuse) -> GoalPage:
         """Carry out a request of a page. If it is refused, the lease is released unless its page drives to a goal."""
         why = ""
         if isinstance(request, GoTo):
@@ -66,7 +66,7 @@ class PageGoals:
             if place is None:
                 why = "no place"
             else:
-                return self.take(page, GoalRequest(request.answers, *place), refuse)
+                return self.apply(page, GoalRequest(request.answers, *place), refuse)
         elif self._link.is_late(request.answers):
             why = "late"
         elif not may_drive(page.lease, self._link.lease):

@@ -49,7 +49,7 @@ class CameraView:
         self._stale = self._stale or (topic, wanted) != (self._asked, self._wanted)
         self._asked, self._wanted = topic, wanted
 
-    def take_topics(self, topics: Sequence[tuple[str, str]]) -> None:
+    def update_topics(self, topics: Sequence[tuple[str, str]]) -> None:
         """Take the names and types of all topics."""
         self._topics, self._stale = topics, True
 

@@ -25,13 +25,13 @@ Place = Callable[[str], "Pose2 | None"]
 
 
 class ExtraLayers:
-    """Sends the layers that pages show. `place` returns the pose of a frame in the map frame, None if unknown.
+    """Sends the layers that pages show. `pose_of` returns the pose of a frame in the map frame, None if unknown.
 
     `put` takes functions that make frames; they are called on a worker, in order.
     """
 
-    def __init__(self, node: Node, place: Place, put: Callable[[Frames], None]) -> None:
-        self._node, self._place, self._put = node, place, put
+    def __init__(self, node: Node, pose_of: Place, put: Callable[[Frames], None]) -> None:
+        self._node, self._place, self._put = node, pose_of, put
         self._wanted: frozenset[Layer] = frozenset()
         self._subscriptions: dict[Layer, list[Subscription]] = {}
         self._costmaps = {layer: KeptMap() for layer in _COSTMAPS}

@@ -25,11 +25,11 @@ Place = Callable[[str], "Pose2 | None"]
 """Gives the pose of a frame in the map frame; None: it is not known."""
 
 
-def _describe_sonars(found: Mapping[str, object], place: Place) -> dict[str, object]:
+def _describe_sonars(found: Mapping[str, object], pose_of: Place) -> dict[str, object]:
     """Describe sonar cones in the map frame: x, y (m), yaw, range (m), field of view (rad), 1 for an echo."""
     cones = []
     for sonar in _only(found, Range).values():
-        mount = place(sonar.frame)
+        mount = pose_of(sonar.frame)
         if mount is None:
             continue
         echo = sonar.range_min <= sonar.range < sonar.range_max
@@ -38,10 +38,10 @@ def _describe_sonars(found: Mapping[str, object], place: Place) -> dict[str, obj
     return {"cones": cones}
 
 
-def _describe_covariance(found: Mapping[str, object], place: Place) -> dict[str, object]:
+def _describe_covariance(found: Mapping[str, object], pose_of: Place) -> dict[str, object]:
     """Describe the newest pose of the localiser and its covariance: x, y (m), xx, xy, yy (m^2)."""
     for estimate in _only(found, PoseEstimate).values():
-        frame = place(estimate.frame)
+        frame = pose_of(estimate.frame)
         if frame is not None:
             own = frame.compose(estimate.pose)
             cos, sin = math.cos(frame.yaw), math.sin(frame.yaw)
@@ -63,22 +63,22 @@ def _describe_fiducials(found: Mapping[str, object], _place: Place) -> dict[str,
     return {"marks": marks}
 
 
-def _describe_robots(found: Mapping[str, object], place: Place) -> dict[str, object]:
+def _describe_robots(found: Mapping[str, object], pose_of: Place) -> dict[str, object]:
     """Describe other robots by name: x, y (m), yaw. A localiser's pose is preferred to the simulator's."""
     shown = _only(found, PoseEstimate) | _only(found, Odometry)
     robots: dict[str, list[float]] = {}
     for name, value in sorted(shown.items(), key=lambda item: item[0], reverse=True):  # amcl_pose comes last
-        frame = place(value.frame)
+        frame = pose_of(value.frame)
         if frame is not None:
             robots[printable(name.rpartition("/")[0].strip("/"))[:40]] = _round(*frame.compose(value.pose))
     return {"robots": robots}
 
 
-def _describe_frontiers(found: Mapping[str, object], place: Place) -> dict[str, object]:
+def _describe_frontiers(found: Mapping[str, object], pose_of: Place) -> dict[str, object]:
     """Describe the frontiers of an exploration: 1 for one that was given up, then x, y, x, y, ... (m)."""
     frontiers = []
     for shown in _only(found, Markers).values():
-        frame = place(shown.frame)
+        frame = pose_of(shown.frame)
         if frame is None:
             continue
         for marker in [each for each in shown.markers if len(each.points)][:_MOST_FRONTIERS]:

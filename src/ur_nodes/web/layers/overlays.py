@@ -32,10 +32,10 @@ def choose_topics(layer: Layer, topics: Sequence[Topic], resolve: Callable[[str]
 
 
 class Overlays:
-    """Sends the layers that pages show, and tracks bumpers. `place` returns the pose of a frame in the map frame."""
+    """Sends the layers that pages show, and tracks bumpers. `pose_of` returns the pose of a frame in the map frame."""
 
-    def __init__(self, node: Node, place: Place, send: Callable[[bytes], None]) -> None:
-        self._node, self._place, self._send = node, place, send
+    def __init__(self, node: Node, pose_of: Place, send: Callable[[bytes], None]) -> None:
+        self._node, self._place, self._send = node, pose_of, send
         self._topics: Sequence[Topic] = ()
         self._stale = False  # what is wanted, or the topics, have changed
         self._wanted: frozenset[Layer] = frozenset()
@@ -51,7 +51,7 @@ class Overlays:
         self._stale = self._stale or (wanted, watched) != (self._wanted, self._watched)
         self._wanted, self._watched = wanted, watched
 
-    def take_topics(self, topics: Sequence[Topic]) -> None:
+    def update_topics(self, topics: Sequence[Topic]) -> None:
         """Take the names and types of all topics."""
         self._topics, self._stale = topics, True
 

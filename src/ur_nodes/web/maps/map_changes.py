@@ -35,7 +35,7 @@ class MapChanges:
     def __init__(self, places: PlaceFile, zones: ZoneLink, maps: MapLink, reply: Reply) -> None:
         self._places, self._zones, self._maps, self._reply = places, zones, maps, reply
 
-    def take(self, client: str, request: MapRequest) -> None:
+    def apply(self, client: str, request: MapRequest) -> None:
         """Pass on a request of a page that may drive."""
         if isinstance(request, NamePlace | ForgetPlace):
             self._places.change(request, lambda answer: self._reply(client, answer))

@@ -36,7 +36,7 @@ class FrameTree:
     def __init__(self) -> None:
         self._known: dict[str, tuple[float, list[object]]] = {}
 
-    def take(self, transform: Transform, now: float, *, fixed: bool) -> None:
+    def add(self, transform: Transform, now: float, *, fixed: bool) -> None:
         """Take a transform unless it is malformed; a `fixed` one does not expire."""
         child, parent, pose = transform.child[:100], transform.parent[:100], transform.pose
         if not child or child == parent or problem_of(pose) or (child not in self._known and len(self._known) >= _MOST):
@@ -148,12 +148,12 @@ class SceneFeed:
     def _on_frames(self, transforms: tuple[Transform, ...], *, fixed: bool) -> None:
         now = self._node.steady()
         for each in transforms[:_MOST_TRANSFORMS]:
-            self._tree.take(each, now, fixed=fixed)
+            self._tree.add(each, now, fixed=fixed)
 
     def _on_markers(self, name: str, changes: Iterable[MarkerChange]) -> None:
         now = self._node.steady()
         for each in changes:
-            self._markers[name].take(each, now)
+            self._markers[name].apply(each, now)
 
     def _on_cloud(self, name: str, cloud: PointCloud) -> None:
         if self._clouds[name].due(self._node.steady()):

@@ -25,7 +25,7 @@ class ShownMarkers:
         self._known: dict[tuple[str, int], tuple[float, dict[str, Any]]] = {}
         self.changed = False
 
-    def take(self, change: MarkerChange, now: float) -> None:
+    def apply(self, change: MarkerChange, now: float) -> None:
         """Apply a change unless its marker is malformed."""
         key = change.marker.namespace[:200], change.marker.number
         if change.action == "clear":

@@ -24,7 +24,7 @@ class Diagnostics:
     def __init__(self) -> None:
         self._known: dict[str, tuple[float, dict[str, object]]] = {}
 
-    def take(self, message: Mapping[str, object], now: float) -> None:
+    def receive(self, message: Mapping[str, object], now: float) -> None:
         """Take a decoded message; malformed parts are left out."""
         statuses = message.get("status")
         for each in _items(statuses):

@@ -96,4 +96,4 @@ class StatusFeed:
         except (BadDefinitionError, BadMessageError) as problem:
             self._node.log.warn(f"{_TOPIC}: {problem}", every=_LOGGED_EVERY)
             return
-        self._diagnostics.take(found, self._node.steady())
+        self._diagnostics.receive(found, self._node.steady())

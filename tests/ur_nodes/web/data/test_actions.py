@@ -48,7 +48,7 @@ class ActionsWorld:
     def ask(self, request: Request) -> dict[str, Any]:
         """The answer to a request."""
         answers: list[Any] = []
-        self.actions.take(request, answers.append)
+        self.actions.start(request, answers.append)
         assert self.bus.run_until(lambda: bool(answers), 10.0)
         (answer,) = answers
         return dict(answer)
@@ -155,7 +155,7 @@ def test_requests_without_an_answer_are_limited() -> None:
     world, answers = ActionsWorld(), list[Any]()
     world.other.serve_later("slow", Trigger, lambda _request, _give: None)
     for _ in range(5):
-        world.actions.take(Call("/slow", "{}"), answers.append)
+        world.actions.start(Call("/slow", "{}"), answers.append)
     world.bus.run(60.0)
     assert [each["text"] for each in answers] == ["4 requests have no answer yet, expected them first"]
 

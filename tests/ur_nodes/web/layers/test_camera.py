@@ -64,7 +64,7 @@ class CameraRobot:
         """The topic that is shown and those that are offered, after a request and some seconds."""
         self.view.want(topic, wanted=True)
         if listed:
-            self.view.take_topics(self.topics)
+            self.view.update_topics(self.topics)
         self.view.step()
         self.bus.run(5.0)
         state: Any = self.view.describe()
@@ -158,7 +158,7 @@ def test_raw_picture_of_an_odd_size_is_reported_and_the_next_one_is_shown(width:
     robot = CameraRobot()
     raw = robot.cameras.publish("/raw", Picture)
     robot.view.want("", wanted=True)
-    robot.view.take_topics([("/raw", RAW)])
+    robot.view.update_topics([("/raw", RAW)])
     robot.view.step()
     raw.send(Picture(0, "camera", width, height, "rgb8", 3 * width, bytes(3 * width * height)))
     robot.bus.run(1.0)
@@ -185,7 +185,7 @@ def test_picture_that_cannot_be_read_is_reported_and_the_next_one_is_shown() -> 
     robot.topics = [("/raw", RAW)]
     raw = robot.cameras.publish("/raw", Picture)
     robot.view.want("", wanted=True)
-    robot.view.take_topics(robot.topics)
+    robot.view.update_topics(robot.topics)
     robot.view.step()
     raw.send(Picture(0, "camera", 4, 4, "rgb8", 12, b""))
     robot.bus.run(1.0)

@@ -43,7 +43,7 @@ class Scene:
         self.bus, self.frames = Bus(), list[bytes]()
         self.node, self.robot = self.bus.node("web"), self.bus.node("robot")
         self.overlays = Overlays(self.node, PLACES.get, self.frames.append)
-        self.overlays.take_topics(TOPICS)
+        self.overlays.update_topics(TOPICS)
         self.publishers: dict[str, Any] = {}
 
     def step(self) -> None:
@@ -154,10 +154,10 @@ def test_layer_that_no_page_wants_any_more_is_forgotten() -> None:
 
 def test_topic_that_is_published_later_is_shown_with_the_next_list() -> None:
     scene = Scene()
-    scene.overlays.take_topics([])
+    scene.overlays.update_topics([])
     scene.overlays.want([Layer.SONARS], watched=False)
     scene.step()
     assert scene.subscribed() == []
-    scene.overlays.take_topics(TOPICS)
+    scene.overlays.update_topics(TOPICS)
     scene.step()
     assert scene.subscribed() == ["/sonars"]

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from ur_nodes.ports.node import Sender
 from ur_nodes.ports.raw import RawMessage
-from ur_nodes.web.viewers.offers import Latched, compare_topics
+from ur_nodes.web.viewers.advertised_topics import Latched, compare_topics
 
 
 def message(data: bytes, sender: Sender | None) -> RawMessage:

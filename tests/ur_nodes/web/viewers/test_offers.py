@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.web.viewers.offers import TopicOffers
+from ur_nodes.web.viewers.advertised_topics import AdvertisedTopics
 
 STRING, BOOL = "std_msgs/String", "std_msgs/Bool"
 
@@ -29,7 +29,7 @@ class OffersWorld:
         self.robot = self.bus.node("robot")
         self.channels: list[FakeChannel] = []
         self.lines: list[str] = []
-        self.offers = TopicOffers(self.bus.node("viewers"), self.open, self.lines.append)
+        self.offers = AdvertisedTopics(self.bus.node("viewers"), self.open, self.lines.append)
 
     def open(self, name: str, kind: str, schema: str) -> FakeChannel:
         self.channels.append(FakeChannel(name, kind, schema))

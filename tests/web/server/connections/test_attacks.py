@@ -21,7 +21,7 @@ from tests.ros_session import free_port
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 from tests.fakes.page_server import PageServer  # noqa: E402
-from tests.web.server.robot_ends import IdleRobotEnd, keep  # noqa: E402
+from tests.web.server.robot_processes import IdleRobotEnd, keep  # noqa: E402
 
 from ur.web.access.heads import Head  # noqa: E402
 from ur.web.access.origin import make_origins  # noqa: E402
@@ -80,7 +80,7 @@ async def server(tmp_path: Path) -> AsyncIterator[AttackedServer]:
 async def serve(folder: Path, **bounds: float) -> AsyncIterator[AttackedServer]:
     port, log, ends = free_port(), list[str](), list[IdleRobotEnd]()
     gate = LoginGate(make_origins((), port), folder / "sessions.json", log.append)
-    application = Application(gate, load_files(), {}, "bob", log.append, make_robot_end=keep(ends, IdleRobotEnd))
+    application = Application(gate, load_files(), {}, "bob", log.append, make_robot_process=keep(ends, IdleRobotEnd))
     async with open_server(application.build(), gate, listen("127.0.0.1", port), log.append, **bounds) as listener:
         yield AttackedServer(gate, f"http://127.0.0.1:{port}", listener, port, log, ends[0].passed)
 

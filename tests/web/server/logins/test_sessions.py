@@ -13,7 +13,7 @@ from tests.ros_session import free_port
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 from tests.fakes.page_server import PageServer  # noqa: E402
-from tests.web.server.robot_ends import KeptRobotEnd, keep  # noqa: E402
+from tests.web.server.robot_processes import KeptRobotEnd, keep  # noqa: E402
 
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import DAY, Role  # noqa: E402
@@ -48,7 +48,7 @@ async def server(tmp_path: Path) -> AsyncIterator[SessionServer]:
     origins = make_origins((), port)
     gate = LoginGate(origins, path, lambda _: None, report=said.append, life=7 * DAY)
     environment, ends = {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}, list[KeptRobotEnd]()
-    application = Application(gate, {}, environment, "bob", lambda _: None, make_robot_end=keep(ends))
+    application = Application(gate, {}, environment, "bob", lambda _: None, make_robot_process=keep(ends))
     async with open_server(application.build(), gate, listen("127.0.0.1", port), lambda _: None):
         yield SessionServer(gate, f"http://127.0.0.1:{port}", path, said, ends[0].passed)
 

@@ -111,7 +111,7 @@ async def test_page_changes_to_another_robot_with_its_role_and_back(client: Any,
                 assert (await back.log_in())["role"] == role.value
                 assert len(robots._servers) == 1  # the second role has not started another one
             process = robots._servers["bob"]._process
-            (end,) = _children(process.pid, b"robot_end_node")
+            (end,) = _children(process.pid, b"robot_endpoint_node")
             assert b"UR_ROBOT=bob" in Path(f"/proc/{end}/environ").read_bytes().split(b"\0")
             with pytest.raises(PeerError, match="not in the list"):
                 await robots.invite("eve", Role.DRIVE)

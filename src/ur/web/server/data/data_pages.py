@@ -15,7 +15,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import Role
 from ur.web.runs.commands import CommandQueue
-from ur.web.server.data.data_end import DataProcess
+from ur.web.server.data.data_process import DataProcess
 from ur.web.server.data.three import ThreeScript
 from ur.web.server.logins.gate import SESSION
 from ur.web.server.viewers import open_socket, receive

@@ -12,7 +12,7 @@ import pytest
 from tests.ros_session import RosSession
 from tests.web.static.test_link_state import NODE
 
-from ur.web.server.robot_end import RobotProcess, find_error
+from ur.web.server.robot_process import RobotProcess, find_error
 from ur.web.server.static_files import FOLDER
 
 MISSING = [

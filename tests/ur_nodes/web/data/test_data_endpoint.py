@@ -14,7 +14,7 @@ from ur.web.wire.data_frames import unpack_frame
 from ur.web.wire.frames import LENGTH
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.web.data.data_end import DataSession
+from ur_nodes.web.data.data_endpoint import DataSession
 from ur_nodes.web.server_link import Outlet
 
 STRING, PICTURE = "std_msgs/String", "sensor_msgs/Image"
@@ -30,7 +30,7 @@ class DataWorld:
         self.end = DataSession(node, Outlet(node, its))
 
     def say(self, page: int, **request: Any) -> None:
-        self.end.take({"page": page, "m": json.dumps(request) if request else ""})
+        self.end.receive({"page": page, "m": json.dumps(request) if request else ""})
 
     def frames(self, seconds: float = 1.1) -> list[tuple[int, Any]]:
         """The pages and contents of the frames of the next seconds."""

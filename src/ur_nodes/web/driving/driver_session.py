@@ -60,7 +60,7 @@ class DriverSession:
         self._pages: dict[str, GoalPage] = {}
         self._numbers = itertools.count(1)
         node.every(_TICK, self.expire, steady=True)
-        node.on_end(self.leave_all)
+        node.on_end(self.remove_all)
 
     def come(self, client: str, name: str, computer: str, *, once: bool = False) -> None:
         """Add a page that may drive. `computer` identifies its browser; a page that is `once` cannot reconnect."""
@@ -69,14 +69,14 @@ class DriverSession:
         lease = PageLease(client, clean_computer(computer))
         self._pages[client] = GoalPage(clean_name(name) or "a page", lease, once=once)
         while len(self._pages) > _MOST_PAGES:
-            self.leave(next(iter(self._pages)))
+            self.remove(next(iter(self._pages)))
 
     def rename(self, client: str, name: str) -> None:
         """Change the name of a page, from its next request on."""
         if client in self._pages:
             self._pages[client] = replace(self._pages[client], name=clean_name(name) or "a page")
 
-    def leave(self, client: str) -> None:
+    def remove(self, client: str) -> None:
         """Remove a page that has disconnected, and end its press at once.
 
         The mux then loses it, and its goal is held. A page that cannot reconnect gives up goal and lease at once.
@@ -98,10 +98,10 @@ class DriverSession:
         if takes_part(page.lease, lease):
             self._link.request(page.lease, page.name, "release", newest)
 
-    def leave_all(self) -> None:
+    def remove_all(self) -> None:
         """Remove all pages: the server has ended."""
         for client in list(self._pages):
-            self.leave(client)
+            self.remove(client)
 
     def expire(self) -> None:
         """End presses whose commands have stopped arriving; to be called often, and with each challenge."""
@@ -114,7 +114,7 @@ class DriverSession:
         """Stop every motion, at the request of any page."""
         self._robot.mux.ask("stop")
 
-    def take(self, client: str, text: str) -> None:
+    def receive(self, client: str, text: str) -> None:
         """Carry out a request of a page, or refuse it."""
         try:
             request = read_request(text)
@@ -125,7 +125,7 @@ class DriverSession:
         if page is None:
             return
         if isinstance(request, MapRequest):
-            self._robot.changes.take(client, request)
+            self._robot.changes.apply(client, request)
         elif isinstance(request, AskPatrol):
             self._ask_patrol(client, page, request)
         else:
@@ -151,7 +151,7 @@ class DriverSession:
         elif isinstance(request, SaveRecording):
             self._save_recording(client)
         elif not isinstance(request, MapRequest | AskPatrol):
-            after = self._robot.goals.take(page, request, lambda what, why: self._refuse(client, what, why))
+            after = self._robot.goals.apply(page, request, lambda what, why: self._refuse(client, what, why))
             self._pages[client] = after
             if after.goal != page.goal:
                 self._reply(client, {"t": "sent", "what": "goal", "number": after.goal})

@@ -182,8 +182,8 @@ class ViewerSession:
     def _on_graph(self, graph: Graph) -> None:
         """Take what is published. Where nothing runs, report it and send no more; the next robot gets another node."""
         self._graph = graph
-        self._overlays.take_topics(graph.published())
-        self._camera.take_topics(graph.published())
+        self._overlays.update_topics(graph.published())
+        self._camera.update_topics(graph.published())
         if is_alone(graph, self._node.name):
             self._alone += 1
             if self._alone == _ALONE:

@@ -9,10 +9,10 @@ from contextlib import suppress
 from typing import Literal
 
 from ur.system.child_processes import start_node
-from ur.web.server.robot_end import read_frames
+from ur.web.server.robot_process import read_frames
 from ur.web.wire.data_frames import DataFrame, unpack_frame
 
-_MODULE = "ur_nodes.web.data.data_end_node"
+_MODULE = "ur_nodes.web.data.data_endpoint_node"
 _PAUSE = 1.0  # s before it is started again
 _WAITING = 1 << 20  # bytes of requests that the process has not read
 

@@ -1,6 +1,6 @@
 """The robot's end of `ur mcp`: a node that the server starts, connected to it by a socket that it inherits.
 
-    python -I -m ur_nodes ur_nodes.assistant.assistant_end_node SOCKET
+    python -I -m ur_nodes ur_nodes.assistant.assistant_endpoint_node SOCKET
 
 SOCKET is a descriptor. The node ends when it is closed, or when another master has started.
 """

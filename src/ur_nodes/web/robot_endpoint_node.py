@@ -1,6 +1,6 @@
 """The robot's end of the page: a node that the server starts, connected to it by two sockets that it inherits.
 
-    python -I -m ur_nodes ur_nodes.web.robot_end_node VIEW DRIVE
+    python -I -m ur_nodes ur_nodes.web.robot_endpoint_node VIEW DRIVE
 
 VIEW and DRIVE are descriptors. Frames leave by VIEW; requests of pages, and the answers to them, have DRIVE of their
 own, so that they never wait behind a map. The node ends when either is closed, or when another master has started.
@@ -12,7 +12,7 @@ import socket
 import sys
 
 from ur_nodes.ports.node import Node
-from ur_nodes.web.robot_end import RobotSession
+from ur_nodes.web.robot_endpoint import RobotSession
 from ur_nodes.web.server_link import Outlet, read_lines, run_for_server
 
 
@@ -24,7 +24,7 @@ def main() -> int:
 def start(node: Node, view: socket.socket, drive: socket.socket) -> None:
     """Connect the sockets to the robot."""
     end = RobotSession(node, Outlet(node, view), Outlet(node, drive))
-    read_lines(node, {view: end.take_view, drive: end.take_drive})
+    read_lines(node, {view: end.on_view, drive: end.on_drive})
 
 
 if __name__ == "__main__":

@@ -53,7 +53,7 @@ OpenChannel = Callable[[str, str, str], Channel]
 """Offers a topic to viewers: its name, its type and the schema of the type."""
 
 
-class TopicOffers:
+class AdvertisedTopics:
     """Offers all published topics. `report` takes lines for the user."""
 
     def __init__(self, node: Node, open_channel: OpenChannel, report: Callable[[str], object]) -> None:

@@ -34,7 +34,7 @@ class DataSession:
         send(pack_json(ALL, "hello", {"t": "hello"}))
         node.every(_TICK, self._step, steady=True)
 
-    def take(self, message: dict[str, object]) -> None:
+    def receive(self, message: dict[str, object]) -> None:
         """Take a message of a page: its number, and a request as text; "" after it has disconnected."""
         page, text = int(str(message["page"])), str(message["m"])
         if not text:
@@ -57,7 +57,7 @@ class DataSession:
                 bad = {**value, "ok": False, "text": "not a finite number", "value": None}
                 self._outlet.send_frame(pack_json(page, "", bad))
 
-        self._actions.take(envelope.request, answer)
+        self._actions.start(envelope.request, answer)
 
     def _step(self) -> None:
         if not self._shows:

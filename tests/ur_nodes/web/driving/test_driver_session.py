@@ -216,7 +216,7 @@ def test_any_page_stops_the_robot_and_limits_its_speed(world: RobotWorld) -> Non
     world.bus.run(1.0)
     state = world.state()
     assert (state["mux"]["stopped"], state["limit"]) == (False, 40)
-    world.end.take_drive({"do": "stop", "page": "a viewer"})
+    world.end.on_drive({"do": "stop", "page": "a viewer"})
     world.bus.run(0.5)
     assert world.state()["mux"]["stopped"] is True
 
@@ -227,14 +227,14 @@ def test_what_is_no_request_is_answered_and_an_unknown_page_is_not(world: RobotW
     page.ask("stick", hold=-1, forward=0.0, turn=0.0)
     assert [each["t"] for each in page.told()] == ["bad", "bad"]
     world.pages["web-x"] = page
-    world.end.take_drive({"page": "web-x", "m": '{"t": "stop"}'})
+    world.end.on_drive({"page": "web-x", "m": '{"t": "stop"}'})
     assert page.told() == []
     assert world.state()["mux"]["stopped"] is False
 
 
 def test_pages_are_bounded_and_names_are_printable(world: RobotWorld) -> None:
     pages = [DrivingPage(world, f"web-{number}") for number in range(101)]
-    world.end.take_drive({"do": "name", "page": "web-100", "name": "a\x1b[2Jb"})
+    world.end.on_drive({"do": "name", "page": "web-100", "name": "a\x1b[2Jb"})
     pages[-1].ask("lease", do="acquire")
     world.bus.run(1.0)
     lease = world.state()["lease"]

@@ -54,7 +54,7 @@ def read_frames(view: socket.socket) -> Iterator[bytes]:
 
 def test_frames_go_on_by_odometry_while_the_place_on_the_map_is_out_of_all_measure(session: RosSession) -> None:
     (view, its_view), (drive, its_drive) = socket.socketpair(), socket.socketpair()
-    words = ("ur_nodes.web.robot_end_node", str(its_view.fileno()), str(its_drive.fileno()))
+    words = ("ur_nodes.web.robot_endpoint_node", str(its_view.fileno()), str(its_drive.fileno()))
     node = subprocess.Popen(
         [sys.executable, "-I", "-m", "ur_nodes", *words],
         env=session.env,

@@ -24,7 +24,7 @@ from ur.web.wire.frames import LENGTH, LONGEST, NOTHING_RUNS
 
 State = Literal["no master", "starting", "up"]
 """`no master`: nothing runs, whether there is a master or not."""
-_MODULE = "ur_nodes.web.robot_end_node"
+_MODULE = "ur_nodes.web.robot_endpoint_node"
 _MASTER_LIMIT = 2.0  # s
 _PAUSE = 1.0  # s
 _REFUSALS = 2  # connections in a row, after which the master has ended

@@ -13,7 +13,7 @@ from msgspec import Meta
 from ur.source.foreign.json_values import read_json
 from ur.system.child_processes import NodeProcess, start_node
 
-_MODULE = "ur_nodes.web.viewers.viewer_end_node"
+_MODULE = "ur_nodes.web.viewers.viewer_endpoint_node"
 _START_LIMIT = 20.0  # s
 
 

@@ -18,7 +18,7 @@ from ur_nodes.memory.stores import MemoryParameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Battery, Map, PoseEstimate, Range, Scan, Transform
 from ur_nodes.ports.values import Path as PathValue
-from ur_nodes.web.robot_end import RobotSession
+from ur_nodes.web.robot_endpoint import RobotSession
 from ur_nodes.web.view_state import list_sources
 
 HERE = Pose2(0.0, 0.0, 0.0).in_space()
@@ -50,7 +50,7 @@ def publish_pose(world: RobotWorld, x: float) -> None:
 @pytest.mark.parametrize("base", ["base_footprint", "base_link"])
 def test_robot_without_a_map_is_shown_where_its_odometry_has_it(world: RobotWorld, base: str) -> None:
     scans = world.robot.publish("scan", Scan)
-    world.end.take_view({"viewers": 1})
+    world.end.on_view({"viewers": 1})
     for _ in range(5):
         here = Pose2(2.0, 1.0, 0.0).in_space()
         world.robot.transforms.send(Transform(world.bus.now, "odom", base, here))
@@ -63,20 +63,20 @@ def test_robot_without_a_map_is_shown_where_its_odometry_has_it(world: RobotWorl
 
 
 def test_pose_is_sent_fifteen_times_a_second_while_a_page_is_open_and_twice_a_second_else(world: RobotWorld) -> None:
-    world.end.take_view({"viewers": 1})
+    world.end.on_view({"viewers": 1})
     sent = keys(world, 2.0)
     assert 29 <= sent.count((Kind.POSE, 0)) <= 31
     assert 14 <= sent.count((Kind.POINTS, Layer.SCAN)) <= 16
-    world.end.take_view({"viewers": 0})
+    world.end.on_view({"viewers": 0})
     sent = keys(world, 4.0)
     assert 7 <= sent.count((Kind.POSE, 0)) <= 10
     assert (Kind.POINTS, Layer.SCAN) not in sent
-    world.end.take_view({"viewers": 1})
+    world.end.on_view({"viewers": 1})
     assert (Kind.POSE, 0) in keys(world, 0.0), "the first page does not wait"
 
 
 def test_pose_out_of_all_measure_is_no_pose(world: RobotWorld) -> None:
-    world.end.take_view({"viewers": 1})
+    world.end.on_view({"viewers": 1})
     publish_pose(world, 1e39)
     world.bus.run(1.0)
     pose = next(each for each in reversed(world.view.frames) if key_of(each)[0] == Kind.POSE)
@@ -84,7 +84,7 @@ def test_pose_out_of_all_measure_is_no_pose(world: RobotWorld) -> None:
 
 
 def test_map_scan_and_plan_are_sent_where_they_are_in_the_map(world: RobotWorld) -> None:
-    world.end.take_view({"viewers": 1})
+    world.end.on_view({"viewers": 1})
     publish_pose(world, 2.0)
     world.robot.transforms.send(Transform(0, "base_footprint", "laser", HERE, fixed=True))
     world.bus.run(0.5)
@@ -106,7 +106,7 @@ def test_map_scan_and_plan_are_sent_where_they_are_in_the_map(world: RobotWorld)
 
 
 def test_plan_is_sent_while_its_goal_is_driven_to(world: RobotWorld) -> None:
-    world.end.take_view({"viewers": 1})
+    world.end.on_view({"viewers": 1})
     page, plans = DrivingPage(world), world.robot.publish("move_base/NavfnROS/plan", PathValue)
     page.ask("goal", x=1.0, y=2.0, yaw=0.5)
     world.bus.run(1.0)
@@ -117,7 +117,7 @@ def test_plan_is_sent_while_its_goal_is_driven_to(world: RobotWorld) -> None:
 
 
 def test_server_that_is_slow_gets_the_newest_state_later_and_no_queue(world: RobotWorld) -> None:
-    world.end.take_view({"viewers": 1})
+    world.end.on_view({"viewers": 1})
     world.bus.run(1.0)
     world.view.busy = True
     assert keys(world, 5.0) == []
@@ -130,7 +130,7 @@ def test_server_that_is_slow_gets_the_newest_state_later_and_no_queue(world: Rob
 
 
 def test_state_is_sent_when_it_has_changed(world: RobotWorld) -> None:
-    world.end.take_view({"viewers": 1})
+    world.end.on_view({"viewers": 1})
     world.bus.run(4.0)
     assert (Kind.STATE, 0) not in keys(world, 4.0)
     state = world.view.newest(Kind.STATE)
@@ -173,12 +173,12 @@ def test_robot_whose_nodes_have_ended_is_reported_once_and_the_next_one_gets_a_p
 def test_layers_that_pages_show_are_found_by_the_types_of_their_topics(world: RobotWorld) -> None:
     sonars = world.robot.publish("sonars", Range, type_name="sensor_msgs/Range")
     world.robot.transforms.send(Transform(0, "map", "sonar", HERE, fixed=True))
-    world.end.take_view({"viewers": 1, "layers": [Layer.SONARS]})
+    world.end.on_view({"viewers": 1, "layers": [Layer.SONARS]})
     world.bus.run(3.0)
     sonars.send(Range(0, "sonar", 0.5, 0.4, 0.1, 3.0))
     world.bus.run(1.0)
     assert world.view.newest(Kind.OVERLAY, Layer.SONARS) == {"cones": [[0.0, 0.0, 0.0, 0.5, 0.4, 1]]}
-    world.end.take_view({"viewers": 1, "layers": []})
+    world.end.on_view({"viewers": 1, "layers": []})
     world.bus.run(1.0)
     assert world.view.newest(Kind.OVERLAY, Layer.SONARS) == {}
     assert sonars.subscribers() == 0
@@ -188,7 +188,7 @@ def test_layers_that_pages_show_are_found_by_the_types_of_their_topics(world: Ro
 def test_spread_of_the_pose_is_sent_where_it_is_a_number(
     world: RobotWorld, variance: float, spread: float | None
 ) -> None:
-    world.end.take_view({"viewers": 1})
+    world.end.on_view({"viewers": 1})
     poses = world.robot.publish("amcl_pose", PoseEstimate, Quality.LATCHED)
     poses.send(PoseEstimate(0, "map", Pose2(0.0, 0.0, 0.0), np.diag([variance, variance, 0.1])))
     world.bus.run(1.0)
@@ -201,7 +201,7 @@ def test_sources_that_cannot_be_read_are_asked_for_again(world: RobotWorld, monk
 
     frames = Outlet()
     end = RobotSession(world.bus.node("web_again"), frames, Outlet())
-    end.take_view({"viewers": 1})
+    end.on_view({"viewers": 1})
     with monkeypatch.context() as patch:
         patch.setattr(MemoryParameters, "get", fail)
         world.bus.run(1.0)

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
-from ur.web.server.robot_end import RobotProcess
+from ur.web.server.robot_process import RobotProcess
 
 
 class KeptRobotEnd(RobotProcess):

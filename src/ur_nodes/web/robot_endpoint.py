@@ -11,8 +11,8 @@ from ur_nodes.client.navigation import Names, NavigationTopics
 from ur_nodes.client.patrol_link import PatrolLink
 from ur_nodes.motion.challenge.freshness import Stamp
 from ur_nodes.ports.node import Node
-from ur_nodes.web.driving.drive_end import DrivenRobot, DriverSession
 from ur_nodes.web.driving.driver_link import DriverLink
+from ur_nodes.web.driving.driver_session import DrivenRobot, DriverSession
 from ur_nodes.web.driving.page_goals import PageGoals
 from ur_nodes.web.layers.frame_sender import FrameOutlet
 from ur_nodes.web.maps.map_changes import MapChanges
@@ -20,7 +20,7 @@ from ur_nodes.web.maps.map_link import MapLink
 from ur_nodes.web.maps.place_file import PlaceFile
 from ur_nodes.web.maps.zone_link import ZoneLink
 from ur_nodes.web.robot_facts import RobotFacts
-from ur_nodes.web.view_end import ShownRobot, ViewerSession
+from ur_nodes.web.viewer_session import ShownRobot, ViewerSession
 
 
 class LineOutlet(Protocol):
@@ -45,12 +45,12 @@ class RobotSession:
         shown = ShownRobot(facts, topics, mux, link, patrol, exploration, places, zones, maps)
         self._views = ViewerSession(node, names.mux, shown, view)
 
-    def take_view(self, message: dict[str, Any]) -> None:
+    def on_view(self, message: dict[str, Any]) -> None:
         """Take a message about what pages show."""
         layers, plots = message.get("layers", []), message.get("plots", [])
         self._views.look(int(message.get("viewers", 0)), layers, plots, message.get("camera", ""))
 
-    def take_drive(self, message: dict[str, object]) -> None:
+    def on_drive(self, message: dict[str, object]) -> None:
         """Take a message of a page that may drive."""
         page, drives = str(message.get("page", "")), self._drives
         match message.get("do"):
@@ -60,11 +60,11 @@ class RobotSession:
             case "name":
                 drives.rename(page, str(message.get("name", "")))
             case "leave":
-                drives.leave(page)
+                drives.remove(page)
             case "stop":
                 drives.emergency()
             case _:
-                drives.take(page, str(message.get("m", "")))
+                drives.receive(page, str(message.get("m", "")))
 
     def _reply(self, page: str, answer: Mapping[str, object]) -> None:
         self._outlet.send_line({"page": page, "m": answer})

@@ -1,6 +1,6 @@
 """Offers the topics of a master to viewers by foxglove-sdk: bytes of ROS 1 pass through and are never decoded.
 
-    python -I -m ur_nodes ur_nodes.web.viewers.viewer_end_node LINK
+    python -I -m ur_nodes ur_nodes.web.viewers.viewer_endpoint_node LINK
 
 LINK is the descriptor of a socket. A line of JSON leaves by it: `host` and `port` of the server. The node ends when it
 is closed, or when another master has started. It subscribes to a topic while a viewer does.
@@ -22,7 +22,7 @@ from foxglove.websocket import ChannelView, Client, ServerListener
 
 from ur_nodes.ports.node import Node
 from ur_nodes.web.server_link import Outlet, read_lines, run_for_server
-from ur_nodes.web.viewers.offers import TopicOffers
+from ur_nodes.web.viewers.advertised_topics import AdvertisedTopics
 
 _BACKLOG = 64  # messages that wait for a slow viewer; older ones are dropped
 
@@ -30,7 +30,7 @@ _BACKLOG = 64  # messages that wait for a slow viewer; older ones are dropped
 class _Listener(ServerListener):
     """Passes on, from a thread of the server, that viewers subscribe and unsubscribe."""
 
-    def __init__(self, node: Node, offers: TopicOffers) -> None:
+    def __init__(self, node: Node, offers: AdvertisedTopics) -> None:
         self._node, self._offers = node, offers
 
     def on_subscribe(self, client: Client, channel: ChannelView) -> None:  # noqa: ARG002 - the server's interface
@@ -53,7 +53,7 @@ def start(node: Node, link: socket.socket) -> None:
         described = foxglove.Schema(name=kind, encoding="ros1msg", data=schema.encode())
         return foxglove.Channel(name, schema=described, message_encoding="ros1", context=context)
 
-    offers = TopicOffers(node, open_channel, lambda line: sys.stderr.write(f"{line}\n"))
+    offers = AdvertisedTopics(node, open_channel, lambda line: sys.stderr.write(f"{line}\n"))
     host = "127." + ".".join(str(1 + secrets.randbelow(254)) for _ in range(3))
     server = foxglove.start_server(
         name="ur",
