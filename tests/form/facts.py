@@ -79,6 +79,8 @@ class Facts:
     code_lines: int
     imports: tuple[Import, ...]
     names: frozenset[str]
+    public_names: frozenset[str]
+    """Of classes, functions, methods and their parameters."""
     docstrings: tuple[str, ...]
     functions: tuple[Body, ...]
     methods: tuple[tuple[str, bool], ...]
@@ -134,6 +136,7 @@ def find_facts(text: str) -> Facts:
         code_lines=_count_code(lines, docstrings.values(), nodes),
         imports=tuple(_imports(tree.body, "at the top")),
         names=frozenset(_names(nodes)),
+        public_names=frozenset(_public_names(tree)),
         docstrings=tuple(str(each.value) for each in docstrings.values() if str(each.value).strip()),
         functions=tuple(_body(each, lines, id(each) not in top, id(each) in docstrings) for each in _functions(nodes)),
         methods=tuple((each.name, id(each) in docstrings) for each in _public_methods(tree)),
@@ -233,6 +236,15 @@ def _public_methods(tree: ast.Module) -> Iterator[Function]:
             for method in each.body:
                 if isinstance(method, ast.FunctionDef | ast.AsyncFunctionDef) and not method.name.startswith("_"):
                     yield method
+
+
+def _public_names(tree: ast.Module | ast.ClassDef) -> Iterator[str]:
+    for each in tree.body:
+        if isinstance(each, ast.ClassDef) and not each.name.startswith("_"):
+            yield from (each.name, *_public_names(each))
+        elif isinstance(each, ast.FunctionDef | ast.AsyncFunctionDef) and not each.name.startswith("_"):
+            yield each.name
+            yield from (each.arg for each in (*each.args.posonlyargs, *each.args.args, *each.args.kwonlyargs))
 
 
 def _names(nodes: Nodes) -> Iterator[str]:

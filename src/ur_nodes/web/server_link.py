@@ -68,13 +68,13 @@ def end_with_run(node: Node) -> None:
     node.after(_RUN_EVERY, ask, steady=True)
 
 
-def read_lines(node: Node, takers: Mapping[socket.socket, Callable[[dict[str, object]], None]]) -> None:
+def read_lines(node: Node, handlers: Mapping[socket.socket, Callable[[dict[str, object]], None]]) -> None:
     """Read lines of JSON and pass each to its taker on the node's thread; the node ends when a socket closes."""
 
     def read() -> None:
         selector = selectors.DefaultSelector()
-        rests = dict.fromkeys(takers, b"")
-        for each in takers:
+        rests = dict.fromkeys(handlers, b"")
+        for each in handlers:
             selector.register(each, selectors.EVENT_READ, each)
         while True:
             for key, _ in selector.select():
@@ -88,7 +88,7 @@ def read_lines(node: Node, takers: Mapping[socket.socket, Callable[[dict[str, ob
                     return
                 *lines, rests[connection] = (rests[connection] + data).split(b"\n")
                 for line in lines:
-                    node.post(partial(takers[connection], read_json(line, dict[str, object], _MOST_WAITING)))
+                    node.post(partial(handlers[connection], read_json(line, dict[str, object], _MOST_WAITING)))
 
     threading.Thread(target=read, name="server", daemon=True).start()
 

@@ -159,10 +159,10 @@ def find_include(resolution: Resolution, start: int) -> IncludeSpec | None:
     return next((include for include in resolution.plan.includes if include.origin.span.start == start), None)
 
 
-def list_switches(takes_part: Iterator[tuple[ResolvedCase, Resolution]]) -> str:
+def list_switches(participates: Iterator[tuple[ResolvedCase, Resolution]]) -> str:
     """Return the options that enable an element which no default enables; empty if a default enables it."""
     labels: dict[str, None] = {}
-    for outcome, resolution in takes_part:
+    for outcome, resolution in participates:
         if resolution is outcome.default:
             return ""
         labels[resolution.label] = None

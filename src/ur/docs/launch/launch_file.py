@@ -117,7 +117,7 @@ class LaunchDescriber:
         )
         needs = find_needs(view)
         support, problems = describe_support(
-            outcomes, needs, self.bases, words, takes_variant="robot_variant" in view.declared
+            outcomes, needs, self.bases, words, has_variant="robot_variant" in view.declared
         )
         unreadable = list_unreadable(view.tree.diagnostics, view.path, words)
         trees = self.trees.make_trees(view.path, outcomes, words)

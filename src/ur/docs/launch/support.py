@@ -21,7 +21,7 @@ def describe_support(
     bases: Mapping[str, BaseDoc],
     words: Words,
     *,
-    takes_variant: bool,
+    has_variant: bool,
 ) -> tuple[tuple[SupportDoc, ...], tuple[str, ...]]:
     """Return the unmet needs in each case, and the problems in all of them.
 
@@ -33,20 +33,20 @@ def describe_support(
         return (), everywhere
     support = []
     for outcome in outcomes:
-        lacks = _list_lacks(outcome.case, needs, bases, takes_variant)
+        lacks = _list_lacks(outcome.case, needs, bases, has_variant)
         errors = (text for text in wrong[outcome.case] if text not in everywhere or len(outcomes) == 1)
         support.append(SupportDoc(outcome.case, (*lacks, *errors)))
     return tuple(support), everywhere
 
 
 def _list_lacks(
-    case: BaseCase, needs: tuple[str, ...], bases: Mapping[str, BaseDoc], takes_variant: bool
+    case: BaseCase, needs: tuple[str, ...], bases: Mapping[str, BaseDoc], has_variant: bool
 ) -> tuple[str, ...]:
     base = bases.get(case.base)
     if base is None:
         return ()
     by_variant = {"": base.sensors, **dict(base.variants)}
-    tried = [by_variant.get(case.variant, base.sensors)] if takes_variant else list(by_variant.values())
+    tried = [by_variant.get(case.variant, base.sensors)] if has_variant else list(by_variant.values())
     lacks = min((find_lacks(needs, features) for features in tried), key=len)
     return tuple(f"needs {' or '.join(need.split('|'))}" for need in lacks)
 

@@ -75,7 +75,7 @@ def step_requests(state: LeaseRequests, now: float, *, linked: bool) -> tuple[Le
         state = replace(state, begun=True, intent=first, give_up_at=now + _START_PATIENCE)
     if state.intent and (is_settled(state.intent, lease, state.client) or now > state.give_up_at):
         state = replace(state, intent=None)
-    takes_part = state.intent or state.client in (lease.client, *(each.client for each in lease.asking))
-    if not state.begun or (state.conduct == "watch" and not takes_part):
+    participates = state.intent or state.client in (lease.client, *(each.client for each in lease.asking))
+    if not state.begun or (state.conduct == "watch" and not participates):
         return state, None
     return state, state.intent or "renew"

@@ -53,7 +53,7 @@ def step_page(page: PageLease, lease: Lease | None, now: float) -> tuple[PageLea
     return page, action
 
 
-def takes_part(page: PageLease, lease: Lease) -> bool:
+def participates(page: PageLease, lease: Lease) -> bool:
     """Return whether the page has the lease, or asks for it."""
     return lease.client == page.client or any(each.client == page.client for each in lease.asking)
 
