@@ -38,7 +38,7 @@ def test_texts_of_the_page_name_the_thing() -> None:
 
 
 def test_public_names_are_terms_of_the_field(modules: Mapping[str, Facts]) -> None:
-    """`take`: on_scan, handle_goal, or the verb that it means; `lane`: queue; `greet`: handshake; `..._end`: endpoint."""
+    """`take`: on_scan, handle_goal, or the verb that it means; `lane`: queue; `greet`: handshake; `_end`: endpoint."""
     wrong = {}
     for path, each in modules.items():
         if path.startswith(NOT_YET):

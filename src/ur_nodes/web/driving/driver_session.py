@@ -32,7 +32,7 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ports.values import Result
 from ur_nodes.web.driving.driver_link import DriverLink
 from ur_nodes.web.driving.page_goals import GoalPage, PageGoals
-from ur_nodes.web.driving.page_lease import PageLease, may_drive, request_action, step_page, participates
+from ur_nodes.web.driving.page_lease import PageLease, may_drive, participates, request_action, step_page
 from ur_nodes.web.driving.stick import StickState, Verdict, end_stick, expire_stick, let_go, step_stick
 from ur_nodes.web.maps.map_changes import MapChanges, Reply
 from ur_nodes.web.maps.place_file import PlaceFile
