@@ -149,7 +149,7 @@ def test_robot_whose_nodes_have_ended_is_reported_once_and_the_next_one_gets_a_p
     node = bus.node("web_vm_17")
     bus.node("web_data_vm_18"), bus.node("rosout"), bus.node("_ros2cli_daemon_0")
     end = RobotSession(node, frames, Outlet())
-    end.take_view({"viewers": 1})
+    end.on_view({"viewers": 1})
     bus.run(1.0)
     assert NOTHING_RUNS not in frames.frames, "one look is not enough: nodes are discovered one after the other"
     bus.run(2.0)
@@ -160,7 +160,7 @@ def test_robot_whose_nodes_have_ended_is_reported_once_and_the_next_one_gets_a_p
     robot = bus.node("web_server")  # a user's
     bus.run(3.0)
     assert [each for each in frames.frames[before:] if key_of(each)[0] == Kind.STATE], "it is sent again"
-    end.take_view({"viewers": 0})
+    end.on_view({"viewers": 0})
     robot.end("the program ended")
     bus.run(6.0)
     assert frames.frames.pop() == NOTHING_RUNS

@@ -213,7 +213,7 @@ async def test_flood_of_requests_reaches_the_robot_and_is_logged_up_to_a_limit(s
     async with server.client.ws_connect(server.url + DRIVE, headers=server.origin) as socket:
         for _ in range(140):
             await socket.send_str('{"t":"stop"}')
-        while sum("stop" in str(each.get("m")) for each in server.robot_end.passed) < 140:
+        while sum("stop" in str(each.get("m")) for each in server.robot_process.passed) < 140:
             assert not socket.closed
             await asyncio.sleep(0.01)
     assert 100 <= sum('"stop"' in line for line in server.log) < 120
