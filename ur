@@ -5,11 +5,12 @@ root="$(readlink -f "${BASH_SOURCE[0]}")"
 root="${root%/*}"
 where="" help=""
 [[ " ${*:2} " == *" --help "* || " ${*:2} " == *" -h "* ]] && help=yes
+[[ ${1-} == debian ]] && echo "warning: 'ur debian' is now 'ur setup debian'; the old spelling ends with the next release" >&2 && set -- setup "$@"
 data="${XDG_DATA_HOME:-$HOME/.local/share}/ubiquity_launches"
 debian="$data/debian-13/enter.bash" # where this release has no ROS 1
 if [[ -d $root/src/ur ]]; then
   # It is not there before it is made, nor after; `ur` itself shows the help.
-  [[ ${1-} == debian && -z $help ]] && exec bash "$root/tools/debian_root.bash" "${@:2}"
+  [[ "${1-} ${2-}" == "setup debian" && -z $help ]] && exec bash "$root/tools/debian_root.bash" "${@:3}"
   stamp="$root/.venv/ready-run"
   [[ -e $stamp ]] && read -r where <"$stamp"
   # The environment knows where its Debian root is, whatever HOME is now.
@@ -40,8 +41,8 @@ made="$data/.venv"
 [[ -r $made/ready-run ]] && read -r where <"$made/ready-run"
 [[ -n $where && $environment -ef $made ]] && environment="$where"
 packages=("$environment"/lib/python*/site-packages)
-if [[ ${1-} == debian && -z $help && -e ${packages[0]}/ur/_project/tools/debian_root.bash ]]; then
-  exec bash "${packages[0]}/ur/_project/tools/debian_root.bash" "${@:2}"
+if [[ "${1-} ${2-}" == "setup debian" && -z $help && -e ${packages[0]}/ur/_project/tools/debian_root.bash ]]; then
+  exec bash "${packages[0]}/ur/_project/tools/debian_root.bash" "${@:3}"
 fi
 records=("${packages[0]}"/ubiquity_launches-*.dist-info/RECORD)
 if [[ ! -x $environment/bin/python || ( -n $where && $where -ef $environment && ! ${records[0]} -nt $made/ready-run &&

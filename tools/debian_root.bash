@@ -1,5 +1,5 @@
 #!/bin/bash
-# A Debian 13 for computers whose release has no ROS 1: debian_root.bash [status|shell|install|update|remove], or `ur debian`.
+# A Debian 13 for computers whose release has no ROS 1: debian_root.bash [status|shell|install|update|remove], or `ur setup debian`.
 #
 # The root file system is made once by mmdebstrap, belongs to the user, and is entered by `enter COMMAND...`: bubblewrap
 # makes a mount namespace in which it is / and the computer's own folders are in their places, and nsenter replaces this
@@ -85,7 +85,7 @@ debian_why() {
   local limit=""
   read -r limit 2>/dev/null </proc/sys/kernel/apparmor_restrict_unprivileged_userns
   if [[ $limit == 1 ]]; then
-    echo "AppArmor keeps users from making namespaces here; run 'ur debian update', which lets bwrap do it"
+    echo "AppArmor keeps users from making namespaces here; run 'ur setup debian update', which lets bwrap do it"
   else
     echo "this system may keep users from making namespaces (sysctl user.max_user_namespaces, or a container)"
   fi
@@ -179,7 +179,7 @@ debian_running() {
 
 debian_remove() {
   local running
-  [[ -e $debian_mark ]] && debian_die "the Debian root cannot be removed from inside" "run 'ur debian remove' in a shell of this computer"
+  [[ -e $debian_mark ]] && debian_die "the Debian root cannot be removed from inside" "run 'ur setup debian remove' in a shell of this computer"
   [[ -d $debian_data ]] || { echo "there is no Debian root in $debian_data" && return; }
   mapfile -t running < <(debian_running)
   [[ ${#running[@]} -eq 0 ]] || debian_die "programs still run in the Debian root: processes ${running[*]}" "ur stop --all, or end them"
@@ -266,7 +266,7 @@ has_folders() {
   for name in "${@:2}"; do
     [[ "$(readlink -f -- "$1/$name")" == "$root/$name" ]] && continue
     echo "error: '$1/$name' is not a folder, or leads out of '$1'" >&2
-    echo "  help: 'ur debian remove', then 'ur debian install', make a new one" >&2
+    echo "  help: 'ur setup debian remove', then 'ur setup debian install', make a new one" >&2
     return 1
   done
 }
@@ -337,5 +337,5 @@ case "${1-status}" in
   install) shift && debian_make "$@" ;;
   update) { debian_allowed || debian_as_root allow; } && debian_as_root update && debian_shims ;;
   remove) debian_remove "$project" ;;
-  *) debian_die "unknown command '$1' of 'ur debian'; expected status, shell, install, update or remove" ;;
+  *) debian_die "unknown command '$1' of 'ur setup debian'; expected status, shell, install, update or remove" ;;
 esac

@@ -12,7 +12,7 @@ if [[ ${1-} == base ]]; then
   "$python" tools/make_urdf.py
   "$python" tools/make_base_pictures.py
 fi
-./ur package --write ubiquity_launches
+./ur check --package --fix ubiquity_launches
 [[ ! -d .ros2/share ]] || "$python" tools/make_message_stubs.py # needs messages of both versions of ROS
 for each in known_nodes wire_numbers base_page matrix verbs_page trust_table client_page; do
   "$python" "tools/make_$each.py"

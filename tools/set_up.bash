@@ -189,7 +189,7 @@ bring_debian() {
     debian_allowed || die "the program 'bwrap' may not make user namespaces on this computer" "$(debian_why)"
   fi
   if [[ ! -e $debian_root$debian_mark ]] || ! debian_has "${debian_packages[@]}" "${wanted[@]}"; then
-    say "this release has no ROS 1: it runs in a Debian 13 in $debian_data (ur debian remove deletes it)"
+    say "this release has no ROS 1: it runs in a Debian 13 in $debian_data (ur setup debian remove deletes it)"
     missing=(mmdebstrap) && ask_for_root
     run_step "Debian 13 with ROS" debian_make "${wanted[@]}" ||
       die "the Debian 13 for ROS could not be made" "check the network and the free space (df -h '$debian_data'), then run this again"

@@ -45,7 +45,7 @@ def is_current(environment: Path, prefix: Path) -> bool:
     ready = environment / READY
     records = list(package_folder().parent.glob(f"{DISTRIBUTION.replace('-', '_')}-*.dist-info/RECORD"))
     if (environment / "debian").exists() and not (environment.parent / "debian-13/enter.bash").exists():
-        return False  # `ur debian remove` has taken away what it runs in
+        return False  # `ur setup debian remove` has taken away what it runs in
     try:
         with ready.open(encoding="utf-8") as lines:
             made_from = lines.readline().rstrip("\n")

@@ -14,7 +14,8 @@ import pytest
 
 from ur.cli.launch.options import list_groups
 from ur.cli.main import main
-from ur.cli.verbs import VERBS, list_pages, load_verb
+from ur.cli.verbs import OLD_SPELLINGS, VERBS, list_pages, load_verb
+from ur.cli.verbs.verb import PLUMBING
 from ur.request.environment import PACKAGE
 from ur.request.programs import list_programs
 
@@ -76,12 +77,58 @@ def test_examples_use_options_and_arguments_that_the_verb_has(name: str) -> None
             continue
         command = load_verb(verb)
         path = verb
-        while isinstance(command, click.Group) and not words[0].startswith("-"):
+        while isinstance(command, click.Group) and words and not words[0].startswith("-"):
             path, command = f"{path} {words[0]}", command.commands[words.pop(0)]
         assert path.startswith(name) or name.startswith(path), f"{example} is about another verb than {name}"
         if "--help" in words and verb == "run":
             continue
         command.make_context(path, words)  # raises for an option or an argument that is not there
+
+
+def test_help_of_ur_fits_a_terminal_of_50_lines_and_names_no_plumbing_and_no_old_spelling(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["--help"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) <= 50
+    assert all(len(line) <= 80 for line in lines)
+    listed = {line.split()[0] for line in lines if line.startswith("  ")}
+    assert listed == {verb.name for verb in VERBS.values() if verb.section != PLUMBING}
+    assert len(listed) == 37
+    assert not listed & {*OLD_SPELLINGS, "env", "completion"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("unmount a/b", "mount --undo a/b"),
+        ("package --write nothing", "check --package --fix nothing"),
+        ("debian remvoe", "setup debian remvoe"),
+        ("x a/b word", "shell -X a/b word"),
+        ("wifi --seconds soon", "doctor --wireless --seconds soon"),
+        ("help wifi", "help doctor --wireless"),
+    ],
+)
+def test_old_spelling_does_the_same_after_one_warning(
+    old: str, new: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DISPLAY", ":0")
+    code = main(new.split())
+    page = capsys.readouterr()
+    assert main(old.split()) == code
+    told = capsys.readouterr()
+    warning, _, rest = told.err.partition("\n")
+    name = old.removeprefix("help ").split()[0]
+    spelling = OLD_SPELLINGS[name][0]
+    assert warning == f"warning: 'ur {name}' is now 'ur {spelling}'; the old spelling ends with the next release"
+    assert (told.out, rest) == (page.out, page.err)
+
+
+def test_old_spelling_is_in_no_help_text(capsys: pytest.CaptureFixture[str]) -> None:
+    for name in COMMANDS:
+        assert main(["help", *name.split()]) == 0
+    pages = capsys.readouterr().out
+    assert [old for old in OLD_SPELLINGS if re.search(rf"\bur {old}\b", pages)] == []
 
 
 def test_every_option_of_launch_is_in_one_group() -> None:

@@ -79,7 +79,7 @@ def test_package_is_not_written_through_a_link_that_leads_out(
     mine: Path, foreign: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (foreign / "CMakeLists.txt").symlink_to(mine / "new")
-    assert main(["package", "--write", "."]) == 2
+    assert main(["check", "--package", "--fix", "."]) == 2
     assert "CMakeLists.txt is a link that leads out of the package" in capsys.readouterr().err
     assert not (mine / "new").exists()
 

@@ -97,7 +97,7 @@ def _log(monkeypatch: pytest.MonkeyPatch) -> Case:
     program.write_text("#!/bin/sh\n")
     program.chmod(0o755)
     monkeypatch.setenv("PATH", str(Path.cwd()))
-    return Path("a.launch"), _call("wifi", "nobody@localhost", "--log", "a.launch")
+    return Path("a.launch"), _call("doctor", "--wireless", "nobody@localhost", "--log", "a.launch")
 
 
 def _report(_: pytest.MonkeyPatch) -> Case:
@@ -118,7 +118,7 @@ OUTPUTS: dict[tuple[str, str], Callable[[pytest.MonkeyPatch], Case]] = {
     ("launch", "--pid"): _pid,
     ("maps export", "file"): _export,
     ("report", "--output"): _report,
-    ("wifi", "--log"): _log,
+    ("doctor", "--log"): _log,
 }
 
 

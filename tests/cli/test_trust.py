@@ -31,7 +31,6 @@ sys.exit(main(sys.argv[1:]))
 CALLS = {
     "logs": "logs nothing",
     "check": "check .",
-    "package": "package .",
     "format": "format --check .",
     "convert": "convert a.launch",
     "find": "find a",

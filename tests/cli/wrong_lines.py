@@ -107,9 +107,10 @@ check --ignore valeus
 check --explain bad-xlm
 check src/demo/launch/speed.launch sped:=1
 check list.yaml picture.png
-package nothing
-package notes.txt
-package empty
+check --package nothing
+check --package notes.txt
+check --package empty
+check --package one two
 format nothing.launch
 format notes.txt
 format text.launch
@@ -139,16 +140,18 @@ web nosuchrobot
 web sim:mangi
 web --end nothing
 web --days never
-debian install
+setup debian install
+setup debian status more
+setup debian remvoe
 setup --undo --dry-run more
 robots 'a b'
 shell
 shell --nonsense
 shell 'a b'
 shell -- -oProxyCommand=x
-x --nonsense word
-x 'a b' word
-x -- -oProxyCommand=x word
+shell --check carrot
+shell -X carrot
+shell -X 'a b' word
 sync 'a b'
 sync --all
 sync --to --from carrot
@@ -159,11 +162,13 @@ build --all
 build --all bob
 mount
 mount 'a b'
-unmount nobody
-unmount 'a b'
+mount nobody --undo
+mount --undo 'a b'
 doctor 'a b'
 doctor bob,'e e'
-wifi 'a b'
+doctor --wireless 'a b'
+doctor --wireless --fix carrot
+doctor --watch carrot
 get
 get 'a b'
 get speed:=1

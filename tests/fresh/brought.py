@@ -77,7 +77,7 @@ def trial_device() -> str:
     try:
         wait_for(lambda: Path(f"/proc/{holder.pid}/comm").read_text() == "sleep\n", "a program in the root")
         assert run("sudo", "sh", "-c", f"mknod -m 660 {name} c 1 5 && chgrp dialout {name}").returncode == 0
-        line = f"{UR} debian shell head -c 4 {name} | wc -c"
+        line = f"{UR} setup debian shell head -c 4 {name} | wc -c"
         read = run("sudo", "-E", "-u", os.environ.get("USER", "pat"), "bash", "-c", line)
         assert read.stdout.strip() == "4", read
         return f"4 bytes read from {name} through group dialout"
@@ -122,7 +122,7 @@ def trial_display() -> str:
     """A window of a program of the root appears on the display."""
     if not os.environ.get("DISPLAY"):
         return "left out: no DISPLAY"
-    installed = run(UR, "debian", "install", "x11-apps", "x11-utils")
+    installed = run(UR, "setup", "debian", "install", "x11-apps", "x11-utils")
     assert installed.returncode == 0, installed
     owners = [path.stat().st_uid for path in (DATA / "root/usr/bin/xlogo", Path("/etc/passwd"), Path("/dev/null"))]
     assert owners == [os.getuid(), 0, 0], f"owners of a new program, of /etc/passwd and of /dev/null: {owners}"
@@ -132,7 +132,7 @@ def trial_display() -> str:
     finally:
         window.terminate()
         window.wait()
-    return "xlogo, installed by ur debian install, has a window"
+    return "xlogo, installed by ur setup debian install, has a window"
 
 
 def trial_rviz() -> str:
@@ -140,7 +140,7 @@ def trial_rviz() -> str:
     if not os.environ.get("DISPLAY"):
         return "left out: no DISPLAY"
     began = time.monotonic()
-    installed = run(UR, "debian", "install", "rviz", "x11-utils")
+    installed = run(UR, "setup", "debian", "install", "rviz", "x11-utils")
     assert installed.returncode == 0, installed
     took = time.monotonic() - began
     with socket.socket() as free:
@@ -228,15 +228,15 @@ def trial_interruptions() -> str:
 
 
 def trial_remove() -> str:
-    """`ur debian remove` is refused while a program runs, and leaves nothing. Last: the root is gone then."""
+    """`ur setup debian remove` is refused while a program runs, and leaves nothing. Last: the root is gone then."""
     holder = subprocess.Popen([*INSIDE, "sleep", "1000"])
     wait_for(lambda: Path(f"/proc/{holder.pid}/comm").read_text() == "sleep\n", "a program in the root")
-    refused = run(UR, "debian", "remove")
+    refused = run(UR, "setup", "debian", "remove")
     assert refused.returncode == 2, refused
     assert str(holder.pid) in refused.stderr, refused
     holder.kill()
     holder.wait()
-    removed = run(UR, "debian", "remove")
+    removed = run(UR, "setup", "debian", "remove")
     assert removed.returncode == 0, removed
     assert not DATA.exists()
     assert not Path(UR).with_name(".venv").exists()

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 UR = str(Path(__file__).resolve().parents[2] / "ur")
-INSIDE = [UR, "debian", "shell"]
+INSIDE = [UR, "setup", "debian", "shell"]
 NODES = 50
 PATIENCE = 120.0
 

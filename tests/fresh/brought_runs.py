@@ -55,7 +55,7 @@ def trial_terminal() -> str:
     try:
         type_in("PS1='rea''dy> '\n")
         expect("ready> ")
-        type_in(f"{UR} debian shell python3 {script.name}\n")
+        type_in(f"{UR} setup debian shell python3 {script.name}\n")
         expect("started")
         type_in("one\n")
         expect("got one")

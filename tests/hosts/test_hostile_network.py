@@ -196,7 +196,7 @@ def test_changed_host_key_is_refused_by_every_command(net: Bench) -> None:
             done = ur(laptop, words, f"{PASSWORD}\nanother-secret\n")
             assert done.code != 0, f"{words}: {done.out}"
             assert "host key" in (done.out + done.err).lower(), f"{words}: {done.out} {done.err}"
-        ur(laptop, "wifi bob --seconds 2")  # pings, which prove nothing and tell nothing
+        ur(laptop, "doctor --wireless bob --seconds 2")  # pings, which prove nothing and tell nothing
         assert "--new-host-key" in ur(laptop, setup, f"{PASSWORD}\n\n").err
         assert caught(net) == ""
         assert not re.search(r"Accepted (password|publickey)", net["attacker"].journal())
@@ -271,7 +271,7 @@ COMMANDS = (
         "doctor eve --fix",
         "sync eve --yes",
         "build eve",
-        "wifi eve --seconds 2",
+        "doctor --wireless eve --seconds 2",
         "boot status --robot eve",
     ),
     *("robot network eve", "robot wifi eve", "robot rename eve ann --password-from 0", "robots", "robots --json"),
@@ -288,7 +288,7 @@ def test_robot_that_lies_in_every_answer_reaches_nothing_here(net: Bench, liar: 
         liar.write("/var/tmp/kind", kind)
         for words in (*COMMANDS, setup):
             done = ur(laptop, words, f"{PASSWORD}\n\n")
-            if not words.startswith(("robots", "wifi")):  # which list and measure whatever answers
+            if not words.startswith(("robots", "doctor --wireless")):  # which list and measure whatever answers
                 assert done.code != 0, f"{kind}: {words}: {done.out}"
             check_untouched(laptop, before)
     liar.write("/var/tmp/kind", "silent")

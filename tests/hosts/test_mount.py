@@ -36,7 +36,7 @@ def test_mount_survives_a_cut_without_freezing_and_is_taken_away(pair: Bench) ->
     assert robot.run("cat catkin_ws/src/answer", user="ros").out == "back\n"
 
     robot.cut()
-    assert "unmounted" in laptop.run(f"{UR} unmount bob", user="pat").check().out
+    assert "unmounted" in laptop.run(f"{UR} mount --undo bob", user="pat").check().out
     robot.restore()
     assert "sshfs" not in laptop.run("cat /proc/self/mounts").out
     assert PASSWORD not in laptop.journal()
@@ -51,7 +51,7 @@ def test_mount_over_the_workspace_hides_it_until_it_is_taken_away(pair: Bench) -
     assert laptop.run("ls catkin_ws/src", user="pat").out.split().count("theirs") == 1
     assert "mine" not in laptop.run("ls catkin_ws/src", user="pat").out.split()
     laptop.run("echo new >catkin_ws/src/new", user="pat").check()
-    assert "unmounted" in laptop.run(f"{UR} unmount bob", user="pat").check().out
+    assert "unmounted" in laptop.run(f"{UR} mount --undo bob", user="pat").check().out
     assert laptop.run("cat catkin_ws/src/mine", user="pat").out == "mine\n"
     assert robot.run("cat catkin_ws/src/new", user="ros").out == "new\n"
 
@@ -65,7 +65,7 @@ def test_mount_whose_sshfs_was_killed_is_mounted_again(pair: Bench) -> None:
     again = laptop.run(f"{UR} mount bob", user="pat").check()
     assert "already" not in again.out
     assert laptop.run("cat robots/bob/file", user="pat").check().out == "there\n"
-    assert "unmounted" in laptop.run(f"{UR} unmount bob", user="pat").check().out
+    assert "unmounted" in laptop.run(f"{UR} mount --undo bob", user="pat").check().out
 
 
 def test_mount_on_a_folder_with_files_is_refused(pair: Bench) -> None:

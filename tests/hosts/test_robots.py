@@ -1,4 +1,4 @@
-"""`ur robots` and `ur wifi` between two computers: what they tell, and what they make of a robot that drops away."""
+"""`ur robots` and `ur doctor --wireless` between two computers, also while a robot is away."""
 
 from __future__ import annotations
 
@@ -133,13 +133,13 @@ def test_live_list_notices_who_goes_and_comes_and_ends_with_control_c(pair: Benc
 
 
 def test_link_is_measured_and_what_cannot_be_seen_is_said(pair: Bench) -> None:
-    done = pair["laptop"].run(f"{UR} wifi bob --seconds 3", user="pat").check()
+    done = pair["laptop"].run(f"{UR} doctor --wireless bob --seconds 3", user="pat").check()
     assert "latency" in done.out
     assert "no wireless interface at laptop and bob: latency and loss only" in done.out
 
 
 def test_gap_of_a_link_is_reported_and_measuring_goes_on(pair: Bench, terminal: TmuxTerminal) -> None:
-    terminal.type(f"clear; {UR} wifi bob --watch --log walk.csv; echo en''ded", "Enter")
+    terminal.type(f"clear; {UR} doctor --wireless bob --watch --log walk.csv; echo en''ded", "Enter")
     terminal.until("good: ", SECONDS)
     pair["robot"].cut()
     try:
@@ -166,17 +166,17 @@ def test_gap_of_a_link_is_reported_and_measuring_goes_on(pair: Bench, terminal: 
 
 
 def test_line_is_printed_each_second(pair: Bench) -> None:
-    done = pair["laptop"].run(f"{UR} wifi bob --watch --seconds 2", user="pat").check()
+    done = pair["laptop"].run(f"{UR} doctor --wireless bob --watch --seconds 2", user="pat").check()
     assert done.out.count("  latency ") == 2
 
 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("wifi nobody", "no computer answers to this name"),
-        ("wifi", "no robot given"),
-        ("wifi bob --log /no/such/folder/x", "cannot be written"),
-        ("wifi 'b b'", "is not an address"),
+        ("doctor --wireless nobody", "no computer answers to this name"),
+        ("doctor --wireless", "no robot given"),
+        ("doctor --wireless bob --log /no/such/folder/x", "cannot be written"),
+        ("doctor --wireless 'b b'", "is not an address"),
     ],
 )
 def test_what_cannot_be_done_is_said_in_one_line(pair: Bench, words: str, said: str) -> None:

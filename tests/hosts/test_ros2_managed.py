@@ -85,7 +85,7 @@ def test_shell_and_windows_of_the_robot_are_those_of_its_user(pair: Bench) -> No
     assert ur(pair, "shell robot 'id -un'").check().out == "ros\n"
     with started(pair["laptop"], XVFB, "pat"):
         pair["laptop"].wait_for("[ -S /tmp/.X11-unix/X7 ]", deadline=60)
-        done = pair["laptop"].run(f"{UR} x --check robot", user="pat", environment=SCREEN, timeout=120).check()
+        done = pair["laptop"].run(f"{UR} shell -X --check robot", user="pat", environment=SCREEN, timeout=120).check()
     assert "opened" in done.out
 
 

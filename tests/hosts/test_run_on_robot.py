@@ -309,11 +309,11 @@ def test_debugger_of_a_node_on_the_robot_has_a_window_on_the_laptop(pair: Bench)
     robot.run("apt-get install -y xterm python3-pudb", timeout=300).check()
     with running(laptop, XVFB, "pat"):
         laptop.wait_for("[ -S /tmp/.X11-unix/X7 ]", deadline=60)
-        line = f"env DISPLAY=:7 {UR} x bob ubiquity_launches/ur launch --debug alone chat alone.launch"
+        line = f"env DISPLAY=:7 {UR} shell -X bob ubiquity_launches/ur launch --debug alone chat alone.launch"
         with running(laptop, line, "pat"):
             laptop.wait_for("xwd -silent -name /alone >w", user="pat", environment=SCREEN, deadline=120)
             robot.wait_for("pgrep -u ros -f 'pudb .*talk.py'", deadline=60)
-        # The window is closed with `ur x`, and the node ends with it.
+        # The window is closed with `ur shell -X`, and the node ends with it.
         robot.wait_for("! pgrep -u ros -f talk.py", deadline=60)
 
 

@@ -148,7 +148,7 @@ def test_mounted_workspace_is_refused(synced: Bench) -> None:
     laptop = synced["laptop"]
     laptop.run(f"{UR} mount bob --over", user="pat").check()
     done = sync(synced, "--yes")
-    laptop.run(f"{UR} unmount bob", user="pat").check()
+    laptop.run(f"{UR} mount --undo bob", user="pat").check()
     assert done.code == 2
     assert "is a mounted folder of ros@bob.local" in done.err
 

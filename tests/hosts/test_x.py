@@ -1,4 +1,4 @@
-"""`ur x`: a window of a program on the robot, on the laptop's screen."""
+"""`ur shell -X`: a window of a program on the robot, on the laptop's screen."""
 
 from __future__ import annotations
 
@@ -43,17 +43,17 @@ def screen(pair: Bench) -> Iterator[Bench]:
 
 def test_window_of_the_robot_is_seen_on_the_laptop(screen: Bench) -> None:
     laptop, robot = screen["laptop"], screen["robot"]
-    done = laptop.run(f"{UR} x --check bob", user="pat", environment=SCREEN).check()
+    done = laptop.run(f"{UR} shell -X --check bob", user="pat", environment=SCREEN).check()
     assert "opened" in done.out
     empty = take_picture(screen)
-    with started(laptop, f"env DISPLAY=:7 {UR} x bob xlogo -geometry 300x200+50+40", "pat"):
+    with started(laptop, f"env DISPLAY=:7 {UR} shell -X bob xlogo -geometry 300x200+50+40", "pat"):
         # The window itself, by its name, and drawn: 60,000 pixels, of which the logo leaves more than half.
         laptop.wait_for("xwd -silent -name xlogo >w", user="pat", environment=SCREEN, deadline=60)
         wait_until(lambda: count_pixels(take_picture(screen), empty) > 20_000, "the window is drawn", 60)
         shown = count_pixels(take_picture(screen), empty)
         robot.wait_for("pgrep -u ros -x xlogo", deadline=60)
     sys.stdout.write(f"a window of the robot on the laptop's screen: {shown} pixels differ\n")
-    # The program over there ended with `ur x`, and its window with it.
+    # The program over there ended with `ur shell -X`, and its window with it.
     robot.wait_for("! pgrep -u ros -x xlogo", deadline=60)
     wait_until(lambda: count_pixels(take_picture(screen), empty) == 0, "the window is gone", 60)
 
@@ -71,24 +71,24 @@ def count_pixels(picture: bytes, other: bytes) -> int:
 
 
 def test_words_arrive_as_they_are_and_the_exit_code_comes_back(screen: Bench) -> None:
-    line = f"{UR} x bob sh -c 'echo \"$0\" $DISPLAY; exit 5' 'a  b'"
+    line = f"{UR} shell -X bob sh -c 'echo \"$0\" $DISPLAY; exit 5' 'a  b'"
     done = screen["laptop"].run(line, user="pat", environment=SCREEN)
     assert done.code == 5
     assert done.out.startswith("a  b localhost:1")
 
 
 def test_window_without_a_screen_is_explained(pair: Bench) -> None:
-    done = pair["laptop"].run(f"{UR} x --check bob", user="pat")
+    done = pair["laptop"].run(f"{UR} shell -X --check bob", user="pat")
     assert done.code == 2
     assert "no display" in done.err
-    done = pair["laptop"].run(f"{UR} x --check bob", user="pat", environment={"DISPLAY": ":9"})
+    done = pair["laptop"].run(f"{UR} shell -X --check bob", user="pat", environment={"DISPLAY": ":9"})
     assert done.code == 2
     assert "no window opened" in done.err
     assert "ur doctor" in done.err
 
 
 def test_robot_that_is_away_is_explained(pair: Bench) -> None:
-    for words in ("x --check nobody", "x nobody xlogo"):
+    for words in ("shell -X --check nobody", "shell -X nobody xlogo"):
         done = pair["laptop"].run(f"{UR} {words}", user="pat", environment=SCREEN)
         assert done.code == 2
         assert "no computer answers to this name" in done.err

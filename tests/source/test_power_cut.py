@@ -51,7 +51,7 @@ CASES = {
     "ur use": Case(":", run_ur("use", "sim:magni"), ".config/ubiquity_launches/selection", "sim:magni"),
     "ur format": Case(PACKAGE, run_ur("format", "p"), "p/a.launch", '<node name="a" '),
     "ur docs": Case(PACKAGE, run_ur("docs", "p", "--output", "p/launches.md"), "p/launches.md", "a.launch"),
-    "ur package": Case(PACKAGE, run_ur("package", "--write", "p"), "p/CMakeLists.txt", "catkin_package"),
+    "check --package": Case(PACKAGE, run_ur("check", "--package", "--fix", "p"), "p/CMakeLists.txt", "catkin_package"),
     "new files": Case(
         ":",
         "from pathlib import Path\nfrom ur.tools.new.parts import NewFile\nfrom ur.tools.new.write import write_files\n"

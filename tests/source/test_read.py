@@ -50,7 +50,7 @@ def test_package_with_files_that_are_none_is_refused(tmp_path: Path, name: str, 
         os.mkfifo(tmp_path / name)
     else:
         (tmp_path / name).symlink_to("/dev/zero")
-    words = [sys.executable, "-I", "-m", "ur", "package", str(tmp_path)]
+    words = [sys.executable, "-I", "-m", "ur", "check", "--package", str(tmp_path)]
     done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=60)
     assert done.returncode == 2
     assert done.stderr.startswith("error: ")

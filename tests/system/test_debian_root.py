@@ -39,7 +39,7 @@ def test_root_is_found_inside_with_the_folder_of_its_programs(mark: str) -> None
 
 def test_packages_are_installed_by_apt_outside_and_by_ur_inside(mark: str, tmp_path: Path) -> None:
     assert install_command("gdb", mark=str(tmp_path / "absent")) == "sudo apt-get install gdb"
-    assert install_command(["gdb", "rviz"], mark=mark) == "ur debian install gdb rviz"
+    assert install_command(["gdb", "rviz"], mark=mark) == "ur setup debian install gdb rviz"
 
 
 def test_description_names_the_release_and_the_folder() -> None:

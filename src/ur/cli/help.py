@@ -10,10 +10,10 @@ from textwrap import fill
 
 import click
 from rich_click import RichCommand, RichContext, RichGroup, RichHelpConfiguration
-from rich_click.utils import CommandGroupDict, OptionGroupDict
+from rich_click.utils import OptionGroupDict
 
-from ur.cli.verbs import EPILOG, HELP, VERBS, list_sections, load_verb
-from ur.cli.verbs.verb import Below, Verb
+from ur.cli.verbs import HELP, VERBS, list_sections, load_verb
+from ur.cli.verbs.verb import PLUMBING, Below, Verb
 from ur.source.diagnostic import UserError, error
 from ur.source.render import shows_colour
 from ur.source.suggest import did_you_mean
@@ -25,7 +25,7 @@ def show_help(argv: list[str]) -> None:
     Raises UserError when there is none.
     """
     if not argv:
-        _print(_overview(), "ur")
+        _print_overview()
         return
     if argv[0] not in VERBS or (argv[0] == "run" and len(argv) > 1 and not argv[1].startswith("-")):
         _show_program(argv[1] if argv[0] == "run" else argv[0], known_verb=argv[0] == "run")
@@ -36,7 +36,13 @@ def show_help(argv: list[str]) -> None:
         if isinstance(verb, click.Group) and name in verb.commands:
             about, verb, path = VERBS[argv[0]].below[name], verb.commands[name], f"{path} {name}"
     if isinstance(verb, click.Group):
-        group = _InOrder(name=verb.name, help=verb.help, options_metavar="", subcommand_metavar="VERB [ARGS]")
+        group = _InOrder(
+            name=verb.name,
+            help=verb.help,
+            params=list(verb.params),
+            options_metavar="[OPTIONS]" if verb.params else "",
+            subcommand_metavar="[VERB [ARGS]]" if verb.invoke_without_command else "VERB [ARGS]",
+        )
         for each in verb.commands.values():
             group.add_command(RichCommand(name=each.name, help=each.help, short_help=each.short_help))
         _print(group, path, about)
@@ -86,22 +92,18 @@ class _InOrder(RichGroup):
         return list(self.commands)
 
 
-def _overview() -> RichGroup:
-    group = _InOrder(
-        name="ur", help=HELP, epilog=EPILOG, options_metavar="[--version]", subcommand_metavar="VERB [ARGS]"
-    )
-    for verb in VERBS.values():
-        group.add_command(RichCommand(name=verb.name, help=verb.summary, short_help=verb.summary))
-    group.params.append(click.Option(["--version"], is_flag=True, help="Print the version."))
-    return group
+def _print_overview() -> None:
+    """Print the verbs of each section, at most 50 lines of 80 columns."""
+    lines = [HELP, "Usage: ur VERB [ARGS]; 'ur help VERB' describes one.", "First drive: ur run keyboard_navigate"]
+    sections = {title: verbs for title, verbs in list_sections().items() if title != PLUMBING}
+    width = max(len(verb.name) for verbs in sections.values() for verb in verbs)
+    for title, verbs in sections.items():
+        lines += ["", click.style(title, bold=True)]
+        lines += [f"  {click.style(verb.name.ljust(width), fg='cyan')}  {verb.summary}" for verb in verbs]
+    click.echo("\n".join(lines), color=None if shows_colour(sys.stdout) else False)
 
 
-def _print(
-    page: click.Command, name: str, about: Verb | Below | None = None, arguments: Sequence[tuple[str, str]] = ()
-) -> None:
-    sections: list[CommandGroupDict] = [
-        {"name": title, "commands": [verb.name for verb in verbs]} for title, verbs in list_sections().items()
-    ]
+def _print(page: click.Command, name: str, about: Verb | Below, arguments: Sequence[tuple[str, str]] = ()) -> None:
     groups: list[OptionGroupDict] = []
     if name == "ur launch":
         from ur.cli.launch.options import list_groups
@@ -111,13 +113,11 @@ def _print(
     settings = RichHelpConfiguration(
         style_options_panel_box=frame,
         style_commands_panel_box=frame,
-        command_groups={"ur": sections} if name == "ur" else {},
         option_groups={"ur launch": groups} if name == "ur launch" else {},
     )
     context = RichContext(page, info_name=name, rich_help_config=settings)
     click.echo(page.get_help(context), color=None if shows_colour(sys.stdout) else False)
-    if about is not None:
-        click.echo("".join(_write_end(arguments, about.examples)), nl=False)
+    click.echo("".join(_write_end(arguments, about.examples)), nl=False)
 
 
 def _write_end(arguments: Sequence[tuple[str, str]], examples: Sequence[tuple[str, str]]) -> Iterator[str]:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 import click
 
 from ur.cli.usage import describe_usage_error
-from ur.cli.verbs import HELP, VERBS, load_verb
+from ur.cli.verbs import HELP, VERBS, load_verb, replace_old_spelling
 from ur.source.diagnostic import UserError
 from ur.source.printable import OutputLost, guard_output, open_closed_streams, printable, printable_lines
 from ur.source.render import render_human, shows_colour
@@ -62,6 +62,11 @@ def _run(argv: list[str], load: Callable[[str], click.Command]) -> int:
 
 
 def _dispatch(argv: list[str], load: Callable[[str], click.Command]) -> int:
+    asks = argv[:1] == ["help"]
+    words, verb = replace_old_spelling(argv[asks:])
+    if verb:
+        _print_error(f"warning: 'ur {argv[asks]}' is now 'ur {verb}'; the old spelling ends with the next release")
+        argv[asks:] = words  # in place: messages about it name what was read
     if not argv or argv[0] in ("--help", "-h", "help"):
         from ur.cli.help import show_help
 

@@ -45,7 +45,7 @@ def install_command(packages: str | Sequence[str], *, mark: str = MARK) -> str:
     """Return the command that installs Debian packages where `ur` finds them."""
     names = packages if isinstance(packages, str) else " ".join(packages)
     inside = os.path.exists(mark)  # noqa: PTH110 - likewise
-    return f"ur debian install {names}" if inside else f"sudo apt-get install {names}"
+    return f"ur setup debian install {names}" if inside else f"sudo apt-get install {names}"
 
 
 def describe_system(root: DebianRoot | None, ros: Ros | None = None) -> str:

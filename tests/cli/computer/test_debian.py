@@ -31,11 +31,11 @@ def test_changing_the_root_from_inside_is_refused_with_the_command_to_use(
     words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "mark").touch()
-    monkeypatch.setattr("ur.cli.computer.debian.MARK", str(tmp_path / "mark"))
-    assert main(["debian", *words]) == 2
+    monkeypatch.setattr("ur.cli.computer.setup.MARK", str(tmp_path / "mark"))
+    assert main(["setup", "debian", *words]) == 2
     said = capsys.readouterr().err
     assert "cannot run inside the Debian root" in said
-    assert f"/ur debian {' '.join(words)}" in said
+    assert f"/ur setup debian {' '.join(words)}" in said
 
 
 def test_missing_packages_are_refused_inside_with_the_command_that_installs_them(

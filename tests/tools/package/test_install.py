@@ -34,9 +34,9 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
         assert main(["new", "package", "mine", "--summary", "s", "--maintainer", "A", "--email", "a@b.invalid"]) == 0
         words = ["--package", "mine", "--summary", "A map.", "--include", "n_map_server"]
         assert main(["new", "multi", "map", *words]) == 0
-        assert main(["package", "mine"]) == 1
-        assert main(["package", "--write", "mine"]) == 0
-        assert main(["package", "mine"]) == 0
+        assert main(["check", "--package", "mine"]) == 1
+        assert main(["check", "--package", "--fix", "mine"]) == 0
+        assert main(["check", "--package", "mine"]) == 0
     finally:
         os.chdir(before)
     done = subprocess.run(

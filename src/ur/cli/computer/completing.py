@@ -21,7 +21,7 @@ from ur.complete.verbs import complete_line
 _RUN_COMMANDS = {
     "robot command": "ur.cli.robot_setup.robot",
     "boot command": "ur.cli.robots.boot",
-    "debian command": "ur.cli.computer.debian",
+    "setup command": "ur.cli.computer.setup",
     "new command": "ur.cli.files.new",
     "maps command": "ur.cli.maps.maps",
     "image command": "ur.cli.robot_setup.image",
@@ -76,8 +76,9 @@ def make_known(environment: Mapping[str, str]) -> NameSources:
 
 def _verbs() -> Iterator[Completion]:
     from ur.cli.verbs import VERBS
+    from ur.cli.verbs.verb import PLUMBING
 
-    yield from (Completion(verb.name, verb.summary) for verb in VERBS.values())
+    yield from (Completion(verb.name, verb.summary) for verb in VERBS.values() if verb.section != PLUMBING)
 
 
 def _kinds(verb: str) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, nullcontext
+from pathlib import Path
 
 import click
 
@@ -52,8 +53,30 @@ PAUSE = 2.0
     metavar="FD",
     help="Read the robot's password from this file descriptor, if it refuses your key.",
 )
+@click.option("--wireless", is_flag=True, help="Measure only the connection: signal of both, latency, loss.")
+@click.option("--watch", is_flag=True, help="With --wireless: measure until Ctrl-C, and print a line each second.")
+@click.option(
+    "--seconds",
+    type=click.IntRange(1, 86400),
+    help="With --wireless: how long to measure. [default: 5; --watch: no end]",
+)
+@click.option(
+    "--log",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="With --wireless: write a line each second to a new CSV file.",
+)
 def command(
-    robots: tuple[str, ...], every: bool, fix: bool, verbose: bool, as_json: bool, password_from: int | None
+    robots: tuple[str, ...],
+    every: bool,
+    fix: bool,
+    verbose: bool,
+    as_json: bool,
+    password_from: int | None,
+    wireless: bool,
+    watch: bool,
+    seconds: int | None,
+    log: Path | None,
 ) -> int:
     """Find problems of this computer, of a robot and of their connection.
 
@@ -61,7 +84,18 @@ def command(
     without it, the selected robot is inspected, or this computer alone if a simulated one is selected. Requirements of
     real robots are then left out, unless one was set up from here. Several robots are inspected in parallel, with a
     line for each. The exit code is 0 without a problem, 1 with one, 2 when a robot could not be reached.
+
+    With --wireless, carry this computer or the robot around to find the places where the connection is bad. Without an
+    answer, 'no answer' is printed and the measurement continues; the exit code is 1 without any.
     """
+    if wireless:
+        if len(robots) > 1 or every or fix or verbose or as_json:
+            raise click.UsageError("--wireless measures one robot, and has no --all, --fix, --verbose or --json")
+        from ur.cli.computer.wireless import measure_wireless
+
+        return measure_wireless(robots[0] if robots else None, watch, seconds, log)
+    if watch or seconds or log:
+        raise click.UsageError("--watch, --seconds and --log require --wireless")
     chosen = choose_robots(robots, every=every)
     if is_fleet(chosen, every=every):
         return _examine_each(chosen, fix=fix, verbose=verbose, as_json=as_json, password_from=password_from)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import getpass
+import os
 import sys
 from importlib.util import find_spec
 
@@ -11,6 +12,7 @@ import click
 from ur.cli.changing import ChangeReporter, show_changes
 from ur.complete.shells import SCRIPTS
 from ur.mcp import PACKAGES
+from ur.request.environment import REPOSITORY
 from ur.request.requirements.python_packages import need_all
 from ur.robot.setup.change import Change
 from ur.robot.setup.engine import apply_change, apply_states, gather, gather_facts, plan_changes, plan_undo
@@ -18,20 +20,25 @@ from ur.robot.setup.facts import ComputerFacts
 from ur.robot.setup.viewer_states import base_request, wanted_here
 from ur.robot.setup.wanted import Wanted
 from ur.robot.ssh.shell import LocalShell
+from ur.source.diagnostic import UserError, error
 from ur.source.progress_line import show_progress
 from ur.source.project import state_folder
+from ur.system.debian_root import MARK
 
 
-@click.command("setup")
+@click.group("setup", invoke_without_command=True)
 @click.option("--dry-run", is_flag=True, help="Show what would be changed, and change nothing.")
 @click.option("--undo", is_flag=True, help="Undo what this command wrote; packages, keys and groups are kept.")
 @click.option("--only-mine", is_flag=True, help="Change only what needs no root: your shells, keys and workspace.")
 @click.option("--yes", is_flag=True, help="Do not ask before changing.")
-def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
+@click.pass_context
+def command(context: click.Context, dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
     """Set this computer up: shells, keys, workspace, names.
 
     Shows every difference before it changes anything. Your own lines are kept. A second run changes nothing.
     """
+    if context.invoked_subcommand is not None:
+        return 0
     user = getpass.getuser()
     shell = LocalShell(terminal=sys.stdin.isatty())
     base = base_request(user)
@@ -71,3 +78,30 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
         need_all(*PACKAGES)
         reporter("this computer is set up; open a new terminal to use it")
     return 0
+
+
+@command.command("debian", context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
+@click.argument("action", type=click.Choice(["status", "shell", "install", "update", "remove"]), default="status")
+@click.argument("argv", nargs=-1, type=click.UNPROCESSED, metavar="[ARGUMENT ...]")
+def debian(action: str, argv: tuple[str, ...]) -> None:
+    """Inspect, change or remove the Debian root that ROS runs in.
+
+    It exists if this computer's release has no ROS 1. The first start of ur creates it, also after a removal. Commands
+    of ur and programs of ROS run in it automatically. sudo may ask for your password. An update also allows bwrap to
+    make user namespaces where AppArmor refuses them.
+    """
+    if action == "install" and not argv:
+        raise click.UsageError("missing argument 'PACKAGE'")
+    if action in ("status", "update", "remove") and argv:
+        raise click.UsageError(f"got unexpected extra argument ({argv[0]})")
+    if action in ("install", "update", "remove") and os.path.exists(MARK):  # noqa: PTH110 - as in ur.system.debian_root
+        raise UserError(
+            error(
+                f"'ur setup debian {action}' cannot run inside the Debian root, expected a shell of this computer",
+                rule="inside-root",
+                help=f"in another terminal: {REPOSITORY}/ur setup debian {' '.join((action, *argv))}",
+                subject=action,
+            )
+        )
+    script = str(REPOSITORY / "tools" / "debian_root.bash")
+    os.execv("/bin/bash", ["bash", script, action, *argv])  # noqa: S606 - the script takes the place of this process

@@ -13,7 +13,7 @@ import click
 from ur.source.render import shows_colour
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from ur.check.run import CheckReport
 
@@ -43,6 +43,7 @@ _INTERVAL = 0.3  # s between two checks for changes
     metavar="[RULE]",
     help="Print the page of a rule and check nothing; without a rule, list all.",
 )
+@click.option("--package", is_flag=True, help="Compare package.xml and CMakeLists.txt with what launch files use.")
 def command(
     paths: tuple[str, ...],
     select: tuple[str, ...],
@@ -53,40 +54,60 @@ def command(
     form: str,
     no_cache: bool,
     explain: str | None,
+    package: bool,
 ) -> int:
     """Check launch files, YAML files and programs.
 
     PATH is a file, a folder or a package; without one, the current folder is checked. Required arguments need not be
     given, and packages with bases are checked for every base and variant; NAME:=VALUE checks with that value only.
 
+    With --package, every package that a launch file or program uses has to be a dependency, and all of them have to be
+    installed; --fix adds what is missing. A comment in package.xml lists optional packages: <!--ur: optional NAME NAME:
+    REASON-->.
+
     Exit code: 0 when no error is found, 1 when there is one (with --strict: or a warning), 2 when the check could not
     run or there was nothing to read.
     """
+    from ur.check.catalogue import choose_rules, find_rule, list_rules
+    from ur.check.render.pages import explain_rule
+
+    if explain is not None:
+        click.echo(explain_rule(find_rule(explain)) if explain else list_rules(), nl=False)
+        return 0
+    if package:
+        if len(paths) > 1:
+            raise click.UsageError("--package checks one package")
+        from ur.cli.files.package import check_package
+
+        return check_package(paths[0] if paths else ".", fix)
+    report = _check(
+        paths, choose_rules(_words(select), _words(ignore)), form, fix=fix, watch=watch, cached=not no_cache
+    )
+    return 2 if not report.files else 1 if report.errors or (strict and report.findings) else 0
+
+
+def _check(
+    paths: Sequence[str], chosen: frozenset[str], form: str, *, fix: bool, watch: bool, cached: bool
+) -> CheckReport:
+    """Check and print; with `watch`, without end."""
     from ur.check.cache.program import digest_program
     from ur.check.cache.store import cache_folder, load_recall, name_cache, store_recall
-    from ur.check.catalogue import choose_rules, find_rule, list_rules
     from ur.check.computer import make_world
     from ur.check.links import describe_left_out
-    from ur.check.render.pages import explain_rule
     from ur.check.run import check_paths
     from ur.request.arguments import split_argv, values_of
     from ur.request.environment import add_own_package
     from ur.source.progress_line import show_progress
 
-    if explain is not None:
-        click.echo(explain_rule(find_rule(explain)) if explain else list_rules(), nl=False)
-        return 0
-    chosen = choose_rules(_words(select), _words(ignore))
     names, arguments = split_argv(paths)
     places, values = names or ["."], values_of(arguments)
-    program = "" if no_cache else digest_program()
+    program = digest_program() if cached else ""
     cache = f"{cache_folder(os.environ)}/{name_cache([*map(os.path.abspath, places), *names], chosen, values)}"
-
     if watch:
         _watch(places, chosen, values, form, fix=fix)
 
     def check() -> CheckReport:
-        recall = None if no_cache else load_recall(cache, program)
+        recall = load_recall(cache, program) if cached else None
         with show_progress("finding launch files") as progress:
             world = make_world(places, add_own_package(os.environ))
             report = check_paths(places, world, chosen, values, progress, recall)
@@ -101,7 +122,7 @@ def command(
     _show(report, form)
     if note := describe_left_out(report.left_out):
         click.echo(note, err=True)
-    return 2 if not report.files else 1 if report.errors or (strict and report.findings) else 0
+    return report
 
 
 def _watch(places: list[str], chosen: frozenset[str], values: Mapping[str, str], form: str, *, fix: bool) -> NoReturn:

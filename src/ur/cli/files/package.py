@@ -1,4 +1,4 @@
-"""`ur package`: package.xml and CMakeLists.txt, compared with the packages that launch files use."""
+"""`ur check --package`: package.xml and CMakeLists.txt, compared with the packages that launch files use."""
 
 from __future__ import annotations
 
@@ -7,18 +7,8 @@ import os
 import click
 
 
-@click.command("package")
-@click.argument("path", default=".", metavar="[PATH]")
-@click.option("--write", is_flag=True, help="Add what is missing.")
-def command(path: str, write: bool) -> int:
-    """Check package.xml and CMakeLists.txt of launch files.
-
-    Every package that a launch file or program uses has to be a dependency, and all of them have to be installed.
-    Dependencies that nothing uses are reported, and kept. A comment in package.xml lists optional packages: <!--ur:
-    optional NAME NAME: REASON-->.
-
-    Exit code: 0 when nothing is missing (or with --write), 1 when something is.
-    """
+def check_package(path: str, fix: bool) -> int:
+    """Print what package.xml and CMakeLists.txt lack, or add it; return 1 if something is missing."""
     from ur.check.collect import collect_targets
     from ur.check.computer import make_world
     from ur.cli.output import replace_file
@@ -59,8 +49,8 @@ def command(path: str, write: bool) -> int:
     if not changed:
         click.echo(f"{package.name}: package.xml and CMakeLists.txt hold what it needs")
         return 0
-    if not write:
-        click.echo(f"help: ur package --write {os.path.relpath(folder)}", err=True)
+    if not fix:
+        click.echo(f"help: ur check --package --fix {os.path.relpath(folder)}", err=True)
         return 1
     for each in changed:
         if each.is_symlink() and not each.resolve().is_relative_to(folder.resolve()):

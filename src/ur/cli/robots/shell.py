@@ -18,22 +18,64 @@ from ur.request.remote.connection import robot_address
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.failures import explain_failure
 from ur.robot.ssh.openssh import STRICT
-from ur.robot.ssh.shell import quote
-from ur.source.diagnostic import UserError, error
+from ur.robot.ssh.shell import quote, run_process
+from ur.source.diagnostic import UserError, error, error_about
 from ur.source.printable import printable_lines
+from ur.source.progress_line import show_progress
+
+# Trusted forwarding: OpenGL, and with it RViz, needs extensions that untrusted clients do not get.
+_FORWARDING = ("-Y", "-o", "ExitOnForwardFailure=yes")
+_OPEN_SECONDS = 3
+_STILL_OPEN = 124  # timeout(1)
 
 
 @click.command("shell", context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
+@click.option("-X", "windows", is_flag=True, help="Run a program there with its windows here.")
+@click.option("--check", is_flag=True, help="With -X: only open a window, close it, and print whether that works.")
 @click.argument("robot", required=False)
 @click.argument("argv", nargs=-1, type=click.UNPROCESSED, metavar="[COMMAND ...]")
-def command(robot: str | None, argv: tuple[str, ...]) -> int:
+def command(robot: str | None, argv: tuple[str, ...], windows: bool, check: bool) -> int:
     """Open a shell on a robot, or run one command there.
 
     ROBOT is a name, HOST or USER@HOST; without it, the selected robot. Its host key must be known, as it is after `ur
     robot setup`. The exit code is that of the command. A COMMAND of one argument is a command line for the shell there
     ('ls | wc'); several arguments are passed unchanged.
     """
-    return run_ssh(robot_address(robot), [] if argv else ["-t"], argv)
+    if check and not windows:
+        raise click.UsageError("--check requires -X")
+    if not windows:
+        return run_ssh(robot_address(robot), [] if argv else ["-t"], argv)
+    if not argv and not check:
+        raise click.UsageError("missing argument 'COMMAND'")
+    if not os.environ.get("DISPLAY"):
+        raise UserError(
+            error(
+                "there is no display here, expected DISPLAY to be set",
+                rule="no-display",
+                help="run this in a terminal of your desktop",
+            )
+        )
+    address = robot_address(robot)
+    return _check_windows(address) if check else run_ssh(address, _FORWARDING, argv)
+
+
+def _check_windows(address: Address) -> int:
+    """Open a window of the robot for a moment. Raises UserError if that fails."""
+    script = quote("timeout", str(_OPEN_SECONDS), "xlogo")  # of x11-apps, which `ur robot setup` installs
+    command = ["ssh", *_FORWARDING, *STRICT, "-o", "BatchMode=yes", "--", str(address), script]
+    with show_progress(f"waiting for a window of {address.host}"):
+        done = run_process(command, timeout=30, what=f"a window of {address}")
+    if done.code == _STILL_OPEN:
+        click.echo(f"a window of {address.host} opened here and was closed again")
+        return 0
+    if done.code == 255:
+        raise explain_failure(address, done.err)
+    reported = (done.err.strip().splitlines() or ["no reason was given"])[-1]
+    if "not found" in reported or "No such file" in reported:
+        help_ = f"ur robot setup {address.host}"
+    else:
+        help_ = f"is the display here open to you? 'xauth list' and 'echo $DISPLAY'; then ur doctor {address.host}"
+    raise UserError(error_about(address, f"no window opened: {reported}", rule="no-window", help=help_))
 
 
 def run_ssh(address: Address, options: Sequence[str], argv: Sequence[str], *, escaped: bool = False) -> int:

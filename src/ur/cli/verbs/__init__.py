@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -17,9 +17,15 @@ from ur.cli.verbs.writing import WRITING
 if TYPE_CHECKING:
     import click
 
-HELP = "Finds, selects and drives small ROS robots, simulated or real, and starts launch files."
-EPILOG = "First drive: ur run keyboard_navigate"
+HELP = "Finds, selects and drives small ROS robots, and starts launch files."
 VERBS = {verb.name: verb for verb in (*DRIVING, *LAUNCHING, *WRITING, *COMPUTER, *ROBOTS, *REMOTE)}
+OLD_SPELLINGS = {  # of version 0.1: the present one, and options that have another name; to be removed after 0.2
+    "unmount": ("mount --undo", {}),
+    "package": ("check --package", {"--write": "--fix"}),
+    "debian": ("setup debian", {}),
+    "x": ("shell -X", {}),
+    "wifi": ("doctor --wireless", {}),
+}
 
 
 def load_verb(name: str) -> click.Command:
@@ -28,8 +34,16 @@ def load_verb(name: str) -> click.Command:
     return command
 
 
+def replace_old_spelling(argv: Sequence[str]) -> tuple[list[str], str]:
+    """Return a command line in its present spelling, and that of its verb; '' if it was not old."""
+    if not argv or argv[0] not in OLD_SPELLINGS:
+        return list(argv), ""
+    verb, options = OLD_SPELLINGS[argv[0]]
+    return [*verb.split(), *(options.get(word, word) for word in argv[1:])], verb
+
+
 def list_sections() -> dict[str, list[Verb]]:
-    """Return the verbs of each section of the help."""
+    """Return the verbs of each section."""
     found: dict[str, list[Verb]] = {}
     for verb in VERBS.values():
         found.setdefault(verb.section, []).append(verb)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.cli.verbs.verb import Below, Trust, Verb
+from ur.cli.verbs.verb import PLUMBING, Below, Trust, Verb
 
 _SECTION = "This computer"
 
@@ -20,6 +20,28 @@ COMPUTER = (
             sends="requests for packages, to their servers",
             writes="a block in your shells' files, an ssh key, a workspace",
         ),
+        arguments=("setup command",),
+        below={
+            "debian": Below(
+                descriptions=(
+                    "status: its location and size; shell: open a shell in it; install: add packages; update: install "
+                    "newer versions; remove: delete it.",
+                    "Of shell: a program with its arguments; of install: names of packages of Debian 13.",
+                ),
+                examples=(
+                    ("ur setup debian", "Print the location and size of the root."),
+                    ("ur setup debian shell rosbag info drive.bag", "Run one command there."),
+                    ("ur setup debian install gdb", "Install a debugger in the root."),
+                    ("ur setup debian remove", "Delete it."),
+                ),
+                trust=Trust(
+                    "the Debian root",
+                    starts="programs of the Debian root; `install`, `update` and `remove` by `sudo`",
+                    sends="requests for packages, to their servers",
+                    writes="the Debian root",
+                ),
+            ),
+        },
     ),
     Verb(
         "get",
@@ -49,7 +71,7 @@ COMPUTER = (
         "completion",
         "ur.cli.computer.completion",
         "Print the lines that let a shell complete `ur` with Tab.",
-        _SECTION,
+        PLUMBING,
         arguments=("shell",),
         descriptions=("bash, zsh or fish; this user's shell unless given.",),
         examples=(
@@ -63,7 +85,7 @@ COMPUTER = (
         "env",
         "ur.cli.computer.env",
         "Print the lines that let a shell follow the selection.",
-        _SECTION,
+        PLUMBING,
         examples=(
             ('eval "$(ur env)"', "Make this shell follow the selection."),
             ("ur env", "Print what that sets."),
@@ -71,52 +93,5 @@ COMPUTER = (
         ),
         trust=Trust("the selection, /etc/ubiquity/robot.yaml of the robot", starts="ssh"),
         needs_ros=False,
-    ),
-    Verb(
-        "debian",
-        "ur.cli.computer.debian",
-        "Inspect, change or remove the Debian root that ROS runs in.",
-        _SECTION,
-        arguments=("debian command",),
-        examples=(("ur debian status", "Print the location and size of the root."), ("ur debian remove", "Delete it.")),
-        trust=Trust(
-            "the Debian root",
-            starts="programs of the Debian root; `install`, `update` and `remove` by `sudo`",
-            sends="requests for packages, to their servers",
-            writes="the Debian root",
-        ),
-        below={
-            "status": Below(
-                examples=(
-                    ("ur debian status", "Print the location and size of the root."),
-                    ("ur help debian", "List the other commands."),
-                )
-            ),
-            "shell": Below(
-                descriptions=(
-                    "A program with its arguments. Without it: your shell, or bash where the root does not have it.",
-                ),
-                examples=(
-                    ("ur debian shell", "Open a shell in the root."),
-                    ("ur debian shell rosbag info drive.bag", "Run one command there."),
-                ),
-            ),
-            "install": Below(
-                descriptions=("Names of packages of Debian 13.",),
-                examples=(
-                    ("ur debian install gdb", "Install a debugger in the root."),
-                    ("ur debian install rviz rqt-graph", "Install several packages."),
-                ),
-            ),
-            "update": Below(
-                examples=(
-                    ("ur debian update", "Install newer versions of what is in the root."),
-                    ("ur help debian install", "Describe how to install other packages."),
-                )
-            ),
-            "remove": Below(
-                examples=(("ur debian remove", "Delete the root."), ("ur help debian", "List the other commands."))
-            ),
-        },
     ),
 )

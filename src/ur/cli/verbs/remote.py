@@ -18,25 +18,13 @@ REMOTE = (
         examples=(
             ("ur shell bob", "Open a shell on a robot."),
             ("ur shell bob rosnode list", "Run one command there."),
-        ),
-        trust=Trust("your input", starts="what you type, on the robot", sends=f"your input, to {SSH}"),
-    ),
-    Verb(
-        "x",
-        "ur.cli.robots.x",
-        "Run a program on a robot with its windows here.",
-        _SECTION,
-        arguments=("robot",),
-        descriptions=("A robot's name, HOST or USER@HOST.", "The program and its arguments."),
-        examples=(
-            ("ur x bob xterm", "Open a window of a robot here."),
-            ("ur x bob --check", "Find out whether that works."),
+            ("ur shell -X bob xterm", "Open a window of a robot here."),
         ),
         trust=Trust(
             "your input",
-            starts="the program, on the robot; it draws here, and may read what your screen shows and what you type "
-            "(X11)",
-            sends=f"the command, to {SSH}",
+            starts="what you type, on the robot; with `-X` it draws here, and may read what your screen shows and what "
+            "you type (X11)",
+            sends=f"your input, to {SSH}",
         ),
     ),
     Verb(
@@ -140,27 +128,17 @@ REMOTE = (
     Verb(
         "mount",
         "ur.cli.workspace.mount",
-        "Mount a folder of a robot here.",
+        "Mount a folder of a robot here, or unmount it.",
         _SECTION,
         arguments=("robot",),
         descriptions=(_ROBOT,),
         examples=(
             ("ur mount bob", "Mount a robot's workspace at ~/robots/bob."),
             ("ur mount bob --at /tmp/bob", "Mount it at another path."),
+            ("ur mount bob --undo", "Unmount all of its folders, also when it is off."),
         ),
-        trust=Trust("files of the robot", starts="`sshfs`", sends=f"file operations, to {SSH}", writes="a folder"),
-    ),
-    Verb(
-        "unmount",
-        "ur.cli.workspace.unmount",
-        "Unmount the folders of a robot.",
-        _SECTION,
-        arguments=("robot",),
-        descriptions=(_ROBOT,),
-        examples=(
-            ("ur unmount", "Unmount the folders of the selected robot."),
-            ("ur unmount bob", "Unmount those of another robot."),
+        trust=Trust(
+            "files of the robot", starts="`sshfs`, `fusermount`", sends=f"file operations, to {SSH}", writes="a folder"
         ),
-        trust=Trust("the list of mounts", starts="`fusermount`"),
     ),
 )

@@ -128,11 +128,13 @@ ROBOTS = (
             ("ur doctor", "Check the selected robot and this computer."),
             ("ur doctor bob eve", "Check two other robots, in parallel."),
             ("ur doctor --all", "Check every robot that was set up from this computer."),
+            ("ur doctor bob --wireless", "Measure the connection: signal of both, latency, loss."),
         ),
         trust=Trust(
             "settings of both computers, answers of the robot",
-            starts="scripts that inspect, here and on the robot; with `--fix`, commands that are marked safe",
-            sends=f"scripts, to {SSH}; a connection to the ROS master",
+            starts="scripts that inspect, here and on the robot; with `--fix`, commands that are marked safe; `ping`",
+            sends=f"scripts, to {SSH}; a connection to the ROS master; with `--wireless`, pings",
+            writes="with `--log`, a file",
         ),
     ),
     Verb(
@@ -148,24 +150,6 @@ ROBOTS = (
         trust=Trust(
             "`/sys` and `/dev`; with `--probe`, answers of devices",
             sends=f"with `--robot`, a script, to {SSH}; with `--probe`, questions to free ports",
-        ),
-    ),
-    Verb(
-        "wifi",
-        "ur.cli.robots.wifi",
-        "Measure the connection to a robot: signal of both, latency, loss.",
-        _SECTION,
-        arguments=("robot",),
-        descriptions=(_ROBOT,),
-        examples=(
-            ("ur wifi", "Measure the route to the selected robot."),
-            ("ur wifi bob", "Measure the one to another robot."),
-        ),
-        trust=Trust(
-            "wireless statistics",
-            starts="`ping`",
-            sends=f"pings, and a script, to {SSH}",
-            writes="with `--log`, a file",
         ),
     ),
 )

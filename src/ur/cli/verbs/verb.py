@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 NOTHING = "nothing"
+PLUMBING = "Plumbing"
+"""The section of verbs that scripts call: it is not in the help of `ur`, nor completed."""
 
 
 class Trust(NamedTuple):

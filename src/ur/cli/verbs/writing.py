@@ -20,8 +20,9 @@ WRITING = (
             ("ur check", "Check everything below this folder."),
             ("ur check my_robot robot_base:=magni", "Check a package for one base."),
             ("ur check --explain unknown-argument", "Print the page of a rule."),
+            ("ur check --package --fix", "Add what package.xml and CMakeLists.txt lack."),
         ),
-        trust=Trust(LAUNCH, writes="a cache in `~/.cache`; with `--fix`, the files"),
+        trust=Trust(LAUNCH, writes="a cache in `~/.cache`; with `--fix`, the files, package.xml and CMakeLists.txt"),
         needs_ros=False,
     ),
     Verb(
@@ -117,17 +118,6 @@ WRITING = (
                 ),
             ),
         },
-    ),
-    Verb(
-        "package",
-        "ur.cli.files.package",
-        "Check package.xml and CMakeLists.txt of launch files.",
-        _SECTION,
-        arguments=("files",),
-        descriptions=("A package or a folder; the current folder unless given.",),
-        examples=(("ur package", "Name the dependencies that are missing."), ("ur package --write", "Add them.")),
-        trust=Trust(LAUNCH, writes="with `--write`, package.xml and CMakeLists.txt"),
-        needs_ros=False,
     ),
     Verb(
         "format",

@@ -1,4 +1,4 @@
-"""`ur mount`: mount a folder of a robot."""
+"""`ur mount`: mount a folder of a robot, and unmount it."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from ur.robot.mount import (
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.shell import quote, run_process
 from ur.source.diagnostic import UserError, error
+from ur.source.printable import printable
 from ur.source.progress_line import show_progress
 
 SECONDS = 30.0
@@ -32,14 +33,17 @@ SECONDS = 30.0
 @click.option("--at", type=click.Path(path_type=Path), help="Where. [default: ~/robots/ROBOT]")
 @click.option("--over", is_flag=True, help="Over ~/catkin_ws/src: what is there is hidden until the unmount.")
 @click.option("--folder", default=REMOTE, show_default=True, help="Which folder of the robot.")
-def command(robot: str | None, at: Path | None, over: bool, folder: str) -> int:
-    """Mount a folder of a robot here.
+@click.option("--undo", is_flag=True, help="Unmount the folders of the robot, also when it is off.")
+def command(robot: str | None, at: Path | None, over: bool, folder: str, undo: bool) -> int:
+    """Mount a folder of a robot here, or unmount it.
 
     Without the network, programs get an error within seconds instead of waiting, and continue when it is back.
     """
     if at and over:
         raise click.UsageError("--at and --over are two places, expected one of them")
     address = robot_address(robot)
+    if undo:
+        return _undo(address)
     target = (
         at or (Path.home() / REMOTE if over else default_target(Path.home(), address.host.split(".")[0]))
     ).absolute()
@@ -52,7 +56,7 @@ def command(robot: str | None, at: Path | None, over: bool, folder: str) -> int:
         mounted = _mounts_at(target)
     if mounted:
         raise _problem(
-            f"{target}: {mounted[0].source} is mounted there", "ur unmount, or choose another place with --at"
+            f"{target}: {mounted[0].source} is mounted there", "ur mount --undo, or choose another place with --at"
         )
     with connect_robot(address) as shell:  # for its error messages, which are better than those of sshfs
         if shell.run(f"cd && [ -d {quote(folder)} ]").code:
@@ -69,6 +73,21 @@ def command(robot: str | None, at: Path | None, over: bool, folder: str) -> int:
         raise
     click.echo(f"{target}: {folder} of {address}")
     return 0
+
+
+def _undo(address: Address) -> int:
+    """Unmount all folders of a robot; return 1 if one of them is in use."""
+    found = mounts_of(read_mounts(), address.host)
+    if not found:
+        click.echo(f"no folder of {address.host} is mounted")
+    codes = []
+    for mount in found:
+        what = f"unmounting {mount.target}"
+        with show_progress(what):
+            done = run_process(unmount_command(mount.target), timeout=20, what=what)
+        click.echo(f"{mount.target}: " + ("unmounted" if done.code == 0 else printable(done.err.strip())))
+        codes.append(done.code)
+    return 1 if any(codes) else 0
 
 
 def read_mounts() -> list[MountedFolder]:

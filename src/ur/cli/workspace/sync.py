@@ -152,5 +152,6 @@ def _check_mounts(root: Path) -> None:
         if root.resolve().is_relative_to(mount.target):
             whose = mount.source.partition(":")[0]
             raise refuse_sync(
-                f"{mount.target} is a mounted folder of {whose}, expected files of this computer", "ur unmount ROBOT"
+                f"{mount.target} is a mounted folder of {whose}, expected files of this computer",
+                "ur mount ROBOT --undo",
             )

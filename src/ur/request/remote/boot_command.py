@@ -111,7 +111,7 @@ def bring_library(request: BootRequest, shell: SshShell, user: str, report: Call
         if done.code:
             reason = done.err.strip().splitlines() or [f"exit code {done.code}"]
             reported = next((line for line in reason if line.startswith("error: ")), reason[-1]).removeprefix("error: ")
-            help_ = f"connect the robot to the internet, once: ur wifi {shell.address.host.removesuffix('.local')}"
+            help_ = f"connect it to the internet, once: ur robot wifi {shell.address.host.removesuffix('.local')}"
             raise _problem(f"{shell.address.host}: what the page needs is not installed there: {reported}", help_)
     return count
 

@@ -88,7 +88,8 @@ def _root_prefix(
     import subprocess
 
     if account.root(os.environ) is not None:
-        outside = install_command(missing) if "install" in command.split() else f"ur debian shell, and there: {command}"
+        installs = "install" in command.split()
+        outside = install_command(missing) if installs else f"ur setup debian shell, and there: {command}"
         raise _refusal(missing, "this Debian root is changed from outside only", outside, state)
     environment = ["env", "DEBIAN_FRONTEND=noninteractive"]
     if account.uid() == 0:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-_BEGIN = "# What is installed: written by `ur package --write`."
+_BEGIN = "# What is installed: written by `ur check --package --fix`."
 _END = "# End of what is installed."
-_BLOCK = re.compile(re.escape(_BEGIN) + r".*?" + re.escape(_END) + r"\n?", re.DOTALL)
+_OLD = r"# What is installed: written by `ur package --write`\."  # until version 0.1
+_BLOCK = re.compile(rf"(?:{re.escape(_BEGIN)}|{_OLD}).*?" + re.escape(_END) + r"\n?", re.DOTALL)
 _LEFT_OUT = frozenset({"build", "devel", "doc", "docs", "include", "install", "src", "test", "tests", "__pycache__"})
 
 

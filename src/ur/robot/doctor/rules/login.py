@@ -125,7 +125,7 @@ def check_x11(where: Where, side: Side) -> Iterator[Finding]:
     if where == "remote" and side.x11 is False:
         yield Finding(
             "x11-off",
-            f"{side.name}: its ssh server forwards no windows (X11Forwarding), so 'ur x' cannot show any",
+            f"{side.name}: its ssh server forwards no windows (X11Forwarding), so 'ur shell -X' cannot show any",
             commands=(FixCommand(where, XFORWARD, root=True, safe=True),),
         )
 

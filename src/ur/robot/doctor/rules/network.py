@@ -69,7 +69,7 @@ def check_network(pair: ComputerPair) -> Iterator[Finding]:
             yield Finding(
                 "packet-loss",
                 f"{side.loss:.0%} of packets from {side.name} to {other.name} are lost",
-                f"nearer to the access point; 5 GHz; watch it while you walk: ur wifi {other.name} --watch",
+                f"nearer to the access point; 5 GHz; while you walk: ur doctor {other.name} --wireless --watch",
             )
         if side.latency and side.latency > LATENCY_SECONDS:
             yield Finding(

@@ -21,7 +21,7 @@ def check_wifi(where: Where, side: Side) -> Iterator[Finding]:
                 "weak-wifi",
                 f"{side.name}: the signal at {wifi.device} is {wifi.signal:.0f} dBm, "
                 f"expected above {WEAK_SIGNAL:.0f} dBm",
-                "nearer to the access point, or an antenna outside of metal; 'ur wifi ROBOT --watch' while you walk",
+                "nearer to the access point, or an antenna outside metal; measure with 'ur doctor ROBOT --wireless'",
             )
         elif wifi.rate is not None and wifi.rate < SLOW_RATE:
             band = f" in the {wifi.band} band" if wifi.band else ""

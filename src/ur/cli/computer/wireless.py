@@ -1,4 +1,4 @@
-"""`ur wifi`: signal, latency and loss between this computer and a robot, once or continuously."""
+"""`ur doctor --wireless`: signal, latency and loss between this computer and a robot, once or continuously."""
 
 from __future__ import annotations
 
@@ -34,26 +34,8 @@ KEPT = 3600  # samples
 SETTLE = 2  # s in which no echo can be settled yet
 
 
-@click.command("wifi")
-@click.argument("robot", required=False)
-@click.option("--watch", is_flag=True, help="Measure until Ctrl-C, and print a line each second.")
-@click.option(
-    "--seconds", type=click.IntRange(1, 86400), default=None, help="How long to measure. [default: 5; --watch: no end]"
-)
-@click.option(
-    "--log",
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
-    help="Write a line each second to a new CSV file.",
-)
-def command(robot: str | None, watch: bool, seconds: int | None, log: Path | None) -> int:
-    """Measure the connection to a robot: signal of both, latency, loss.
-
-    Carry this computer or the robot around to find the places where the connection is bad. ROBOT is a name, HOST or
-    USER@HOST; without it, the selected robot. When the robot cannot be reached, 'no answer' is printed and the
-    measurement continues. Without a wireless interface, only latency and loss are measured. The exit code is 1 without
-    any answer.
-    """
+def measure_wireless(robot: str | None, watch: bool, seconds: int | None, log: Path | None) -> int:
+    """Measure and print signal, latency and loss; return 1 without any answer."""
     address = robot_address(robot)
     if shutil.which("ping") is None:
         try:

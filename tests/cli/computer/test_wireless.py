@@ -1,8 +1,8 @@
-"""Lines of `ur wifi`."""
+"""Lines of `ur doctor --wireless`."""
 
 from __future__ import annotations
 
-from ur.cli.robots.wifi import describe_sample
+from ur.cli.computer.wireless import describe_sample
 from ur.robot.doctor.wifi import WirelessLink
 from ur.robot.wireless.sample import Sample
 
