@@ -105,6 +105,7 @@ check node.launch
 check --select bad-xlm
 check --ignore valeus
 check --explain bad-xlm
+check --no-cache nothing.launch
 check src/demo/launch/speed.launch sped:=1
 check list.yaml picture.png
 check --package nothing
@@ -140,6 +141,12 @@ web nosuchrobot
 web sim:mangi
 web --end nothing
 web --days never
+web --foxglove-origin viewer.example
+mcp grant --within 0,0,5,4 --not kitchen=2,1,5,4 --programs
+replay --jump 95
+record --split 100 --keep-free 500 'a b'
+launch --respawn-limit 3 --screen --log talker.launch
+lsp --stdio more
 setup debian install
 setup debian status more
 setup debian remvoe
@@ -195,6 +202,8 @@ robot rename carrot carrot
 robot wifi 'a b'
 robot wifi --ssid home --forget home carrot
 robot wifi --band 5 carrot
+robot wifi --hidden carrot
+robot setup --no-master --from nothing.yaml
 robot wheels 'a b'
 robot wheels --here carrot
 robot wheels --base create2 carrot

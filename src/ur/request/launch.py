@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from ur.run.output.console import Console
     from ur.run.process.host_client import ProcessHost
     from ur.run.record.entry import RunEntry
-    from ur.run.startup.timings import Timings
     from ur.run.supervisor.state import TimeLimits
 
 _MADE = "xacro"  # no release of Debian has it, and many a robot_description calls it
@@ -256,7 +255,6 @@ def make_run_options(request: LaunchRequest, call_started: Callable[[RunEntry], 
         base=base,
         variant=values.get("robot_variant", selection.variant if base == selection.base else ""),
         events=1 if options.json else None,
-        timings=_begin_timings() if options.timings else None,
         call_started=call_started,
     )
 
@@ -282,11 +280,3 @@ def make_master_arguments(options: LaunchOptions) -> tuple[str, ...]:
     if options.master_logger_level is not None:
         found += ["--master-logger-level", options.master_logger_level]
     return tuple(found)
-
-
-def _begin_timings() -> Timings:
-    from ur.run.startup.timings import begin_timings
-
-    timings = begin_timings()
-    timings.mark("launch file")
-    return timings

@@ -58,7 +58,6 @@ class LaunchOptions(NamedTuple):
     json: bool = False
     timeout_ready: float = 30.0
     respawn_limit: int | None = None
-    timings: bool = False
     watch: bool = False  # these three: the conduct where another client drives the robot
     ask: bool = False
     take_over: bool = False

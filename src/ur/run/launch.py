@@ -39,8 +39,6 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     bounds, home = read_bounds(environment), make_home(environment)
     nodes, programs = _find_nodes(plan, world, console, options)
     middleware = find_middleware(environment, world, options, console)
-    if options.timings is not None:
-        options.timings.mark("master asked")
     environment |= middleware.environment
     folder = make_run_folder(environment, middleware.run_id or new_run_id())
     programs = middleware.arrange(number_logs(programs, middleware.logs), nodes, folder)
@@ -73,7 +71,6 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
             restart_share=_report_share(options),
             middleware=middleware,
             simulated_time=any(param.name == "/use_sim_time" and param.value is True for param in plan.params),
-            timings=options.timings,
             clients=plan_clients((entry, listener), nodes, options, environment),
             owners=options.owners,
             list_joined=lambda: list_joined_runs(entry),

@@ -107,7 +107,7 @@ class _Loop:
         if owner is not None and terminal is not None:
             nodes = sum(not program.unit.core for program in run.programs)
             count = StartCount(owner.unit.name, nodes, terminal, console)
-        self._progress = StartProgress(run, self._inbox, self._monitor, self._reporter.inform, count)
+        self._progress = StartProgress(run, self._inbox, self._monitor, count)
 
     def run(self) -> int:
         self._monitor.open(self._run, self._state, self._outputs, time.monotonic())

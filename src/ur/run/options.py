@@ -11,7 +11,6 @@ from ur.run.supervisor.state import TimeLimits
 
 if TYPE_CHECKING:
     from ur.run.record.entry import RunEntry
-    from ur.run.startup.timings import Timings
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +32,6 @@ class RunOptions:
     variant: str = ""
     viewer: socket.socket | None = None  # see ur.run.run.RunClients
     events: int | None = None
-    timings: Timings | None = None
     # Has the robot start its nodes again; returns '' or the reason of a failure
     restart_share: Callable[[], str] | None = None
     environment: Mapping[str, str] = field(default_factory=dict)

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from ur.run.clients.protocol import RunStarted
     from ur.run.middleware.protocol import Middleware
     from ur.run.record.entry import RunEntry
-    from ur.run.startup.timings import Timings
 
 Job = Callable[[], Event]
 
@@ -64,7 +63,6 @@ class Run:
     restart_share: Callable[[], Event] | None = None  # StartShare; None: no robot has a share
     middleware: Middleware | None = None  # returns which nodes are ready, while a client requests it
     simulated_time: bool = False  # nodes wait for /clock
-    timings: Timings | None = None  # called when every node is ready
     clients: RunClients = field(default_factory=RunClients)
     owners: tuple[RunEntry, ...] = ()  # runs that this one has joined: it ends with the first of them
     list_joined: Callable[[], Sequence[str]] | None = None  # the ids of the runs that have joined this one

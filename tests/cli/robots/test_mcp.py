@@ -31,8 +31,6 @@ def test_assistants_are_listed_with_what_they_may_and_want(capsys: pytest.Captur
     assert second.startswith("two  Bob's helper: ")
     assert "not kitchen" in second
     assert second.endswith("5 min left")
-    assert main(["mcp", "list", "--granted"]) == 0
-    assert capsys.readouterr().out.splitlines() == [second]
 
 
 def test_grants_are_taken_back_and_the_log_names_who_did(files: GrantFiles, capsys: pytest.CaptureFixture[str]) -> None:

@@ -44,11 +44,6 @@ def test_parameters_become_a_file_and_unset_ones_a_comment() -> None:
     assert "#   frame\n" in str(parameters.text)
 
 
-def test_parameters_per_base_are_a_file_for_each() -> None:
-    request = NodeRequest("map", "maps", "mapper", "Make a map.", per_base=True, bases=("one", "two"))
-    assert [file.path for file in plan_node(request, "mine")[1:]] == ["n_map/params/one.yaml", "n_map/params/two.yaml"]
-
-
 def test_group_asks_for_what_its_parts_require_and_hands_it_on() -> None:
     parts = [
         IncludedPart(
@@ -67,10 +62,10 @@ def test_group_asks_for_what_its_parts_require_and_hands_it_on() -> None:
 
 
 def test_view_is_yaml_and_shows_its_topics() -> None:
-    files = plan_rviz("scan", "See.", "p", "map", [("scan", "sensor_msgs/LaserScan"), ("odd", "x/Y")])
+    files = plan_rviz("scan", "See.", "p", [("scan", "sensor_msgs/LaserScan"), ("odd", "x/Y")])
     config = yaml.safe_load(files[1].text)["Visualization Manager"]
     assert [each["Name"] for each in config["Displays"]] == ["Grid", "RobotModel", "scan"]
-    assert config["Global Options"]["Fixed Frame"] == "map"
+    assert config["Global Options"]["Fixed Frame"] == "odom"
 
 
 def test_program_is_documented_and_executable() -> None:

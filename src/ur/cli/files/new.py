@@ -67,11 +67,10 @@ def _list_kinds() -> str:
 @click.option("--type", "kind", metavar="NODE", help="The name of the executable.")
 @click.option("--look/--no-look", default=True, help="Start the node and observe its topics, services and parameters.")
 @click.option("--seconds", default=20.0, show_default=True, help="The longest time to observe the node, in s.")
-@click.option("--per-base", is_flag=True, help="One parameter file for each base of the package.")
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[-- ARGUMENTS OF THE NODE]")
 def new_node(
     name: str | None, summary: str | None, package: str | None, source: str | None, kind: str | None, look: bool,
-    seconds: float, per_base: bool, arguments: tuple[str, ...],
+    seconds: float, arguments: tuple[str, ...],
 ) -> int:  # fmt: skip
     """Write a launch directory n_NAME for a node.
 
@@ -85,7 +84,7 @@ def new_node(
     kind = ask(kind, "--type", f"Executable in {source}")
     name = ask(name, "NAME", "Name of the directory, without n_", kind.partition(".")[0])
     summary = ask(summary, "--summary", "What it does, in one line")
-    request = node_request(name, source, kind, summary, target, seconds if look else None, per_base, arguments)
+    request = node_request(name, source, kind, summary, seconds if look else None, arguments)
     return show_done(target, plan_node(request, target.name), f"ur launch {target.name} n_{name}.launch.xml")
 
 
@@ -115,12 +114,9 @@ def new_multi(
 @_name
 @SUMMARY
 @in_package
-@click.option("--frame", default="odom", show_default=True, help="The fixed frame.")
 @click.option("--topic", "topics", multiple=True, metavar="NAME:TYPE", help="scan:sensor_msgs/LaserScan; repeatable.")
 @click.option("--program/--no-program", default=True, help="With a program that starts it, bin/ur_rviz_NAME.")
-def new_rviz(
-    name: str | None, summary: str | None, package: str | None, frame: str, topics: tuple[str, ...], program: bool
-) -> int:
+def new_rviz(name: str | None, summary: str | None, package: str | None, topics: tuple[str, ...], program: bool) -> int:
     """Write a view rviz_NAME: a launch file, a configuration of RViz, and a program that starts it."""
     from ur.tools.new.group import plan_program, plan_rviz
 
@@ -128,7 +124,7 @@ def new_rviz(
     shown = read_topics(topics)
     name = ask(name, "NAME", "Name of the view, without rviz_")
     summary = ask(summary, "--summary", "What it shows, in one line")
-    files = plan_rviz(name, summary, target.name, frame, shown)
+    files = plan_rviz(name, summary, target.name, shown)
     if program:
         files += plan_program(f"rviz_{name}", summary, target.name, f"rviz_{name}.launch.xml")
     return show_done(target, files, f"ur launch {target.name} rviz_{name}.launch.xml")
@@ -218,10 +214,7 @@ def new_base(
 @SUMMARY
 @click.option("--maintainer", help="The name of the maintainer.")
 @click.option("--email", help="The e-mail address of the maintainer.")
-@click.option("--license", "license_name", default="BSD", show_default=True)
-def new_package(
-    name: str | None, summary: str | None, maintainer: str | None, email: str | None, license_name: str
-) -> int:
+def new_package(name: str | None, summary: str | None, maintainer: str | None, email: str | None) -> int:
     """Write a package for launch files: a folder NAME here."""
     from ur.tools.new.package import plan_package
 
@@ -231,7 +224,7 @@ def new_package(
     maintainer = ask(maintainer, "--maintainer", "Who looks after it", known[0])
     email = ask(email, "--email", "Their address", known[1])
     target = show_done.folder(name)
-    return show_done(target, plan_package(name, summary, maintainer, email, license_name), f"cd {name} && ur new node")
+    return show_done(target, plan_package(name, summary, maintainer, email), f"cd {name} && ur new node")
 
 
 command.add_command(new_script)

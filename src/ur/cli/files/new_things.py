@@ -43,12 +43,9 @@ def ask(value: str | None, option: str, question: str, default: str | None = Non
 
 
 def node_request(
-    name: str, package: str, kind: str, summary: str, target: TargetPackage, seconds: float | None, per_base: bool,
-    arguments: Sequence[str],
-) -> NodeRequest:  # fmt: skip
+    name: str, package: str, kind: str, summary: str, seconds: float | None, arguments: Sequence[str]
+) -> NodeRequest:
     """Return the facts about a node; it is started and observed unless `seconds` is None."""
-    from ur.robot.base import list_bases
-
     observed = Observed()
     program = find_program(package, kind)
     if seconds is not None:
@@ -60,7 +57,7 @@ def node_request(
             observed = observe_node([program, *arguments], os.environ, seconds, lambda text: click.echo(text, err=True))
         observed = add_defaults(observed, read_defaults(_source(program)))
         click.echo(describe_observed(observed), err=True)
-    return NodeRequest(name, package, kind, summary, "", observed, per_base, list_bases(target.folder))
+    return NodeRequest(name, package, kind, summary, observed)
 
 
 def _source(program: str) -> str:

@@ -64,7 +64,6 @@ GROUPS: Mapping[str, tuple[click.Option, ...]] = {
         _flag("--calm", help="Show one line with the state of the run, and warnings and errors."),
         _flag("--json", help="Print all events as lines of JSON."),
         _flag("-v", "verbose", help="List files, parameters and nodes before the start."),
-        _flag("--timings", help="Print how long each step of the start took, once every node is up."),
     ),
     "Nodes": (
         click.Option(["--only"], multiple=True, metavar="NODE", help="Start only this node; may be repeated."),

@@ -57,9 +57,7 @@ def command(context: click.Context) -> None:
 @click.option("--key", help="The public key that may log in.  [default: ~/.ssh/id_ed25519.pub]")
 @click.option("--ssid", help="The WiFi network that it joins; without one, it needs a cable.")
 @click.option("--country", help="The country, as two letters: the permitted WiFi channels depend on it.")
-@click.option("--wifi-interface", default="wlan0", show_default=True, help="The radio's name there.")
 @click.option("--timezone", help="For instance Europe/Berlin.  [default: the image's]")
-@click.option("--locale", help="For instance en_GB.UTF-8.  [default: the image's]")
 @click.option("--from", "file", help="A file that names robots: one image is written for each.")
 @click.option(
     "--passwords-from",
@@ -73,7 +71,6 @@ def command(context: click.Context) -> None:
 def prepare(
     image: str,
     output: str | None,
-    wifi_interface: str,
     file: str | None,
     passwords_from: int | None,
     dry_run: bool,
@@ -100,7 +97,7 @@ def prepare(
         raise UserError(error_about(image, "not found, expected an image or a device", rule="unreadable-file"))
     if undo:
         return _take_back(source, dry_run=dry_run, yes=yes)
-    given = Given(interface=wifi_interface, **answers)
+    given = Given(**answers)
     wanted = read_robots(Path(file), given) if file else [(given, Path(output) if output else None)]
     passwords: Passwords | None = None
     for each, target in wanted:

@@ -38,9 +38,7 @@ class Given:
     key: str | None
     ssid: str | None
     country: str | None
-    interface: str
     timezone: str | None
-    locale: str | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +94,6 @@ def make_options(given: Given) -> SeedOptions:
         _read_keys(given.key),
         wifi=_wifi(given) if given.ssid else None,
         timezone=_check_zone(given.timezone),
-        locale=_check_locale(given.locale),
     )
 
 
@@ -135,9 +132,7 @@ def _wifi(given: Given) -> SeedNetwork:
     country = (given.country or _ask("country", "country, as two letters")).upper()
     if not re.fullmatch(r"[A-Z]{2}", country):
         raise _bad(f"{country!r} is not a country", "expected two letters, for instance DE (ISO 3166-1)")
-    if not re.fullmatch(r"[a-z][a-z0-9]{0,14}", given.interface):
-        raise _bad(f"{given.interface!r} cannot be the name of a radio", "expected one such as wlan0")
-    return SeedNetwork(network, "", country, given.interface)
+    return SeedNetwork(network, "", country)
 
 
 def _read_keys(given: str | None) -> tuple[str, ...]:
@@ -172,12 +167,6 @@ def _check_zone(zone: str | None) -> str:
     if not known or (zone and _ZONES.is_dir() and not (_ZONES / zone).is_file()):
         raise _bad(f"{zone!r} is not a time zone", "expected one such as Europe/Berlin (timedatectl list-timezones)")
     return zone or ""
-
-
-def _check_locale(locale: str | None) -> str:
-    if locale is not None and not re.fullmatch(r"[A-Za-z]+(_[A-Za-z]+)?(\.[A-Za-z0-9-]+)?(@[a-z]+)?", locale):
-        raise _bad(f"{locale!r} is not a locale", "expected one such as en_GB.UTF-8")
-    return locale or ""
 
 
 def _ask(option: str, what: str) -> str:

@@ -7,7 +7,6 @@ import os
 import re
 import shlex
 import sys
-import time
 from getpass import getuser
 from importlib.util import find_spec
 
@@ -114,14 +113,11 @@ def end(of: str | None) -> int:
 
 
 @command.command("list")
-@click.option("--granted", is_flag=True, help="Only those that may drive now.")
-def list_servers(granted: bool) -> int:
+def list_servers() -> int:
     """List the assistants that are served, and their grants."""
     files = grant_files()
     for id, server in files.list_servers().items():
         found = files.find(id)
-        if granted and found is None:
-            continue
         state = f"{found.text}, {found.seconds_left() / 60.0:.0f} min left" if found else "may look"
         click.echo(
             f"{id}  {server.client}: {state}" + (f"; asks to drive: {server.asks.reason}" if server.asks else "")
@@ -130,20 +126,14 @@ def list_servers(granted: bool) -> int:
 
 
 @command.command("log")
-@click.option("--follow", is_flag=True, help="Print further entries as they arrive, until Ctrl-C.")
-def log(follow: bool) -> int:
+def log() -> int:
     """Print the requests of assistants, and their results."""
     path = grant_files().log
     if not path.exists():
         click.echo("no assistant has asked for anything", err=True)
         return 0
-    with path.open(encoding="utf-8") as file:
-        while True:
-            for line in file:
-                click.echo(line, nl=False)
-            if not follow:
-                return 0
-            time.sleep(0.5)
+    click.echo(path.read_text(encoding="utf-8"), nl=False)
+    return 0
 
 
 def _note(files: GrantFiles, client: str, what: str) -> None:

@@ -98,13 +98,13 @@ DRIVING = (
             "list": Below(
                 examples=(
                     ("ur mcp list", "List the assistants that are served, and their grants."),
-                    ("ur mcp list --granted", "List only those that may drive now."),
+                    ("ur help mcp grant", "Describe how to let one drive."),
                 ),
             ),
             "log": Below(
                 examples=(
                     ("ur mcp log", "Print the requests of assistants."),
-                    ("ur mcp log --follow", "Print further entries as they arrive."),
+                    ("ur help mcp", "List the other commands."),
                 ),
             ),
         },

@@ -66,7 +66,7 @@ WRITING = (
                 descriptions=(f"{_NEW} Without rviz_.",),
                 examples=(
                     ("ur new rviz wander --topic scan:sensor_msgs/LaserScan", "Show a lidar."),
-                    ("ur new rviz wander --frame map", "Show everything in the frame of the map."),
+                    ("ur new rviz wander --no-program", "Write no program that starts it."),
                 ),
             ),
             "program": Below(

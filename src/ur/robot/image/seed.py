@@ -47,12 +47,11 @@ WantedBy=multi-user.target
 
 @dataclass(frozen=True, slots=True)
 class SeedNetwork:
-    """A wireless network: its name, its key as 64 hexadecimal digits ('' for an open one), country and interface."""
+    """A wireless network: its name, its key as 64 hexadecimal digits ('' for an open one), and its country."""
 
     network: str
     key: str
     country: str
-    interface: str = "wlan0"
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +77,6 @@ class SeedOptions:
     password: str = ""
     wifi: SeedNetwork | None = None
     timezone: str = ""
-    locale: str = ""
     host_key: HostKeyPair | None = None
 
 
@@ -140,7 +138,6 @@ def user_data_text(options: SeedOptions, *, raspberry: bool = False) -> str:
         **({"ssh_keys": {"ed25519_private": pair.private, "ed25519_public": pair.public}} if pair else {}),
         "write_files": [{"path": path, "content": text, "permissions": "0644"} for path, text in files],
         **({"timezone": options.timezone} if options.timezone else {}),
-        **({"locale": options.locale} if options.locale else {}),
         "runcmd": [["sh", "-c", line] for line in _first_commands(options, raspberry=raspberry)],
     }
     return f"#cloud-config\n{MARK}{_dump(data)}"
@@ -166,7 +163,7 @@ def network_text(wifi: SeedNetwork) -> str:
         "version": 2,
         "ethernets": {"wired": {"match": {"name": "e*"}, "dhcp4": True, "optional": True}},
         "wifis": {
-            wifi.interface: {
+            "wlan0": {
                 "dhcp4": True,
                 "optional": True,
                 "regulatory-domain": wifi.country,

@@ -1,1 +1,1 @@
-"""The start of a run: selection of nodes, their computers, readiness, progress and timings."""
+"""The start of a run: selection of nodes, their computers, readiness and progress."""

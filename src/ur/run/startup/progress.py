@@ -1,15 +1,14 @@
-"""Progress of a start: readiness of nodes while a client requests it, and durations for `--timings`."""
+"""Progress of a start: readiness of nodes while a client requests it."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from ur.run.startup.start_count import StartCount
 from ur.run.supervisor.changes import is_before
-from ur.run.supervisor.events import Event, MasterAnswered, ParametersSet, Started
-from ur.run.supervisor.state import RunPhase, State, UnitStatus
+from ur.run.supervisor.events import Event, Started
+from ur.run.supervisor.state import RunPhase, State
 
 if TYPE_CHECKING:
     from ur.run.clients.monitor import Monitor
@@ -21,31 +20,23 @@ if TYPE_CHECKING:
 class StartProgress:
     """Follows a run from its first process until all nodes are ready, and again whenever nodes restart."""
 
-    def __init__(
-        self, run: Run, inbox: Inbox, monitor: Monitor, inform: Callable[[str], None], count: StartCount | None
-    ) -> None:
-        """Create the progress.
-
-        `inform` is called with durations; `count` is shown while a program waits for the terminal.
-        """
+    def __init__(self, run: Run, inbox: Inbox, monitor: Monitor, count: StartCount | None) -> None:
+        """Create the progress; `count` is shown while a program waits for the terminal."""
         self._middleware = run.middleware
         self._conditions = {program.unit.name: program.ready for program in run.programs}
-        self._timings = run.timings
         self._inbox = inbox
         self._monitor = monitor
-        self._inform = inform
         self._count = count
         self._probe: ReadinessProbe | None = None
         self._state: State | None = None
 
     def note(self, event: Event, state: State) -> None:
         """Process an event, with the state of the run after it."""
-        if self._timings is not None and isinstance(event, MasterAnswered | ParametersSet):
-            self._timings.mark("master" if isinstance(event, MasterAnswered) else "parameters")
         self.follow(state)
         each = state.find(event.name) if isinstance(event, Started) else None
         if each is not None and not each.unit.core and isinstance(event, Started):
-            self._note_started(event.name, event.pid, time.monotonic())
+            if self._count is not None and event.name == self._count.name:
+                self._count.begin(event.pid, time.monotonic())
             self.follow(state)
 
     def follow(self, state: State) -> None:
@@ -53,7 +44,7 @@ class StartProgress:
         self._state = state
         if self._count is not None and not is_before(state, RunPhase.STOPPING_NODES):
             self._count.stop()
-        asked = self._monitor.wants_readiness or self._timings is not None or self.due is not None
+        asked = self._monitor.wants_readiness or self.due is not None
         wanted = asked and state.phase is RunPhase.RUNNING
         if self._probe is None and wanted and self._middleware is not None:
             from ur.run.startup.readiness import ReadinessProbe  # imported late: only if a client waits
@@ -88,11 +79,6 @@ class StartProgress:
         if self._count is not None:
             self._count.stop()
 
-    def _note_started(self, name: str, pid: int, now: float) -> None:
-        if self._count is not None and name == self._count.name:
-            self._count.begin(pid, now)
-        self._time(name, up=False)
-
     def close(self) -> None:
         """Stop checking."""
         if self._probe is not None:
@@ -109,17 +95,3 @@ class StartProgress:
         self._monitor.note_readiness(name, missing)
         if self._count is not None:
             self._count.note(name, up=not missing)
-        self._time(name, up=not missing)
-
-    def _time(self, name: str, *, up: bool) -> None:
-        timings, state = self._timings, self._state
-        if timings is None or state is None:
-            return
-        from ur.run.startup.timings import describe_timings, read_clock
-
-        (timings.up if up else timings.started).setdefault(name, read_clock())
-        if all(
-            each.unit.core or each.status is UnitStatus.ENDED or each.unit.name in timings.up for each in state.units
-        ):
-            self._timings = None
-            self._inform("\n".join(describe_timings(timings.born, timings.steps, timings.started, timings.up)))

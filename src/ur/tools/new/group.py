@@ -35,14 +35,14 @@ Visualization Manager:
     - {{Class: rviz/RobotModel, Name: RobotModel, Enabled: true, Value: true, Robot Description: robot_description}}
 {displays}\
   Enabled: true
-  Global Options: {{Fixed Frame: {frame}, Frame Rate: 30}}
+  Global Options: {{Fixed Frame: odom, Frame Rate: 30}}
   Name: root
   Tools:
     - {{Class: rviz/Interact}}
     - {{Class: rviz/MoveCamera}}
   Value: true
   Views:
-    Current: {{Class: rviz/TopDownOrtho, Name: Current View, Scale: 60, Target Frame: {frame}, X: 0, Y: 0}}
+    Current: {{Class: rviz/TopDownOrtho, Name: Current View, Scale: 60, Target Frame: odom, X: 0, Y: 0}}
 Window Geometry: {{Height: 800, Width: 1100, X: 60, Y: 60}}
 """
 DISPLAYS = {"sensor_msgs/LaserScan": "LaserScan", "sensor_msgs/Range": "Range", "nav_msgs/OccupancyGrid": "Map",
@@ -88,9 +88,7 @@ def _handed(part: IncludedPart, arguments: dict[str, NewArgument]) -> Iterator[t
         yield theirs, ours
 
 
-def plan_rviz(
-    name: str, summary: str, package: str, frame: str = "odom", topics: Sequence[tuple[str, str]] = ()
-) -> tuple[NewFile, ...]:
+def plan_rviz(name: str, summary: str, package: str, topics: Sequence[tuple[str, str]] = ()) -> tuple[NewFile, ...]:
     """Plan a view: its launch file and its RViz configuration.
 
     `topics` are names and message types; those of types without a display in RViz are left out.
@@ -103,7 +101,7 @@ def plan_rviz(
         for topic, kind in shown
     )
     names = ", ".join(f"`{topic.strip('/')}`" for topic, _ in shown)
-    overview = f"It shows the robot{', ' + names if names else ''} in the frame `{frame}`."
+    overview = f"It shows the robot{', ' + names if names else ''} in the frame `odom`."
     arguments = [
         NewArgument("machine", "Where RViz runs: the viewer.", default="localhost"),
         NewArgument("node_name", "The name of the node.", default=folder),
@@ -120,7 +118,7 @@ def plan_rviz(
         NewFile(
             f"{folder}/launch/{folder}.launch.xml", write_launch(summary, overview, arguments, (*LOCALHOST, *node))
         ),
-        NewFile(f"{folder}/rviz/{name}.rviz", _RVIZ.format(displays=displays, frame=frame)),
+        NewFile(f"{folder}/rviz/{name}.rviz", _RVIZ.format(displays=displays)),
     )
 
 

@@ -16,11 +16,8 @@ def plan_node(request: NodeRequest, package: str) -> tuple[NewFile, ...]:
     """Plan the launch file, and the parameter files that it loads."""
     folder = f"n_{request.name}"
     files = [NewFile(f"{folder}/launch/{folder}.launch.xml", _launch(request, package))]
-    text = _parameters(request)
-    if request.per_base:
-        files += [NewFile(f"{folder}/params/{base}.yaml", text) for base in request.bases]
-    elif request.observed.parameters:
-        files.append(NewFile(f"{folder}/params/{request.name}.yaml", text))
+    if request.observed.parameters:
+        files.append(NewFile(f"{folder}/params/{request.name}.yaml", _parameters(request)))
     return tuple(files)
 
 
@@ -28,11 +25,6 @@ def _launch(request: NodeRequest, package: str) -> str:
     own = f"{request.name}_pkg"
     topics = list(_arguments_of(request.observed.topics))
     arguments = [
-        *(
-            [NewArgument("robot_base", "The base; the parameters are `params/<robot_base>.yaml`.")]
-            if request.per_base
-            else ()
-        ),
         MACHINE,
         NewArgument("node_name", "The name of the node.", default=request.name),
         NewArgument(own, f"The package that holds the executable `{request.type}`.", default=request.package),
@@ -54,16 +46,15 @@ def _launch(request: NodeRequest, package: str) -> str:
 
 
 def _overview(request: NodeRequest) -> str:
-    parts = [request.overview or f"It runs `{request.type}` of the package `{request.package}`."]
+    parts = [f"It runs `{request.type}` of the package `{request.package}`."]
     if request.observed.services:
         parts.append(f"It offers {', '.join(f'`{name}`' for name in request.observed.services)}.")
     return " ".join(parts)
 
 
 def _inside(request: NodeRequest, package: str) -> Iterator[str]:
-    name = "$(arg robot_base)" if request.per_base else request.name
-    if request.per_base or request.observed.parameters:
-        yield f'<rosparam command="load" file="$(find {package})/n_{request.name}/params/{name}.yaml"/>'
+    if request.observed.parameters:
+        yield f'<rosparam command="load" file="$(find {package})/n_{request.name}/params/{request.name}.yaml"/>'
     for use, published in (("publishes", True), ("subscribes", False)):
         if names := [
             topic.name

@@ -14,7 +14,7 @@ _PACKAGE = """\
   <version>0.1.0</version>
   <description>{summary}</description>
   <maintainer email="{email}">{maintainer}</maintainer>
-  <license>{license}</license>
+  <license>BSD</license>
   <buildtool_depend>catkin</buildtool_depend>
 </package>
 """
@@ -33,14 +33,13 @@ Nodes and programs of this package, each executable (`chmod +x`).
 """
 
 
-def plan_package(name: str, summary: str, maintainer: str, email: str, license_name: str) -> tuple[NewFile, ...]:
+def plan_package(name: str, summary: str, maintainer: str, email: str) -> tuple[NewFile, ...]:
     """Plan an empty package, ready for `ur new node`."""
     text = _PACKAGE.format(
         name=name,
         summary=escape_text(summary),
         maintainer=escape_text(maintainer),
         email=escape_text(email),
-        license=escape_text(license_name),
     )
     return (
         NewFile("package.xml", text),

@@ -48,16 +48,13 @@ class Observed:
 
 @dataclass(frozen=True, slots=True)
 class NodeRequest:
-    """A launch directory `n_<name>` for one node. `per_base`: its parameters are a file for each of `bases`."""
+    """A launch directory `n_<name>` for one node."""
 
     name: str
     package: str
     type: str
     summary: str
-    overview: str = ""
     observed: Observed = field(default_factory=Observed)
-    per_base: bool = False
-    bases: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
