@@ -21,9 +21,8 @@ from ur.cli.verbs import VERBS
 SERVER = Path(__file__).with_name("forking_server.py")
 MORE = (
     "ur.cli.main",
-    "ur.cli.fast",
-    "ur.cli.launch.dump",
-    "ur.cli.launch.start",
+    "ur.cli.launch.launch",
+    "ur.cli.launch.options",
     "ur.run.foreground",
     "ur.check.run",
 )

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import click
 
-from ur.cli.launch.options import list_groups
+from ur.cli.launch.command import list_groups
 from ur.cli.verbs import VERBS, list_pages, list_sections, load_verb
 
 PAGE = Path(__file__).parents[1] / "docs" / "reference" / "verbs.md"

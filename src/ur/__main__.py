@@ -17,12 +17,6 @@ def main(arguments: Sequence[str]) -> int:
         code = enter_environment(arguments)
         if code is not None:
             return code
-    if arguments[:1] == ["launch"]:
-        from ur.cli.fast import launch_fast
-
-        code = launch_fast(arguments)
-        if code is not None:
-            return code
     if arguments[:1] == ["__complete"]:
         from ur.cli.computer.completing import answer_completion
 

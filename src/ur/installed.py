@@ -11,9 +11,11 @@ import os
 import subprocess
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from ur.mcp import NOT_INSTALLED
+from ur.source.diagnostic import UserError
 from ur.source.project import DISTRIBUTION, package_folder, project_folder, state_folder
 
 READY = "ready-run"
@@ -62,10 +64,12 @@ def _needs_environment(arguments: Sequence[str]) -> bool:
     if not arguments or arguments[0] in _NO_VERBS or (arguments[0] in VERBS and not VERBS[arguments[0]].needs_ros):
         return False
     if arguments[0] == "launch":
-        from ur.cli.fast import read_plain
+        from ur.cli.launch.launch import OF_FILES
+        from ur.cli.launch.options import BadOptionError, read_launch
 
-        found = read_plain(arguments)
-        if found is not None and found[1] is not None:
-            return False
+        with suppress(BadOptionError, UserError):
+            asked = {name for name, _ in read_launch(arguments[1:])[1].queries}
+            if asked and asked <= OF_FILES:
+                return False
     end = 2 if arguments[0] == "run" else len(arguments)  # what follows a program is its own
     return not any(word in ("--help", "-h") for word in arguments[1:end])

@@ -12,7 +12,7 @@ from pathlib import Path
 import click
 import pytest
 
-from ur.cli.launch.options import list_groups
+from ur.cli.launch.command import list_groups
 from ur.cli.main import main
 from ur.cli.verbs import OLD_SPELLINGS, VERBS, list_pages, load_verb
 from ur.cli.verbs.verb import PLUMBING

@@ -11,7 +11,7 @@ import click
 import numpy as np
 import pytest
 
-from ur.cli.launch.start import _pid_file
+from ur.cli.launch.launch import _pid_file
 from ur.cli.main import main
 from ur.cli.robot_setup.image import _opened
 from ur.cli.runs.logs import find_ended_run

@@ -49,7 +49,6 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.mcp": ("ur.source", "ur.system"),
     "ur.tui": ("ur.source", "ur.run"),
     "ur.request": ("ur.source", "ur.system", "ur.launchfile", "ur.robot", "ur.maps", "ur.worlds", "ur.run"),
-    "ur.request.arguments": (),
     "ur.get": ("ur.source", "ur.launchfile", "ur.request"),
     "ur.cli": ("ur",),
     "ur": ("ur",),

@@ -8,7 +8,7 @@ from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.memory import MemoryWorld
 from ur.request.argument_values import blame_arguments
-from ur.request.arguments import Argument, parse_argument
+from ur.source.arguments import Argument, parse_argument
 
 LIBRARY = """<launch>
   <arg name="x" default="0"/>

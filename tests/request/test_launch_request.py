@@ -4,9 +4,9 @@ import pytest
 
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.world import MemoryWorld
-from ur.request.arguments import Argument
 from ur.request.launch_request import LaunchFiles, LaunchRequest, make_request
 from ur.source import UserError
+from ur.source.arguments import Argument, split_argv
 
 FILES = {
     "/x.launch": '<launch><arg name="a"/><arg name="b" default=""/><arg name="c" value="1"/></launch>',
@@ -19,14 +19,14 @@ def test_declared_arguments_are_those_that_can_be_given() -> None:
 
 
 def test_names_and_arguments_may_stand_in_any_order() -> None:
-    request = make_request(["a:=1", "/x.launch", "b:=x:=y"], MemoryWorld(files=FILES))
+    request = make_request(split_argv(["a:=1", "/x.launch", "b:=x:=y"]), MemoryWorld(files=FILES))
     assert request.files.paths == ("/x.launch",)
     assert request.arguments == (Argument("a", "1"), Argument("b", "x:=y"))
     assert request.argv == ("/x.launch", "a:=1", "b:=x:=y")
 
 
 def test_of_an_argument_that_is_given_twice_the_last_counts() -> None:
-    request = make_request(["/x.launch", "a:=1", "a:=2"], MemoryWorld(files=FILES))
+    request = make_request(split_argv(["/x.launch", "a:=1", "a:=2"]), MemoryWorld(files=FILES))
     assert request.values == {"a": "2"}
     assert request.add_arguments([Argument("a", "3")]).values == {"a": "3"}
     assert request.values == {"a": "2"}
@@ -34,9 +34,10 @@ def test_of_an_argument_that_is_given_twice_the_last_counts() -> None:
 
 def test_stray_name_is_explained() -> None:
     world = MemoryWorld(files=FILES)
-    assert make_request(["/x.launch", "/top.launch", "-"], world).files.paths == ("/x.launch", "/top.launch", "-")
+    names = ("/x.launch", "/top.launch", "-")
+    assert make_request(split_argv(names), world).files.paths == names
     with pytest.raises(UserError, match="'--aa=1' is not an argument, expected NAME:=VALUE with NAME one of a, b"):
-        make_request(["/x.launch", "--aa=1"], world)
+        make_request(split_argv(["/x.launch", "--aa=1"]), world)
 
 
 def test_each_file_is_parsed_once_for_all_plans_of_a_request() -> None:
@@ -47,7 +48,7 @@ def test_each_file_is_parsed_once_for_all_plans_of_a_request() -> None:
             reads.append(path)
             return super().read_bytes(path)
 
-    request: LaunchRequest = make_request(["/top.launch", "/x.launch", "a:=1"], CountedWorld(files=FILES))
+    request: LaunchRequest = make_request(split_argv(["/top.launch", "/x.launch", "a:=1"]), CountedWorld(files=FILES))
     files = request.files
     assert files.declared == ("a", "b")
     for text in ("a:=1", "a:=2"):

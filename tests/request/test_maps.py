@@ -7,8 +7,8 @@ import pytest
 
 from ur.maps.picture_file import write_picture
 from ur.maps.store import own_store
-from ur.request.arguments import Argument
 from ur.request.plan_files import resolve_map
+from ur.source.arguments import Argument
 from ur.source.diagnostic import UserError
 
 DECLARED = ("map", "map_file", "world", "simulate", "localisation")

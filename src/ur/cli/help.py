@@ -106,7 +106,7 @@ def _print_overview() -> None:
 def _print(page: click.Command, name: str, about: Verb | Below, arguments: Sequence[tuple[str, str]] = ()) -> None:
     groups: list[OptionGroupDict] = []
     if name == "ur launch":
-        from ur.cli.launch.options import list_groups
+        from ur.cli.launch.command import list_groups
 
         groups = [{"name": title, "options": options} for title, options in list_groups().items()]
     frame = "ROUNDED" if os.environ.get("TERM") != "dumb" else "BLANK"

@@ -7,33 +7,16 @@ import os
 import shlex
 import sys
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
-import click
-
-from ur.cli.usage import describe_usage_error
-from ur.cli.verbs import HELP, VERBS, load_verb, replace_old_spelling
 from ur.source.diagnostic import UserError
 from ur.source.printable import OutputLost, guard_output, open_closed_streams, printable, printable_lines
-from ur.source.render import render_human, shows_colour
+
+if TYPE_CHECKING:
+    import click
 
 
-class VerbGroup(click.Group):
-    """The verbs, each imported on first use."""
-
-    def __init__(self, load: Callable[[str], click.Command]) -> None:
-        super().__init__("ur", params=[_version_option()], help=HELP)
-        self._load = load
-
-    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
-        """Return the names, in the order of the help."""
-        return list(VERBS)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002 - click's signature
-        """Import a verb."""
-        return self._load(cmd_name) if cmd_name in VERBS else None
-
-
-def main(arguments: Sequence[str] | None = None, load: Callable[[str], click.Command] = load_verb) -> int:
+def main(arguments: Sequence[str] | None = None, load: Callable[[str], click.Command] | None = None) -> int:
     """Run `ur` with its arguments (default: those of this process) and return the exit code. Raises nothing."""
     argv = list(sys.argv[1:] if arguments is None else arguments)
     open_closed_streams()
@@ -41,27 +24,39 @@ def main(arguments: Sequence[str] | None = None, load: Callable[[str], click.Com
         return _run(argv, load)
 
 
-def _run(argv: list[str], load: Callable[[str], click.Command]) -> int:
+def _run(argv: list[str], load: Callable[[str], click.Command] | None) -> int:
     try:
-        code = _dispatch(argv, load)
+        code = _launch(argv[1:]) if argv[:1] == ["launch"] and not _wants_help(argv) else _dispatch(argv, load)
         sys.stdout.flush()
         return code
-    except click.UsageError as problem:
-        _print_error(describe_usage_error(problem, argv))
-        return 2
-    except click.ClickException as problem:
-        _print_error(f"error: {printable_lines(problem.format_message())}")
-        return 2
     except UserError as problem:
+        from ur.source.render import render_human, shows_colour
+
         sys.stderr.write(render_human(problem.diagnostics, colour=shows_colour(sys.stderr)))
         return 2
-    except (KeyboardInterrupt, click.Abort):
+    except KeyboardInterrupt:
         return 130
     except Exception as problem:
         return explain_exception(problem, argv)
 
 
-def _dispatch(argv: list[str], load: Callable[[str], click.Command]) -> int:
+def _launch(argv: list[str]) -> int:
+    """Launch without click, whose import takes longer than a large launch file; it only explains mistakes."""
+    from ur.cli.launch.launch import launch
+    from ur.cli.launch.options import BadOptionError
+
+    try:
+        return launch(argv)
+    except BadOptionError:
+        return _dispatch(["launch", *argv], None)
+
+
+def _dispatch(argv: list[str], load: Callable[[str], click.Command] | None) -> int:
+    import click
+
+    from ur.cli.verbs import HELP, VERBS, load_verb, replace_old_spelling
+    from ur.source.render import shows_colour
+
     asks = argv[:1] == ["help"]
     words, verb = replace_old_spelling(argv[asks:])
     if verb:
@@ -77,7 +72,9 @@ def _dispatch(argv: list[str], load: Callable[[str], click.Command]) -> int:
 
         show_help(argv)
         return 0
-    group = VerbGroup(load)
+    group = click.Group("ur", params=[_version_option()], help=HELP)
+    if argv[0] in VERBS:
+        group.add_command((load or load_verb)(argv[0]), argv[0])
     try:
         with group.make_context("ur", argv, color=None if shows_colour(sys.stdout) else False) as context:
             result = group.invoke(context)
@@ -93,6 +90,8 @@ def _wants_help(argv: list[str]) -> bool:
 
 
 def _version_option() -> click.Option:
+    import click
+
     def show(ctx: click.Context, _param: click.Parameter, value: bool) -> None:
         if value:
             from importlib.metadata import version
@@ -118,10 +117,24 @@ _REFUSALS = {  # errors of the system, not of this program
 
 
 def explain_exception(problem: Exception, argv: list[str]) -> int:
-    """Report in one line that output, the current folder or a file is unusable; other exceptions are internal errors.
+    """Report a wrong command line, or that output, the current folder or a file is unusable, in one line.
+
+    Other exceptions are internal errors.
 
     Returns the exit code.
     """
+    import click
+
+    if isinstance(problem, click.Abort):
+        return 130
+    if isinstance(problem, click.UsageError):
+        from ur.cli.usage import describe_usage_error
+
+        _print_error(describe_usage_error(problem, argv))
+        return 2
+    if isinstance(problem, click.ClickException):
+        _print_error(f"error: {printable_lines(problem.format_message())}")
+        return 2
     if isinstance(problem, OutputLost):
         if isinstance(problem.reason, BrokenPipeError):
             return 141

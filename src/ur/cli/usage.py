@@ -109,7 +109,7 @@ def _describe(problem: click.UsageError, argv: Sequence[str]) -> tuple[str, str]
     elif (
         isinstance(problem, click.BadParameter)
         and not isinstance(problem, click.MissingParameter)
-        and (wanted := _describe_values(problem.param))
+        and (wanted := describe_values(problem.param))
     ):
         message = f"{where}: {_describe_value(problem, argv)}, expected {wanted}"
     else:
@@ -185,10 +185,11 @@ def _suggest_command(word: str) -> str | None:
     # A launch file or a program alone: the verb was left out.
     if word.endswith((".launch", ".launch.xml")):
         return f"start a launch file: ur launch {word}"
-    name, assigned, value = word.replace(":=", "=").partition("=")
+    name, assigned, value = word.partition("=")
     if assigned:
         from ur.request.misspelt import write_assignment
 
+        name = name.removesuffix(":")
         shown = name if name.isascii() and name.isidentifier() else "NAME"
         return f"arguments follow a program: ur run PROGRAM {write_assignment(shown, value)}"
     from ur.request.environment import PACKAGE, add_own_package
@@ -212,7 +213,7 @@ def _name_command(argv: Sequence[str]) -> str:
     return f"ur {argv[0]} {name}".rstrip()
 
 
-def _describe_values(param: click.Parameter | None) -> str:
+def describe_values(param: click.Parameter | None) -> str:
     """Describe the values of an option: 'a whole number from 1 to 65535', 'bash, fish or zsh'; '' for any text."""
     kind = param.type if param is not None else None
     if isinstance(kind, click.Choice):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ur.complete.completions import Completion, NameSources
 from ur.launchfile.world.protocol import PackageNotFound, World
-from ur.request.arguments import parse_argument, split_argv, values_of
+from ur.source.arguments import parse_argument, split_argv, values_of
 from ur.source.diagnostic import UserError
 
 if TYPE_CHECKING:

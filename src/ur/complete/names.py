@@ -121,13 +121,13 @@ def list_file_names(path: str, argv: Sequence[str], environment: Mapping[str, st
     """Yield the parameters, arguments, remaps and nodes of a launch file with its arguments. Raises UserError."""
     from ur.check.computer import make_world
     from ur.launchfile.query.explain import list_names
-    from ur.request.arguments import split_argv
     from ur.request.environment import current_selection
     from ur.request.launch_request import make_request
     from ur.request.plan_files import complete_arguments, texts
+    from ur.source.arguments import split_argv
 
     world = make_world([path], environment)
-    request = make_request([path, *texts(split_argv(argv)[1])], world, current_selection(environment))
+    request = make_request(split_argv(argv)._replace(names=(path,)), world, current_selection(environment))
     files, arguments = request.files, texts(complete_arguments(request, local=True))
     yield from (
         Completion(name, kind) for name, kind in list_names(files.paths, arguments, world, files.parsed).items()

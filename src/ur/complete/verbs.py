@@ -18,7 +18,7 @@ from ur.complete.launch import (
     find_address,
 )
 from ur.launchfile.world.protocol import World
-from ur.request.arguments import parse_argument, split_argv
+from ur.source.arguments import parse_argument, split_argv
 
 # The kind of an option's value; without a verb: of every verb.
 _OPTIONS = {

@@ -14,6 +14,7 @@ from ur.get.steps import PACKAGE_NAME, Missing, Needs, SourceRepository
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.world.system import SystemWorld
 from ur.request.launch_request import make_request
+from ur.source.arguments import split_argv
 from ur.source.diagnostic import Severity, UserError, error
 
 
@@ -53,7 +54,7 @@ def find_needs(words: Sequence[str], environment: Mapping[str, str]) -> Needs:
 
 
 def _file_needs(words: Sequence[str], world: SystemWorld) -> Needs:
-    request = make_request(words, world)
+    request = make_request(split_argv(words), world)
     plan = load_plan(request.files.paths, [str(each) for each in request.arguments], world, parsed=request.files.parsed)
     others = [
         each for each in plan.diagnostics if each.severity is Severity.ERROR and each.rule not in

@@ -15,6 +15,7 @@ import sys
 from collections.abc import Collection, Iterator, Sequence
 
 from ur.mcp.grants import grant_files
+from ur.source.arguments import parse_argument
 from ur.source.printable import printable
 from ur.source.project import project_folder
 
@@ -56,9 +57,10 @@ def check_word(word: str) -> None:
 
     A file or folder is one below a workspace or this project; a value is no path.
     """
-    name, given, value = word.partition(":=")
+    given = parse_argument(word)
+    name = word if given is None else given.name
     shown = repr(printable(word)[:40])
-    if not _NAME.fullmatch(name) or (given and not _VALUE.fullmatch(value)):
+    if not _NAME.fullmatch(name) or (given is not None and not _VALUE.fullmatch(given.value)):
         raise RefusedCommandError(f"{shown}, expected a package, a name, or NAME:=VALUE in which VALUE is no path")
     folder = str(project_folder())
     path = os.path.realpath(os.path.join(folder, name))  # noqa: PTH118 - exact paths

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from ur.launchfile.plan.problems import NOT_GIVEN
 from ur.launchfile.plan.specs import Plan
-from ur.request.arguments import Argument
+from ur.source.arguments import Argument
 from ur.source.diagnostic import Diagnostic, Severity, error
 from ur.source.suggest import did_you_mean
 

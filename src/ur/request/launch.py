@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import socket
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -17,6 +17,7 @@ from ur.launchfile.plan.specs import Plan
 from ur.request.launch_request import LaunchRequest, make_request
 from ur.request.options import LaunchOptions, StartReporter
 from ur.robot.selection import Selection
+from ur.source.arguments import CommandLine
 from ur.source.diagnostic import Diagnostic, Severity, UserError
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ class Launch:
     one was installed.
     """
 
-    argv: Sequence[str]
+    line: CommandLine
     selection: Selection
     options: LaunchOptions
     reporter: StartReporter
@@ -96,8 +97,8 @@ def load(launch: Launch) -> Staged:
     if options.core:
         refuse_second_master()
     paths = loaded.request.files.paths
-    from ur.request.arguments import values_of
     from ur.request.bases.localisation import explain_no_map
+    from ur.source.arguments import values_of
 
     try:
         world = prepare_world(paths, loaded.plan, loaded.world, launch.reporter.report, complete=options.part is None)
@@ -194,7 +195,7 @@ def load_with_packages(launch: Launch) -> LoadedPlan:
     from ur.request.plan_files import make_world
 
     def load(inspect: Inspect | None) -> LoadedPlan:
-        request = make_request(launch.argv, make_world(), launch.selection, launch.options)
+        request = make_request(launch.line, make_world(), launch.selection, launch.options)
         if launch.options.program:
             from ur.request.program_arguments import refuse_undeclared
 
@@ -212,7 +213,8 @@ def load_with_packages(launch: Launch) -> LoadedPlan:
         apply_selection(launch.selection)  # its folder of packages may be new
         loaded = load(None)
     names = {each.subject for each in loaded.findings if each.rule == "unknown-package" and each.subject}
-    if loaded.plan is None and names and "-" not in launch.argv and launch.offer(names):  # standard input is read once
+    once = "-" in launch.line.names  # standard input is read once
+    if loaded.plan is None and names and not once and launch.offer(names):
         apply_selection(launch.selection)
         loaded = load(None)
     return loaded

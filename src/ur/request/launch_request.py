@@ -10,9 +10,9 @@ from ur.launchfile.address import resolve_addresses
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.syntax.parse import parse_launch_file
 from ur.launchfile.world.protocol import World
-from ur.request.arguments import Argument, split_argv, values_of
 from ur.request.misspelt import suggest_assignment
 from ur.robot.selection import Selection
+from ur.source.arguments import Argument, CommandLine, values_of
 from ur.source.diagnostic import UserError, error
 
 if TYPE_CHECKING:
@@ -98,16 +98,15 @@ class LaunchRequest:
 
 
 def make_request(
-    argv: Sequence[str], world: World, selection: Selection | None = None, options: LaunchOptions | None = None
+    line: CommandLine, world: World, selection: Selection | None = None, options: LaunchOptions | None = None
 ) -> LaunchRequest:
-    """Read `FILE` or `PACKAGE FILE`, and `[ARG:=VALUE]...`: the form of every verb that takes launch files.
+    """Make a request of `FILE` or `PACKAGE FILE`, and `[ARG:=VALUE]...`.
 
     Raises UserError for a missing file, or a name that is neither a file nor an argument.
     """
-    names, arguments = split_argv(argv)
-    files = LaunchFiles(resolve_addresses(names, world), world)
+    files = LaunchFiles(resolve_addresses(line.names, world), world)
     refuse_stray_names(files)
-    return LaunchRequest(files, arguments, selection, options, tuple(names))
+    return LaunchRequest(files, line.arguments, selection, options, line.names)
 
 
 def refuse_stray_names(files: LaunchFiles) -> None:

@@ -65,6 +65,8 @@ class LaunchOptions(NamedTuple):
     replace: bool = False
     report: str | None = None  # a file for errors before the start, as JSON
     queries: Sequence[Query] = ()
+    with_origins: bool = False  # these two: of --dump
+    no_commands: bool = False
     # Of `ur run` and `ur replay`: arguments that it does not declare are refused, and a failed required node counts.
     program: str = ""
 
@@ -91,13 +93,13 @@ def choose_query(queries: Sequence[Query]) -> Query | None:
     return min(queries, key=lambda query: _PRECEDENCE.index(query[0]), default=None)
 
 
-def check_options(argv: Sequence[str], options: LaunchOptions) -> None:
+def check_options(names: Sequence[str], options: LaunchOptions) -> None:
     """Raise UserError for options and arguments that exclude each other."""
-    if options.core and (argv or options.wait or options.queries):
+    if options.core and (names or options.wait or options.queries):
         raise UserError(
             error("--core starts a master alone, expected no launch file, --wait or question", rule="bad-options")
         )
-    if argv.count("-") > 1:
+    if names.count("-") > 1:
         raise UserError(error("'-' is standard input, expected it once", rule="bad-options"))
     if options.screen and options.log:
         raise UserError(error("--screen and --log cannot be used together", rule="bad-options"))
@@ -108,6 +110,8 @@ def check_options(argv: Sequence[str], options: LaunchOptions) -> None:
     if options.detach and options.json:
         help_ = "'ur attach --json' prints the events of a run that is detached"
         raise UserError(error("--detach and --json cannot be used together", rule="bad-options", help=help_))
+    if (options.with_origins or options.no_commands) and not any(name == "dump" for name, _ in options.queries):
+        raise UserError(error("--with-origins and --no-commands belong to --dump json", rule="bad-options"))
     _check_seconds(options)
     names = [name for name, _ in options.queries]
     if len([name for name in names if name in _EXCLUSIVE]) > 1 or (len(names) > 1 and set(names) & _OURS):

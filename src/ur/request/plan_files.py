@@ -12,11 +12,11 @@ from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.specs import MachineSpec, Origin, Plan
 from ur.launchfile.world.protocol import World
 from ur.launchfile.world.system import SystemWorld
-from ur.request.arguments import Argument, values_of
 from ur.request.environment import apply_selection, current_selection
 from ur.request.launch_request import LaunchRequest, make_request
 from ur.request.worlds import check_worlds, resolve_worlds
 from ur.robot.selection import Selection
+from ur.source.arguments import Argument, split_argv, values_of
 from ur.source.diagnostic import Diagnostic, Severity, UserError
 from ur.source.file import SourceFile, Span
 
@@ -130,7 +130,7 @@ def load_tolerantly(argv: Sequence[str]) -> tuple[Plan, list[str], bool]:
     apply_selection(selection)
     world = make_world()
     with show_progress(f"reading {' '.join(argv)}"):
-        request = make_request(argv, world, selection)
+        request = make_request(split_argv(argv), world, selection)
         files = request.files
         plan = load_plan(files.paths, texts(complete_arguments(request, local=True)), world, parsed=files.parsed)
     show_findings(plan.diagnostics)

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ur.request.arguments import Argument
 from ur.request.launch_request import LaunchFiles
 from ur.request.programs import Program, find_launch_file
+from ur.source.arguments import Argument
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 
@@ -41,9 +41,9 @@ def read_program_arguments(path: Path, environment: Mapping[str, str]) -> tuple[
     """Return the arguments of a launch file, with the defaults that follow from the selection. Raises UserError."""
     from ur.launchfile.query.arguments import ArgumentSpec, read_arguments
     from ur.launchfile.world.system import SystemWorld
-    from ur.request.arguments import values_of
     from ur.request.environment import add_own_package, current_selection
     from ur.request.plan_files import selected_arguments, texts
+    from ur.source.arguments import values_of
 
     files = LaunchFiles([str(path)], SystemWorld(add_own_package(environment)))
     given = selected_arguments(current_selection(environment), files.declared, (), local=True)

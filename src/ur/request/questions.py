@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 from ur.launchfile.plan.load import load_plan
@@ -20,6 +20,7 @@ from ur.request.environment import PACKAGE, own_packages
 from ur.request.launch_request import LaunchRequest, make_request
 from ur.request.plan_files import complete_arguments, localisation_argument, show_findings, texts
 from ur.robot.selection import Selection
+from ur.source.arguments import CommandLine
 from ur.source.diagnostic import Severity, UserError, error
 from ur.source.suggest import did_you_mean
 from ur.source.user_folders import list_workspaces
@@ -37,11 +38,11 @@ class _AsWritten(SystemWorld):
         return f"$(anon {prefix})"
 
 
-def answer(argv: Sequence[str], selection: Selection, query: tuple[str, str | None], shell: Mapping[str, str]) -> int:
+def answer(line: CommandLine, selection: Selection, query: tuple[str, str | None], shell: Mapping[str, str]) -> int:
     """Print the answer to one query and return the exit code. `shell` is the environment before any selection."""
     name, node = query
     world = make_world(shell, anonymous="$(anon " not in (node or ""))
-    request = make_request(argv, world, selection)
+    request = make_request(line, world, selection)
     if name == "ros-args":
         return _print_arguments(request)
     plan = _load(request)

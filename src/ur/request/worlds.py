@@ -7,8 +7,8 @@ from pathlib import Path
 
 from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.maps.names import check_map_name
-from ur.request.arguments import Argument, values_of
 from ur.request.environment import PACKAGE
+from ur.source.arguments import Argument, values_of
 from ur.source.diagnostic import UserError, error
 from ur.worlds.choice import (
     PATHS,

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from ur.source.arguments import parse_argument
+
 if TYPE_CHECKING:
     from rclpy.node import Node as RosNode
 
@@ -70,9 +72,10 @@ def arguments_of(arguments: Iterable[str]) -> list[str]:
     own = given.index("--ros-args") if "--ros-args" in given else len(given)
     made: list[str] = []
     for each in given[:own]:
-        name, assigned, value = each.partition(":=")
-        if not assigned:
+        argument = parse_argument(each)
+        if argument is None:
             continue
+        name, value = argument
         if name == "__name":
             made += ["-r", f"__node:={value}"]
         elif name == "__ns":

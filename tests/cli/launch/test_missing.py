@@ -9,11 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from ur.cli.launch import missing
+from ur.cli.launch import launch as missing
 from ur.request.launch import Launch, load_with_packages
 from ur.request.options import LaunchOptions, StartReporter
 from ur.request.plan_files import LoadedPlan
 from ur.robot.selection import Selection, load_selection
+from ur.source.arguments import CommandLine
 from ur.source.diagnostic import UserError, error
 
 FILE = """<launch>
@@ -41,7 +42,9 @@ def write(tmp_path: Path, text: str) -> str:
 def load(file: str, selection: Selection, make_xacro: Callable[[], None] = missing.make_xacro) -> LoadedPlan:
     options = LaunchOptions()
     offer = functools.partial(missing.offer, options)
-    return load_with_packages(Launch([file], selection, options, StartReporter(), ExitStack(), make_xacro, offer))
+    return load_with_packages(
+        Launch(CommandLine((file,)), selection, options, StartReporter(), ExitStack(), make_xacro, offer)
+    )
 
 
 def make_in(packages: Path) -> None:

@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 
 from ur.launchfile.world.system import SystemWorld
-from ur.request.arguments import Argument, split_argv
 from ur.request.bases.base_argument import find_bases
 from ur.request.bases.localisation import choose_localisation, explain_no_map
 from ur.request.launch_request import LaunchFiles, make_request
 from ur.request.plan_files import localisation_argument
+from ur.source.arguments import Argument, CommandLine, split_argv
 from ur.source.diagnostic import UserError, error
 
 LIBRARY = Path(__file__).parents[3] / "ubiquity_launches"
@@ -46,7 +46,7 @@ def test_nothing_is_added_where_it_is_not_declared(tmp_path: Path) -> None:
     path = tmp_path / "a.launch"
     path.write_text('<launch><arg name="robot_base"/></launch>')
     _, arguments = split_argv(["robot_base:=magni"])
-    assert localisation_argument(make_request([str(path)], SystemWorld({})), arguments) == []
+    assert localisation_argument(make_request(CommandLine((str(path),)), SystemWorld({})), arguments) == []
 
 
 def test_unknown_method_is_refused() -> None:

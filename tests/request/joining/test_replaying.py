@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from ur.launchfile import SystemWorld
-from ur.request.arguments import Argument
 from ur.request.joining.replaying import find_robot_nodes, plan_replay
 from ur.robot.selection import Selection
+from ur.source.arguments import Argument
 from ur.source.project import launch_library
 
 WORLD = SystemWorld({"ROS_PACKAGE_PATH": str(launch_library().parent), "HOME": "/home/robot"})
@@ -26,9 +26,9 @@ def test_nodes_of_the_robot_are_left_out() -> None:
 def test_launch_has_the_replay_first_and_its_arguments() -> None:
     given = (Argument("use_rviz", "false"), Argument("robot_machine", "bob"))
     launch = plan_replay(Path("/a/b.mcap"), NAVIGATE, given, Selection(), WORLD, playback=(2.0, 30.0))
-    assert launch.argv[0].endswith("/n_replay.launch.xml")
-    assert launch.argv[1] == NAVIGATE
-    assert launch.argv[2:] == ("recording:=/a/b.mcap", "playback_speed:=2", "playback_start:=30", "use_rviz:=false")
+    file, program, *arguments = launch.line.argv
+    assert (file.rpartition("/")[2], program) == ("n_replay.launch.xml", NAVIGATE)
+    assert arguments == ["recording:=/a/b.mcap", "playback_speed:=2", "playback_start:=30", "use_rviz:=false"]
     assert "/move_base" in launch.left_out
 
 

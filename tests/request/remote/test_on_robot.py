@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 from ur.launchfile.world import MemoryWorld
-from ur.request.arguments import Argument
 from ur.request.launch_request import LaunchFiles, LaunchRequest
 from ur.request.options import LaunchOptions
 from ur.request.remote.on_robot import choose_options, find_new_name, name_file
@@ -15,6 +14,7 @@ from ur.robot.discovery.record import RobotRecord, records_folder, render_record
 from ur.robot.selection import parse_selection, selection_path, store_selection
 from ur.run.remote.protocol import Problem, ShareAnswer
 from ur.source import UserError
+from ur.source.arguments import Argument
 
 
 @pytest.mark.parametrize(

@@ -95,12 +95,12 @@ def _check(
     from ur.check.computer import make_world
     from ur.check.links import describe_left_out
     from ur.check.run import check_paths
-    from ur.request.arguments import split_argv, values_of
     from ur.request.environment import add_own_package
+    from ur.source.arguments import split_argv, values_of
     from ur.source.progress_line import show_progress
 
     names, arguments = split_argv(paths)
-    places, values = names or ["."], values_of(arguments)
+    places, values = list(names) or ["."], values_of(arguments)
     program = digest_program() if cached else ""
     cache = f"{cache_folder(os.environ)}/{name_cache([*map(os.path.abspath, places), *names], chosen, values)}"
     if watch:

@@ -21,22 +21,23 @@ def command(argv: tuple[str, ...]) -> int:
     from ur.launchfile.address import join_addresses
     from ur.launchfile.query.explain import explain_name, format_layers
     from ur.launchfile.world.system import SystemWorld
-    from ur.request.arguments import split_argv
     from ur.request.bases.driver_packages import describe_board
     from ur.request.environment import apply_selection, current_selection
     from ur.request.launch_request import make_request
     from ur.request.plan_files import complete_arguments, texts
+    from ur.source.arguments import split_argv
     from ur.source.progress_line import show_progress
 
-    names, arguments = split_argv(argv)
+    line = split_argv(argv)
+    names = line.names
     if len(names) < 2:
         raise click.UsageError("missing argument 'FILE' or 'NAME', for instance: ur explain robot.launch rate")
     selection = current_selection(os.environ)
     apply_selection(selection)
     world = SystemWorld(os.environ)
-    if len(names) == 2 and join_addresses(names, world) != names:
+    if len(names) == 2 and join_addresses(names, world) != list(names):
         raise click.UsageError(f"expected NAME after {' '.join(names)}: a parameter, argument, remap or node")
-    request = make_request([*names[:-1], *texts(arguments)], world, selection)
+    request = make_request(line._replace(names=names[:-1]), world, selection)
     files, completed = request.files, texts(complete_arguments(request, local=True))
     with show_progress(f"reading {' '.join(names[:-1])}"):
         checked = make_world(files.paths, os.environ)

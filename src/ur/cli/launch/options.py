@@ -1,13 +1,18 @@
-"""The options of `ur launch`: roslaunch's, each with its meaning or the reason for a refusal, and additional ones."""
+"""The options of `ur launch`: roslaunch's, each with its meaning or the reason for a refusal, and additional ones.
+
+They are read without click, whose import takes longer than a large launch file: `ur.cli.launch.command` makes a command
+of this table, for help, completion, and messages about mistakes.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import math
+from collections.abc import Mapping, Sequence
 from itertools import chain
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
-import click
-
+from ur.request.options import LaunchOptions, Query
+from ur.source.arguments import CommandLine, split_argv
 from ur.source.diagnostic import UserError, error
 
 # roslaunch 1.16's own options; there, '--dump-params' may be abbreviated '--dump', which is a different option here.
@@ -17,45 +22,66 @@ ROSLAUNCH = (
     "--skip-log-check", "--ros-args", "--disable-title", "--numworkers", "--timeout", "--master-logger-level",
     "--sigint-timeout", "--sigterm-timeout", "--help",
 )  # fmt: skip
-_SECONDS = click.FloatRange(min=0, min_open=True, max=1e6)
 # roslaunch's options about its summary, the log folder's size and the title have no effect.
 _NOTHING_TO_DO = ("--no-summary", "--skip-log-check", "--disable-title")
-_REFUSED = {
-    "-c": "ur has no child mode; it is how roslaunch starts itself on other computers",
-    "-u": "ur has no child mode; it is how roslaunch starts itself on other computers",
-    "--run_id": "the run id is the master's, or a new one where ur starts the master",
-}
+_NO_CHILD = "ur has no child mode; it is how roslaunch starts itself on other computers"
+_QUERIES = ("nodes", "files", "dump_params", "ros_args", "dry_run", "find_node", "args", "dump")
 
 
-def _flag(*names: str, **more: Any) -> click.Option:
-    return click.Option(names, is_flag=True, **more)
+class LaunchOption(NamedTuple):
+    """An option. `field` is that of `LaunchOptions`, or a query; numbers are from `least` to `most`, both included."""
+
+    names: tuple[str, ...]
+    field: str
+    help: str = ""
+    kind: Literal["flag", "text", "number", "seconds", "choice"] = "flag"
+    metavar: str | None = None
+    multiple: bool = False
+    default: float | None = None
+    least: int = 0
+    most: int | None = None
+    choices: tuple[str, ...] = ()
+    refusal: str = ""
 
 
-def _refuse(ctx: click.Context, param: click.Parameter, value: object) -> None:
-    if value and not ctx.resilient_parsing:
-        name = param.opts[0]
-        raise UserError(error(f"{name} is not for ur launch: {_REFUSED[name]}", rule="refused-option", subject=name))
+class BadOptionError(Exception):
+    """A mistake in a command line. `problem` is '' for an unknown option."""
+
+    def __init__(self, name: str, problem: str = "", option: LaunchOption | None = None) -> None:
+        super().__init__(name, problem)
+        self.name, self.problem, self.option = name, problem, option
 
 
-def make_lease_options() -> tuple[click.Option, ...]:
-    """Return the options for a robot that another client drives; `ur run` passes them on."""
-    return (
-        _flag("--watch", help="If another client drives the robot, watch."),
-        _flag("--ask", help="If another client drives the robot, ask to drive."),
-        _flag("--take-over", help="If another client drives the robot, take over."),
-        _flag("--unattended", help="Let the robot go on with its goal while this computer cannot be reached."),
-    )
+def _flag(*names: str, help: str = "", field: str = "") -> LaunchOption:
+    return LaunchOption(names, field or _name_field(names), help)
 
 
-GROUPS: Mapping[str, tuple[click.Option, ...]] = {
+def _value(
+    *names: str, kind: Literal["text", "number", "seconds", "choice"] = "text", field: str = "", **more: Any
+) -> LaunchOption:
+    return LaunchOption(names, field or _name_field(names), kind=kind, **more)
+
+
+def _name_field(names: tuple[str, ...]) -> str:
+    return next(name for name in names if name.startswith("--"))[2:].replace("-", "_")
+
+
+LEASE = (
+    _flag("--watch", help="If another client drives the robot, watch."),
+    _flag("--ask", help="If another client drives the robot, ask to drive."),
+    _flag("--take-over", help="If another client drives the robot, take over."),
+    _flag("--unattended", help="Let the robot go on with its goal while this computer cannot be reached."),
+)
+"""For a robot that another client drives; `ur run` passes them on."""
+
+GROUPS: Mapping[str, tuple[LaunchOption, ...]] = {
     "Run and output": (
         _flag("--detach", help="Start it in the background; ur ps, attach, logs and stop find it."),
         _flag("--wait", help="Wait for a master instead of starting one; with --detach: until every node is up."),
-        click.Option(
-            ["--timeout-ready"],
-            type=_SECONDS,
+        _value(
+            "--timeout-ready",
+            kind="seconds",
             default=30.0,
-            show_default=True,
             help="With --detach --wait: seconds that nodes get to be up.",
         ),
         _flag("--screen", help="Show the output of every node."),
@@ -63,104 +89,145 @@ GROUPS: Mapping[str, tuple[click.Option, ...]] = {
         _flag("--plain", "--no-ui", help="Print lines, as roslaunch does, also on a terminal."),
         _flag("--calm", help="Show one line with the state of the run, and warnings and errors."),
         _flag("--json", help="Print all events as lines of JSON."),
-        _flag("-v", "verbose", help="List files, parameters and nodes before the start."),
+        _flag("-v", field="verbose", help="List files, parameters and nodes before the start."),
     ),
     "Nodes": (
-        click.Option(["--only"], multiple=True, metavar="NODE", help="Start only this node; may be repeated."),
-        click.Option(["--except", "except_"], multiple=True, metavar="NODE", help="Do not start this node."),
+        _value("--only", multiple=True, metavar="NODE", help="Start only this node; may be repeated."),
+        _value("--except", field="except_", multiple=True, metavar="NODE", help="Do not start this node."),
         _flag("--no-terminal", help="Leave out nodes that need the terminal, for example with --detach."),
-        click.Option(
-            ["--prefix"], multiple=True, metavar="NODE=PREFIX", help="Start a node with a prefix: 'talker=gdb --args'."
+        _value(
+            "--prefix", multiple=True, metavar="NODE=PREFIX", help="Start a node with a prefix: 'talker=gdb --args'."
         ),
-        click.Option(
-            ["--debug"],
+        _value(
+            "--debug",
             multiple=True,
             metavar="NODE[=TOOL]",
             help="Start this node under a debugger: pudb, gdb or debugpy; may be repeated.",
         ),
         _flag("--required", help="End the run with the first node that ends."),
-        click.Option(
-            ["--respawn-limit"],
-            type=click.IntRange(0),
+        _value(
+            "--respawn-limit",
+            kind="number",
             help="Stop respawning a node after so many quick exits (default 10); 0: never, as roslaunch.",
         ),
         _flag("--local", help="Leave nodes for other computers out."),
         _flag("--replace", help="End nodes of other runs that have the same names, as roslaunch does."),
     ),
-    "Where another client drives the robot": make_lease_options(),
+    "Where another client drives the robot": LEASE,
     "Answer a question, and start nothing": (
         _flag("--dry-run", help="Print what would be started: command, environment and machine of every node."),
         _flag("--ros-args", help="Print the arguments of the launch file."),
         _flag("--nodes", help="Print the names of the nodes."),
         _flag("--files", help="Print the launch files that are read."),
-        click.Option(["--find-node"], metavar="NODE", help="Print the launch file that defines a node."),
-        click.Option(["--args"], metavar="NODE", help="Print the command line that starts a node."),
+        _value("--find-node", metavar="NODE", help="Print the launch file that defines a node."),
+        _value("--args", metavar="NODE", help="Print the command line that starts a node."),
         _flag("--dump-params", help="Print the parameters as YAML."),
-        click.Option(["--dump"], type=click.Choice(["json"]), help="Print the complete plan of the launch file."),
+        _value("--dump", kind="choice", choices=("json",), help="Print the complete plan of the launch file."),
         _flag("--with-origins", help="With --dump: where everything comes from."),
         _flag("--no-commands", help="With --dump: do not run the programs of <param command>; refuse them."),
     ),
     "Master": (
         _flag("--core", help="Start only a master and rosout, as roscore does."),
-        click.Option(["-p", "--port"], type=click.IntRange(1, 65535), help="Port of the master that is started."),
-        click.Option(["-w", "--numworkers"], type=click.IntRange(1), help="Threads of the master that is started."),
-        click.Option(["-t", "--timeout"], type=_SECONDS, help="Socket timeout of the master that is started."),
-        click.Option(
-            ["--master-logger-level"],
-            type=click.Choice(["debug", "info", "warn", "error", "fatal"]),
+        _value("-p", "--port", kind="number", least=1, most=65535, help="Port of the master that is started."),
+        _value("-w", "--numworkers", kind="number", least=1, help="Threads of the master that is started."),
+        _value("-t", "--timeout", kind="seconds", help="Socket timeout of the master that is started."),
+        _value(
+            "--master-logger-level",
+            kind="choice",
+            choices=(
+                "debug",
+                "info",
+                "warn",
+                "error",
+                "fatal",
+            ),
             help="The log level of the master that is started.",
         ),
     ),
     "Process": (
-        click.Option(["--pid"], metavar="FILE", help="Write the process id to a file while it runs."),
-        click.Option(["--sigint-timeout"], type=_SECONDS, help="Seconds from SIGINT to SIGTERM at the end."),
-        click.Option(["--sigterm-timeout"], type=_SECONDS, help="Seconds from SIGTERM to SIGKILL at the end."),
+        _value("--pid", metavar="FILE", help="Write the process id to a file while it runs."),
+        _value("--sigint-timeout", kind="seconds", help="Seconds from SIGINT to SIGTERM at the end."),
+        _value("--sigterm-timeout", kind="seconds", help="Seconds from SIGTERM to SIGKILL at the end."),
     ),
 }
 """The options that the help shows, by the title of their group; `--help` is in the last one, too."""
 
-_HIDDEN = (
+HIDDEN = (
     # Used by the laptop to start the robot's nodes: see ur.run.remote.share. NAME is this computer's in the launch
     # file.
-    click.Option(["--part"], hidden=True, metavar="NAME"),
-    click.Option(["--runs-already"], hidden=True, multiple=True, metavar="NODE"),
-    click.Option(["--report"], hidden=True, metavar="FILE"),
-    *(_flag(name, hidden=True, expose_value=False) for name in _NOTHING_TO_DO),
-    *(
-        click.Option(names, hidden=True, expose_value=False, callback=_refuse)
-        for names in (["-c", "--child"], ["-u", "--server_uri"], ["--run_id"])
-    ),
+    _value("--part", metavar="NAME"),
+    _value("--runs-already", multiple=True, metavar="NODE"),
+    _value("--report", metavar="FILE"),
+    *(LaunchOption((name,), "") for name in _NOTHING_TO_DO),
+    _value("-c", "--child", refusal=_NO_CHILD),
+    _value("-u", "--server_uri", refusal=_NO_CHILD),
+    _value("--run_id", refusal="the run id is the master's, or a new one where ur starts the master"),
 )
-PARAMETERS: tuple[click.Parameter, ...] = (
-    *chain.from_iterable(GROUPS.values()),
-    *_HIDDEN,
-    click.Argument(["argv"], nargs=-1, required=False, metavar="[PACKAGE] FILE [ARG:=VALUE]..."),
-)
+OPTIONS = {name: option for option in (*chain.from_iterable(GROUPS.values()), *HIDDEN) for name in option.names}
 
 
-def list_groups() -> dict[str, list[str]]:
-    """Return the titles of the groups, each with a name of each of its options."""
-    groups = {title: [option.opts[-1] for option in options] for title, options in GROUPS.items()}
-    groups["Process"].append("--help")
-    return groups
+def read_launch(argv: Sequence[str]) -> tuple[CommandLine, LaunchOptions]:
+    """Read the arguments of `ur launch`. Raises BadOptionError, and UserError for an option that is refused.
 
-
-class LaunchCommand(click.Command):
-    """A command that also accepts unambiguous prefixes of roslaunch's long options, as optparse does."""
-
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Parse a command line."""
-        known = {name for param in self.params for name in (*param.opts, *param.secondary_opts)}
-        return super().parse_args(ctx, list(_complete_options(args, known)))
-
-
-def _complete_options(argv: Sequence[str], known: set[str]) -> Iterator[str]:
-    for number, argument in enumerate(argv):
-        if argument == "--":
-            yield from argv[number:]
-            return
-        name, sign, value = argument.partition("=")
+    Unambiguous prefixes of roslaunch's long options are accepted, as optparse does.
+    """
+    values: dict[str, Any] = {}
+    words: list[str] = []
+    left = list(reversed(argv))
+    while left:
+        word = left.pop()
+        if word == "--":
+            words += reversed(left)
+            break
+        if word == "-" or not word.startswith("-"):
+            words.append(word)
+            continue
+        name, sign, value = word.partition("=") if word.startswith("--") else (word[:2], word[2:], word[2:])
         near = [each for each in ROSLAUNCH if each.startswith(name)]
-        if name.startswith("--") and name not in known and len(near) == 1:
+        if name not in OPTIONS and name.startswith("--") and len(near) == 1:
             name = near[0]
-        yield name + sign + value
+        option = OPTIONS.get(name)
+        if option is None:
+            raise BadOptionError(name)
+        if option.kind == "flag":
+            if sign and word.startswith("--"):
+                raise BadOptionError(name, f"option '{name}' takes no value")
+            if sign:
+                left.append(f"-{value}")
+            values[option.field] = True
+            continue
+        if not sign and not left:
+            raise BadOptionError(name, f"option '{name}' requires a value")
+        found = _convert(name, option, value if sign else left.pop())
+        if option.refusal:
+            short = option.names[0]
+            message = f"{short} is not for ur launch: {option.refusal}"
+            raise UserError(error(message, rule="refused-option", subject=short))
+        values[option.field] = (*values.get(option.field, ()), found) if option.multiple else found
+    values.pop("", None)
+    answers = [(name.replace("_", "-"), values.pop(name, None)) for name in _QUERIES]
+    queries: list[Query] = [(name, None if given is True else given) for name, given in answers if given is not None]
+    options = LaunchOptions(**values, queries=tuple(queries))
+    if not words and not options.core:
+        raise BadOptionError("", "missing argument '[PACKAGE] FILE [ARG:=VALUE]...'")
+    return split_argv(words), options
+
+
+def _convert(name: str, option: LaunchOption, text: str) -> str | float:
+    try:
+        match option.kind:
+            case "number":
+                number = int(text)
+                if option.least <= number <= (number if option.most is None else option.most):
+                    return number
+            case "seconds":
+                seconds = float(text)
+                if math.isnan(seconds) or 0.0 < seconds <= 1e6:
+                    return seconds
+            case "choice" if text not in option.choices:
+                pass
+            case _:
+                return text
+    except ValueError:
+        pass
+    raise BadOptionError(name, text, option)

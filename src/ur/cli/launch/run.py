@@ -8,13 +8,15 @@ from errno import ENOEXEC
 
 import click
 
-from ur.cli.launch.options import make_lease_options
+from ur.cli.launch.command import make_options
+from ur.cli.launch.launch import explain_problem, launch_line
+from ur.cli.launch.options import LEASE
 from ur.cli.launch.run_script import is_script, run_script
-from ur.request.arguments import split_argv
 from ur.request.environment import PACKAGE, add_own_package, apply_selection, current_selection
 from ur.request.options import LaunchOptions, check_options
 from ur.request.program_arguments import check_arguments
 from ur.request.programs import find_launch_file, find_program, read_launch_argv
+from ur.source.arguments import split_argv
 from ur.source.diagnostic import UserError, error, error_about
 
 
@@ -63,13 +65,13 @@ def command(
     if web or foxglove:
         from ur.cli.launch.run_web import run_with_page
 
-        check_arguments(found, split_argv(arguments)[1], os.environ)
+        check_arguments(found, split_argv(arguments).arguments, os.environ)
         return run_with_page(program, [*options, *arguments], foxglove=foxglove)
     launched = read_launch_argv(found) if found.folder == PACKAGE else None
     if launched is not None and not any(text.startswith("-") for text in arguments):
         chosen = LaunchOptions(watch=watch, ask=ask, take_over=take_over, unattended=unattended, program=found.name)
         return _launch([*launched, *arguments], chosen)
-    check_arguments(found, split_argv(arguments)[1], os.environ)
+    check_arguments(found, split_argv(arguments).arguments, os.environ)
     sys.stdout.flush()
     try:
         os.execv(found.path, [str(found.path), *options, *arguments])  # noqa: S606 - a program, not a shell command
@@ -81,15 +83,14 @@ def command(
 
 def _launch(argv: list[str], options: LaunchOptions) -> int:
     """Launch in this process, as the program would with two more processes, of bash and Python."""
-    from ur.cli.launch.act import act_on, explain_problem
-
-    check_options(argv, options)
+    line = split_argv(argv)
+    check_options(line.names, options)
     try:
-        return act_on(argv, options)
+        return launch_line(line, options)
     except UserError as problem:
         if problem.diagnostics[0].rule == "unknown-argument":
             raise
         return explain_problem(problem)
 
 
-command.params.extend(make_lease_options())
+command.params.extend(make_options(LEASE))

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import click
 
+from ur.source.arguments import Argument, CommandLine
 from ur.source.diagnostic import UserError, error
 from ur.source.project import launch_library
 
@@ -46,7 +47,7 @@ def command(
 
         return stop_run(_RUN, output=True) if here else _run_there(selection.robot, ["record", "--stop"])
     if here:
-        from ur.cli.launch.act import act_on
+        from ur.cli.launch.launch import launch_line
         from ur.request.options import LaunchOptions
 
         given = {
@@ -55,8 +56,9 @@ def command(
             "split_megabytes": f"{megabytes:g}" if megabytes else "",
             "free_megabytes": f"{free:g}" if free else "",
         }
-        argv = [f"{name}:={value}" for name, value in given.items() if value]
-        return act_on([str(launch_library() / _LAUNCH), *argv], LaunchOptions(detach=detach, wait=detach, watch=True))
+        arguments = tuple(Argument(name, value) for name, value in given.items() if value)
+        line = CommandLine((str(launch_library() / _LAUNCH),), arguments)
+        return launch_line(line, LaunchOptions(detach=detach, wait=detach, watch=True))
     options = {"--to": folder, "--split": megabytes, "--keep-free": free}
     chosen = [word for name, value in options.items() if value is not None for word in (name, str(value))]
     code = _run_there(selection.robot, ["record", "--detach", *chosen, *topics])

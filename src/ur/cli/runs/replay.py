@@ -11,8 +11,8 @@ from pathlib import Path
 import click
 
 from ur.recordings.replays import ReplayCommand, ReplayState, ask_replay, describe_state
-from ur.request.arguments import Argument, split_argv
 from ur.source.ansi import is_plain
+from ur.source.arguments import Argument, CommandLine, split_argv
 from ur.source.diagnostic import UserError, error, error_about
 
 
@@ -131,7 +131,7 @@ def _read_request(recording: str, program: str, arguments: Sequence[str]) -> _Pl
 
 
 def _play(played: _Played, speed: float, start: float) -> int:
-    from ur.cli.launch.start import run_launch
+    from ur.cli.launch.launch import run_launch
     from ur.request.environment import apply_selection, current_selection
     from ur.request.joining.replaying import plan_replay
     from ur.request.options import LaunchOptions, StartReporter
@@ -145,7 +145,7 @@ def _play(played: _Played, speed: float, start: float) -> int:
     world = make_world()
     launch = plan_replay(played.path, played.launch_file, played.arguments, selection, world, playback=(speed, start))
     options = LaunchOptions(except_=launch.left_out, watch=True, program="replay")
-    return run_launch(launch.argv, selection, options, StartReporter(), None)
+    return run_launch(launch.line, selection, options, StartReporter(), None)
 
 
 def _start_simulator(played: _Played, seconds: float | None) -> int:
@@ -154,7 +154,7 @@ def _start_simulator(played: _Played, seconds: float | None) -> int:
 
     import numpy as np
 
-    from ur.cli.launch.start import run_launch
+    from ur.cli.launch.launch import run_launch
     from ur.maps.picture_file import write_picture
     from ur.recordings.mcap_file import open_recording
     from ur.recordings.place import find_place
@@ -171,7 +171,7 @@ def _start_simulator(played: _Played, seconds: float | None) -> int:
         world = write_picture(Path(folder, "map"), cells, place.map.resolution, place.map.origin)
         own = {"world": str(world), "x": f"{place.x:.3f}", "y": f"{place.y:.3f}", "yaw": f"{place.yaw:.4f}"}
         given = {each.name for each in played.arguments}
-        argv = [f"{name}:={value}" for name, value in own.items() if name not in given]
+        added = (Argument(name, value) for name, value in own.items() if name not in given)
         sys.stderr.write(f"the simulated robot starts at {place.x:.2f}, {place.y:.2f}, {place.yaw:.2f} rad\n")
-        words = [played.launch_file, *argv, *map(str, played.arguments)]
-        return run_launch(words, selection, LaunchOptions(program="replay"), StartReporter(), None)
+        line = CommandLine((played.launch_file,), (*added, *played.arguments))
+        return run_launch(line, selection, LaunchOptions(program="replay"), StartReporter(), None)

@@ -11,7 +11,7 @@ _ASK_RUN = Trust("the answers of a run of yours, over its socket", sends="a requ
 LAUNCHING = (
     Verb(
         "launch",
-        "ur.cli.launch.launch",
+        "ur.cli.launch.command",
         "Start a launch file, in place of roslaunch.",
         _SECTION,
         arguments=("launch",),

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
+from ur.source.arguments import parse_argument
+
 _LEGAL = re.compile(r"[~/A-Za-z][\w/]*\Z")
 _ASSIGNMENT = re.compile(r"[~/A-Za-z_][\w/]*:=.*\Z")
 
@@ -66,13 +68,14 @@ def read_assignments(arguments: Sequence[str]) -> tuple[dict[str, str], list[str
     values: dict[str, str] = {}
     ignored: list[str] = []
     for argument in arguments:
-        if ":=" not in argument:
+        given = parse_argument(argument)
+        if given is None:
             continue
-        parts = [part.strip() for part in argument.split(":=")]
-        if not _ASSIGNMENT.match(argument) or len(parts) != 2 or not all(parts):
+        name, value = given.name.strip(), given.value.strip()
+        if not _ASSIGNMENT.match(argument) or not name or not value or parse_argument(value) is not None:
             ignored.append(argument)
-        elif not (len(parts[0]) > 1 and parts[0][0] == "_" and parts[0][1] != "_"):
-            values[parts[0]] = parts[1]
+        elif not (len(name) > 1 and name[0] == "_" and name[1] != "_"):
+            values[name] = value
     return values, ignored
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from ur.request.arguments import Argument
+from ur.source.arguments import Argument
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 

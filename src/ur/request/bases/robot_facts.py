@@ -7,11 +7,11 @@ import socket
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
-from ur.request.arguments import Argument
 from ur.request.environment import environment_changes
 from ur.request.options import Report
 from ur.robot.robot_file import RobotFile, load_robot_file
 from ur.robot.selection import Selection
+from ur.source.arguments import Argument
 from ur.system.ros import find_facts, graph_address, read_domain
 
 BASE_NAME = "/ur/base_name"

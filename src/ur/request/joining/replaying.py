@@ -8,10 +8,10 @@ from pathlib import Path
 
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.world.protocol import World
-from ur.request.arguments import Argument
 from ur.request.launch_request import make_request
 from ur.request.plan_files import complete_arguments, describe_computer, texts
 from ur.robot.selection import Selection
+from ur.source.arguments import Argument, CommandLine
 from ur.source.project import launch_library
 
 _ROBOT_MACHINE = "robot_machine"
@@ -23,7 +23,7 @@ REPLAY = "n_replay/launch/n_replay.launch.xml"
 class ReplayLaunch:
     """The names and arguments for `ur launch`, and the nodes that are left out."""
 
-    argv: tuple[str, ...]
+    line: CommandLine
     left_out: tuple[str, ...]
 
 
@@ -42,22 +42,22 @@ def plan_replay(
     `robot_machine` names: all others start. Raises UserError, as `make_request` does.
     """
     speed, start = playback
+    file = str(launch_library() / REPLAY)
     own = (
-        str(launch_library() / REPLAY),
-        f"recording:={recording.absolute()}",
-        f"playback_speed:={speed:g}",
-        f"playback_start:={start:g}",
+        Argument("recording", str(recording.absolute())),
+        Argument("playback_speed", f"{speed:g}"),
+        Argument("playback_start", f"{start:g}"),
     )
     if not program:
-        return ReplayLaunch(own, ())
+        return ReplayLaunch(CommandLine((file,), own), ())
     given = tuple(each for each in arguments if each.name != _ROBOT_MACHINE)
     left_out = find_robot_nodes(program, given, selection, world)
-    return ReplayLaunch((own[0], program, *own[1:], *texts(given)), left_out)
+    return ReplayLaunch(CommandLine((file, program), (*own, *given)), left_out)
 
 
 def find_robot_nodes(path: str, arguments: Iterable[Argument], selection: Selection, world: World) -> tuple[str, ...]:
     """The full names of the nodes of a launch file that run on the robot; none where it has no robot."""
-    request = make_request([path, *texts(arguments)], world, selection)
+    request = make_request(CommandLine((path,), tuple(arguments)), world, selection)
     files = request.files
     if _ROBOT_MACHINE not in files.declared:
         return ()

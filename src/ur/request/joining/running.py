@@ -9,11 +9,11 @@ from contextlib import ExitStack
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ur.request.arguments import Argument
 from ur.run.join.claims import Definition, read_claims
 from ur.run.join.lock import MasterLock, lock_master
 from ur.run.master.client import parse_master_uri
 from ur.run.record.entry import RunEntry
+from ur.source.arguments import Argument
 from ur.source.diagnostic import Diagnostic, UserError, error
 from ur.system.ros import graph_address, read_domain
 

@@ -6,7 +6,6 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ur.request.arguments import Argument, split_argv, values_of
 from ur.request.environment import PACKAGE, add_own_package
 from ur.robot.boot.launch_file import RobotLaunch, choose_arguments, find_launch, is_launch_name
 from ur.robot.boot.units import LIBRARIES, command_line, launch_line, page_line, source_line
@@ -17,6 +16,7 @@ from ur.robot.setup.engine import apply_states
 from ur.robot.setup.facts import FactsRequest
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
+from ur.source.arguments import Argument, split_argv, values_of
 from ur.source.diagnostic import UserError, error
 
 PAGE = "web"

@@ -15,6 +15,7 @@ from ur.robot.boot.units import LIBRARIES, source_line
 from ur.robot.robot_file import ROBOT_FILE, RobotFile, Ros2Robot, parse_robot_file
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
+from ur.source.arguments import split_argv
 from ur.source.diagnostic import UserError, error_about
 
 _FIND = f"""\
@@ -55,7 +56,7 @@ def program_arguments(robot: RobotFile, argv: Sequence[str], declared: Collectio
     """Return the arguments of a program on a robot whose drivers are already running; those of the user stay."""
     assert robot.ros2
     own = {"robot_base": robot.base, "robot_variant": robot.variant, **robot.ros2.arguments()}
-    given = {each.partition(":=")[0] for each in argv}
+    given = split_argv(argv).values
     return [
         *argv,
         *(f"{name}:={value}" for name, value in own.items() if value and name in declared and name not in given),

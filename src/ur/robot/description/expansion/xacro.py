@@ -27,6 +27,7 @@ from ur.robot.description.expansion.process import (
     expand,
 )
 from ur.robot.description.surroundings import Surroundings, is_safe_program
+from ur.source.arguments import split_argv
 from ur.source.diagnostic import UserError, error
 from ur.source.read import read_source
 
@@ -102,7 +103,7 @@ def _expand(path: Path, around: Surroundings, computer: ExpansionComputer, argum
     help_ = "source the setup.bash of the workspace that holds the packages it names"
     help_ = f"ur get {missing}, or {help_}" if missing else help_
     wanted = re.search(r"Undefined substitution argument (\w+)", reason)
-    if wanted and wanted[1] not in [each.partition(":=")[0] for each in arguments]:
+    if wanted and wanted[1] not in split_argv(arguments).values:
         help_ = f"its argument has no default: add {wanted[1]}:=VALUE to the command"
     raise UserError(error(message, rule="bad-xacro", help=help_, subject=str(path), reason=reason))
 
