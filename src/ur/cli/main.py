@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import os
-import shlex
 import sys
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
@@ -147,9 +146,11 @@ def explain_exception(problem: Exception, argv: list[str]) -> int:
         _print_error("  help: cd to another folder, then run this again")
         return 2
     if isinstance(problem, OSError) and problem.errno in _REFUSALS and isinstance(problem.filename, (str, bytes)):
+        from shlex import quote
+
         name = printable(os.fsdecode(problem.filename))
         _print_error(f"error: '{name}' cannot be used: {(problem.strerror or str(problem)).lower()}")
-        _print_error(f"  help: {_REFUSALS[problem.errno].format(shlex.quote(name))}")
+        _print_error(f"  help: {_REFUSALS[problem.errno].format(quote(name))}")
         return 2
     return report_defect(problem, argv)
 

@@ -39,6 +39,7 @@ def launch(argv: Sequence[str]) -> int:
     none runs, and stops everything again at the end: on Ctrl-C, when a required node ends, or when all nodes have
     ended. Options have the same meaning as for roslaunch.
     """
+    gc.disable()  # garbage collection is useless before a run
     from ur.cli.launch.options import read_launch
 
     report = None
@@ -49,6 +50,8 @@ def launch(argv: Sequence[str]) -> int:
         return launch_line(line, options)
     except UserError as problem:
         return explain_problem(problem, report)
+    finally:
+        gc.enable()
 
 
 def launch_line(line: CommandLine, options: LaunchOptions) -> int:
@@ -64,14 +67,11 @@ def launch_line(line: CommandLine, options: LaunchOptions) -> int:
     if query is not None and query[0] != "dry-run":
         from ur.request.questions import answer
 
-        gc.disable()  # garbage collection is useless in such a short process
-        try:
-            return answer(line, selection, query, shell)
-        finally:
-            gc.enable()
+        return answer(line, selection, query, shell)
     apply_selection(selection)
     if query is not None:
         return _dry_run(line, selection, options, reporter, shell)
+    gc.enable()
     if not options.detach:
         return run_launch(line, selection, options, reporter, None)
     from ur.cli.runs.wait import start_detached
