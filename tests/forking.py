@@ -23,7 +23,7 @@ MORE = (
     "ur.cli.main",
     "ur.cli.launch.launch",
     "ur.cli.launch.options",
-    "ur.run.foreground",
+    "ur.run.loop",
     "ur.check.run",
 )
 """What commands import when they run, beside the module of their verb."""

@@ -17,8 +17,7 @@ from ur.cli.robot_setup.image import _opened
 from ur.cli.runs.logs import find_ended_run
 from ur.cli.verbs import VERBS, load_verb
 from ur.maps.picture_file import write_picture
-from ur.run.record.ended import EndedRun, write_ended
-from ur.run.record.entry import RunEntry
+from ur.run.record.registry import EndedRun, RunEntry, write_ended
 from ur.source.diagnostic import UserError
 from ur.source.replace import check_output, output_file
 

@@ -18,8 +18,7 @@ from ur.complete.names import (
     program_launch_file,
 )
 from ur.robot.discovery.record import RobotRecord, records_folder, render_record
-from ur.run.record.computer import read_computer
-from ur.run.record.registry import register_run, unregister_run
+from ur.run.record.registry import read_computer, register_run, unregister_run
 
 
 @pytest.fixture

@@ -22,8 +22,7 @@ from ur.report.archive import MOST_BYTES, list_run_recordings, write_report
 from ur.report.page import make_page
 from ur.report.recording import Recording
 from ur.report.sources import RunSources, collect, merge_logs, read_parameters
-from ur.run.record.ended import EndedRun
-from ur.run.record.entry import RunEntry
+from ur.run.record.registry import EndedRun, RunEntry
 
 START = 1_700_000_000_000_000_000
 STORE = get_typestore(Stores.ROS1_NOETIC)

@@ -13,7 +13,7 @@ import psutil
 import pytest
 from tests.run.leftovers import find_processes, wait_nothing_left
 
-from ur.run.output.log_cut import MARK
+from ur.run.output.log_rotation import MARK
 
 pytestmark = pytest.mark.ros
 

@@ -196,7 +196,7 @@ def test_detached_run_that_has_ended_is_found_with_reason_and_last_lines(world: 
 
 
 def test_only_the_latest_ended_runs_are_kept(world: Any) -> None:
-    from ur.run.record.ended import MAX_RUNS
+    from ur.run.record.registry import MAX_RUNS
 
     file = world.write('<node pkg="little_nodes" type="quick" name="quick"/>')
     run = world.ur("launch", file)

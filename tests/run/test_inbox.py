@@ -3,7 +3,7 @@ from __future__ import annotations
 import os
 import select
 
-from ur.run.inbox import Inbox
+from ur.run.loop import Inbox
 
 
 def test_task_that_is_posted_wakes_the_loop_and_is_taken_once() -> None:

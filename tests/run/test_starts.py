@@ -3,7 +3,7 @@ from __future__ import annotations
 import os
 import resource
 
-from ur.run.starts import allow_open_files
+from ur.run.loop import allow_open_files
 
 
 def test_limit_of_open_files_is_raised_as_far_as_it_may_be() -> None:

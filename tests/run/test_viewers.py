@@ -10,7 +10,7 @@ from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.specs import NodeSpec
 from ur.launchfile.world import World
 from ur.launchfile.world.memory import MemoryWorld
-from ur.run.process.missing_package import describe_install, is_packaged
+from ur.run.process.command import describe_install, is_packaged
 from ur.run.startup.node_selection import check_display, leave_out_viewers
 from ur.source.diagnostic import UserError
 

@@ -136,8 +136,7 @@ def list_file_names(path: str, argv: Sequence[str], environment: Mapping[str, st
 
 def list_run_names(environment: Mapping[str, str]) -> Iterator[Completion]:
     """Yield the runs of this user."""
-    from ur.run.record.computer import read_computer
-    from ur.run.record.registry import list_runs
+    from ur.run.record.registry import list_runs, read_computer
 
     for entry in list_runs(environment, os.getuid(), read_computer()):
         yield Completion(entry.run, entry.title)
@@ -145,8 +144,7 @@ def list_run_names(environment: Mapping[str, str]) -> Iterator[Completion]:
 
 def list_running_nodes(environment: Mapping[str, str]) -> Iterator[Completion]:
     """Yield the nodes of this user's runs that have log files."""
-    from ur.run.record.computer import read_computer
-    from ur.run.record.registry import list_runs
+    from ur.run.record.registry import list_runs, read_computer
 
     for entry in list_runs(environment, os.getuid(), read_computer()):
         for log in sorted(os.listdir(entry.log_folder)) if os.path.isdir(entry.log_folder) else ():  # noqa: PTH112, PTH208 - pathlib is not worth its import here

@@ -15,9 +15,7 @@ from pathlib import Path
 from ur.report.changes import WorkspaceChanges, read_changes
 from ur.run.master.client import parse_master_uri
 from ur.run.master.xml_rpc import CallRefused, Unanswered
-from ur.run.record.ended import EndedRun
-from ur.run.record.entry import RunEntry
-from ur.run.record.plan_record import plan_path, read_plan
+from ur.run.record.registry import EndedRun, RunEntry, plan_path, read_plan
 from ur.source.diagnostic import UserError
 from ur.source.foreign.json_values import write_json
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ur.run.options import RunOptions
     from ur.run.output.console import Console
     from ur.run.process.host_client import ProcessHost
-    from ur.run.record.entry import RunEntry
+    from ur.run.record.registry import RunEntry
     from ur.run.supervisor.state import TimeLimits
 
 _MADE = "xacro"  # no release of Debian has it, and many a robot_description calls it

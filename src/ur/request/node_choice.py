@@ -30,7 +30,7 @@ def apply_options(plan: Plan, options: LaunchOptions, report: Report) -> Plan:
     """Return a plan with the nodes that options choose. Raises UserError for unknown nodes in options."""
     if options.local:
         from ur.run.paths import is_local_address
-        from ur.run.startup.machine_assignment import split_plan
+        from ur.run.startup.node_selection import split_plan
 
         plan, remote = split_plan(plan, is_local_address)
         for each in remote:
@@ -50,7 +50,7 @@ def apply_options(plan: Plan, options: LaunchOptions, report: Report) -> Plan:
     if options.verbose:
         report("info", "\n".join(_list_contents(plan)))
     if options.part is not None:
-        from ur.run.startup.machine_assignment import keep_nodes
+        from ur.run.startup.node_selection import keep_nodes
 
         mine = {node.full_name for node in plan.nodes if node.machine == options.part} - set(options.runs_already)
         plan = keep_nodes(plan, mine)

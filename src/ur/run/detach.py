@@ -7,7 +7,7 @@ import signal
 import sys
 from collections.abc import Callable
 
-from ur.run.record.entry import RunEntry
+from ur.run.record.registry import RunEntry
 from ur.source.diagnostic import UserError, error_about
 
 Detach = Callable[[RunEntry], None]

@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+import os
+import resource
 import select
 import signal
 import threading
 import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from typing import NamedTuple
 
 from ur.run.clients.monitor import Monitor
-from ur.run.foreground import Foreground
-from ur.run.inbox import Inbox
+from ur.run.host.protocol import FOREGROUND, GROUP, SESSION
 from ur.run.output.console import Console
 from ur.run.output.log_rotation import LogRotation
 from ur.run.output.reporter import RunReporter
 from ur.run.output.router import NodeOutputs
+from ur.run.process.command import UnitProgram
 from ur.run.process.host_client import HostLost, ProcessHost, Suspended
 from ur.run.process.terminal import Terminal
 from ur.run.run import Job, Run
-from ur.run.starts import Starts
-from ur.run.startup.progress import StartProgress
-from ur.run.startup.start_count import StartCount
+from ur.run.startup.progress import StartCount, StartProgress
 from ur.run.supervisor.actions import (
     Action,
     AwaitMaster,
@@ -30,8 +34,8 @@ from ur.run.supervisor.actions import (
     StartUnit,
     Sweep,
     Unregister,
+    is_before,
 )
-from ur.run.supervisor.changes import is_before
 from ur.run.supervisor.events import (
     CTRL_C,
     Begin,
@@ -45,6 +49,161 @@ from ur.run.supervisor.events import (
 )
 from ur.run.supervisor.state import RunPhase, UnitStatus
 from ur.run.supervisor.supervisor import begin_state, next_deadline, step
+
+
+class Foreground:
+    """Lends keyboard and screen to the unit (if any) that needs them, and keeps the console quiet meanwhile."""
+
+    def __init__(self, name: str | None, terminal: Terminal | None, console: Console, host: ProcessHost) -> None:
+        """`name` is the unit that needs the terminal."""
+        self._name = name
+        self._terminal = terminal
+        self._console = console
+        self._host = host
+
+    def lend(self) -> str:
+        """Release the terminal for the unit, which is about to start; return the process group kind for its start."""
+        self._console.hold()
+        if self._terminal is None or not self._terminal.in_foreground():
+            return GROUP
+        self._terminal.mark_lent()
+        return FOREGROUND
+
+    def take_back(self, *, reset: bool) -> None:
+        """Take the terminal back after the unit has ended; `reset` it after one that was killed."""
+        if self._terminal is not None:
+            self._terminal.take_back(reset=reset)
+        self._console.release()
+
+    def suspend(self, name: str, pid: int | None) -> None:
+        """Stop this process with a unit that was stopped (Ctrl-Z), and continue with it (`pid`, if it still exists)."""
+        if self._terminal is None or name != self._name:
+            return
+        self._terminal.take_back(reset=False)
+        self._terminal.wait_suspended()
+        if self._terminal.in_foreground() and pid is not None:
+            self._terminal.lend(pid)
+        self._host.signal_process(name, signal.SIGCONT)
+
+
+MOST_STARTS = 100  # processes whose files are open at once before they are sent
+FILES_KEPT = 3  # of a process: its log, and one end each of standard output and error
+FILES_SENT = 2  # the other ends
+
+
+class _Start(NamedTuple):
+    program: UnitProgram
+    argv: list[str]
+    stdio: tuple[int, int, int]
+    given: list[int]
+    session_mode: str
+
+
+class Starts:
+    """Starts of the processes of a run.
+
+    All of a burst is prepared before any of it is sent: started nodes take processor time from the preparation of later
+    ones.
+    """
+
+    def __init__(self, run: Run, host: ProcessHost, outputs: NodeOutputs, foreground: Foreground) -> None:
+        """Create the starts, and raise this process's limit of open files for the programs of the run."""
+        self._run = run
+        self._host = host
+        self._outputs = outputs
+        self._foreground = foreground
+        self._prepared: list[_Start] = []
+        allow_open_files(100 + FILES_KEPT * len(run.programs) + FILES_SENT * MOST_STARTS)
+
+    def prepare(self, program: UnitProgram) -> None:
+        """Open the files of a process, and send the burst if it is complete."""
+        unit = program.unit
+        self._outputs.open(program)
+        argv = [*program.argv, *([f"__log:={self._run.folder}/{program.log_name}.log"] if program.names_log else [])]
+        if unit.terminal:
+            self._prepared.append(_Start(program, argv, (0, 1, 2), [], self._foreground.lend()))
+        else:
+            alone = unit.core or self._run.terminal_program is not None
+            stdio, given = self._outputs.wire(program)
+            self._prepared.append(_Start(program, argv, stdio, given, SESSION if alone else GROUP))
+        if len(self._prepared) >= MOST_STARTS:
+            self.send()
+
+    def send(self) -> None:
+        """Send the prepared starts to the host."""
+        for each in self._prepared:
+            program = each.program
+            cwd = program.cwd or self._run.home
+            self._host.start_process(
+                program.unit.name, each.argv, cwd, dict(program.changes), each.stdio, each.session_mode
+            )
+            for descriptor in each.given:
+                os.close(descriptor)
+        self._prepared.clear()
+
+
+def allow_open_files(count: int) -> None:
+    """Raise this process's own limit of open files if it is lower; nodes are not its children and keep theirs."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if soft != resource.RLIM_INFINITY and soft < count:
+        most = count if hard == resource.RLIM_INFINITY else min(count, hard)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
+
+
+Task = Callable[[], None]
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # signals that request the end of a run
+
+
+class Inbox:
+    """A queue of tasks, readable (`fileno`) while it is not empty. Handles SIGNALS until it is closed."""
+
+    def __init__(self, take_signal: Callable[[int], None]) -> None:
+        """Create the inbox; `take_signal` is called later, in the loop's thread, with a signal."""
+        self._tasks: deque[Task] = deque()
+        self._open = threading.Lock()  # held while the pipe is written to or closed
+        self._closed = False
+        self._reader, self._writer = os.pipe2(os.O_CLOEXEC | os.O_NONBLOCK)
+        self._old_writer = signal.set_wakeup_fd(self._writer, warn_on_full_buffer=False)
+        self._handlers = {
+            signum: signal.signal(signum, lambda number, _: self._tasks.append(lambda: take_signal(number)))
+            for signum in SIGNALS
+        }
+
+    def fileno(self) -> int:
+        """Return the descriptor for poll."""
+        return self._reader
+
+    def post(self, task: Task) -> None:
+        """Queue a task for the loop. May be called from any thread. No effect after `close`."""
+        with self._open:
+            if self._closed:  # the descriptor may belong to another file by now
+                return
+            self._tasks.append(task)
+            with suppress(BlockingIOError):  # the pipe is full: the loop wakes up anyway
+                os.write(self._writer, b"\0")
+
+    def clear(self) -> None:
+        """Make the descriptor unreadable until the next task arrives."""
+        try:
+            while os.read(self._reader, 4096):
+                pass
+        except BlockingIOError:
+            return
+
+    def take(self) -> Iterator[Task]:
+        """Iterate over the pending requests, oldest first, and remove each."""
+        while self._tasks:
+            yield self._tasks.popleft()
+
+    def close(self) -> None:
+        """Restore the previous signal handlers."""
+        signal.set_wakeup_fd(self._old_writer)
+        for signum, handler in self._handlers.items():
+            signal.signal(signum, handler)
+        with self._open:
+            self._closed = True
+            os.close(self._reader)
+            os.close(self._writer)
 
 
 def run_loop(run: Run, host: ProcessHost, console: Console, terminal: Terminal | None) -> int:
@@ -107,7 +266,7 @@ class _Loop:
         if owner is not None and terminal is not None:
             nodes = sum(not program.unit.core for program in run.programs)
             count = StartCount(owner.unit.name, nodes, terminal, console)
-        self._progress = StartProgress(run, self._inbox, self._monitor, count)
+        self._progress = StartProgress(run, self._inbox.post, self._monitor, count)
 
     def run(self) -> int:
         self._monitor.open(self._run, self._state, self._outputs, time.monotonic())

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ur.run.supervisor.state import TimeLimits
 
 if TYPE_CHECKING:
-    from ur.run.record.entry import RunEntry
+    from ur.run.record.registry import RunEntry
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from ur.run.supervisor.state import TimeLimits
 if TYPE_CHECKING:
     from ur.run.clients.protocol import RunStarted
     from ur.run.middleware.protocol import Middleware
-    from ur.run.record.entry import RunEntry
+    from ur.run.record.registry import RunEntry
 
 Job = Callable[[], Event]
 

@@ -20,9 +20,8 @@ from ur.robot.selection import load_selection
 from ur.robot.setup.robot_states import WantedRobot, robot_file
 from ur.robot.sync.memory import load_memory
 from ur.run.clients.protocol import BadLineError, parse_command, parse_event
-from ur.run.record.computer import Computer
-from ur.run.record.registry import list_runs
-from ur.run.remote.clients import read_clients
+from ur.run.record.registry import Computer, list_runs
+from ur.run.remote.own_clients import read_clients
 from ur.source.diagnostic import UserError
 from ur.source.render import render_human
 

@@ -19,8 +19,8 @@ from ur.request.remote import master_nodes
 from ur.run.master.client import Master
 from ur.run.master.tcpros import NoTopic, listen_to
 from ur.run.master.xml_rpc import CallRefused, Unanswered
-from ur.run.middleware.master_view import MasterView
 from ur.run.middleware.protocol import NoGraph
+from ur.run.middleware.ros1 import MasterView
 from ur.run.remote.lease import read_lease
 from ur.run.remote.signs import look_up_nodes, probe_node
 from ur.source.diagnostic import UserError

@@ -9,8 +9,19 @@ import pytest
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.memory import MemoryWorld
-from ur.run.join.claims import Claims, define_nodes, make_claims, read_claims, write_claims
-from ur.run.join.decision import Held, decide, find_free_names, find_localisers, find_misfits, leave_out
+from ur.run.join.decision import (
+    Claims,
+    Held,
+    decide,
+    define_nodes,
+    find_free_names,
+    find_localisers,
+    find_misfits,
+    leave_out,
+    make_claims,
+    read_claims,
+    write_claims,
+)
 
 BASE = """<launch>
   <arg name="world" default="maze"/>

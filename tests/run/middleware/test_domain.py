@@ -14,8 +14,8 @@ from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.memory import MemoryWorld
 from ur.request.bases.robot_facts import read_facts as read_robot_facts
 from ur.request.joining.driving import rename_taken
+from ur.run.launch import find_middleware
 from ur.run.master.parameters import start_commands
-from ur.run.middleware.choice import find_middleware
 from ur.run.middleware.facts import read_facts
 from ur.run.middleware.protocol import NoGraph
 from ur.run.middleware.ros2 import DomainMiddleware, clear_shared_memory, find_ros2

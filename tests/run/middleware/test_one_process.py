@@ -13,13 +13,12 @@ from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world import World
 from ur.launchfile.world.memory import MemoryWorld
+from ur.run.launch import find_middleware, register
 from ur.run.master.parameters import start_commands
-from ur.run.middleware.choice import find_middleware
 from ur.run.middleware.facts import read_facts
 from ur.run.middleware.one_process import ProcessMiddleware, refuse_second_run
 from ur.run.options import RunOptions
 from ur.run.output.console import Console
-from ur.run.presence import register
 from ur.run.process.command import find_programs
 from ur.run.supervisor.events import ParametersSet, SetupFailed
 from ur.source.diagnostic import UserError

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+from ur.cli.files.graph import read_settled
 from ur.run.middleware.protocol import ReceivedMessages, RunGraph
-from ur.run.middleware.settled import read_settled
 
 NOTHING = RunGraph({}, {}, {})
 ONE = RunGraph({"/scan": ["/lidar"]}, {}, {})

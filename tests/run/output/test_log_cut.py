@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-import ur.run.output.log_cut as log_cut
-from ur.run.output.log_cut import MARK, drop_beginning
+import ur.run.output.log_rotation as log_cut
+from ur.run.output.log_rotation import MARK, drop_beginning
 
 WRITER = """
 import itertools, os

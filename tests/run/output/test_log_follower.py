@@ -6,8 +6,8 @@ from typing import BinaryIO
 
 import pytest
 
-from ur.run.output.log_cut import drop_beginning
-from ur.run.output.log_follower import LogFollower
+from ur.cli.runs.logs import LogFollower
+from ur.run.output.log_rotation import drop_beginning
 
 
 @pytest.fixture

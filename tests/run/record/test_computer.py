@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.run.record.computer import Computer, describe_user, read_computer
+from ur.run.record.registry import Computer, describe_user, read_computer
 
 
 def test_computer_is_known_by_its_machine_id_and_boot(tmp_path: Path) -> None:

@@ -11,9 +11,18 @@ import pytest
 
 from ur.cli.main import main
 from ur.run.clients.client import RunUnreachable, connect_run
-from ur.run.record.computer import Computer, read_computer
-from ur.run.record.entry import RunEntry, runs_folders
-from ur.run.record.registry import DESCRIPTION, find_run, list_runs, make_run_name, register_run, unregister_run
+from ur.run.record.registry import (
+    DESCRIPTION,
+    Computer,
+    RunEntry,
+    find_run,
+    list_runs,
+    make_run_name,
+    read_computer,
+    register_run,
+    runs_folders,
+    unregister_run,
+)
 from ur.source.diagnostic import UserError
 from ur.source.run_users import read_birth
 
@@ -64,7 +73,7 @@ def test_run_is_private_listed_and_reached_until_it_is_unregistered(environment:
 
 def fall_back(monkeypatch: pytest.MonkeyPatch, shared: Path) -> dict[str, str]:
     """An environment in which runs are registered below `shared`, which is in the place of /tmp."""
-    monkeypatch.setattr("ur.run.record.entry.SHARED", str(shared))
+    monkeypatch.setattr("ur.run.record.registry.SHARED", str(shared))
     shared.mkdir()
     shared.chmod(0o1777)
     return {"XDG_STATE_HOME": "/proc/nowhere"}

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.run.remote.clients import (
+from ur.run.remote.own_clients import (
     MAX_CLIENTS,
     TooManyClientsError,
     add_client,

@@ -7,7 +7,7 @@ import pytest
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.specs import MachineSpec, Origin
 from ur.launchfile.world.system import SystemWorld
-from ur.run.startup.machine_assignment import keep_nodes, split_plan
+from ur.run.startup.node_selection import keep_nodes, split_plan
 from ur.source.file import SourceFile, Span
 
 BODY = """<launch>

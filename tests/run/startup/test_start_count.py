@@ -17,7 +17,7 @@ import pytest
 
 from ur.run.output.console import Console
 from ur.run.process.terminal import Terminal
-from ur.run.startup.start_count import StartCount
+from ur.run.startup.progress import StartCount
 
 PILOT = "import sys; sys.stdin.readline(); print('here', flush=True); sys.stdin.readline()"
 LINE = "pilot takes this terminal in a few seconds"

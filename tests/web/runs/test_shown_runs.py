@@ -13,8 +13,7 @@ from ur.run.clients.protocol import (
     Synchronised,
 )
 from ur.run.clients.run_state import apply_events, begin_state
-from ur.run.record.ended import EndedRun
-from ur.run.record.entry import RunEntry
+from ur.run.record.registry import EndedRun, RunEntry
 from ur.web.runs.watcher import MOST_ENDED, describe_runs
 
 ENTRY = RunEntry("demo.7", 7, 1, "demo", "http://localhost:11311", "/secret/log", 100.0, True, "here", "/secret/run")

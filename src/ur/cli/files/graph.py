@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ur.run.middleware.protocol import GraphView, RunGraph
 from ur.source.ansi import speaks_unicode
 from ur.source.printable import printable
 
@@ -124,7 +125,6 @@ def _show_domain(nodes: Sequence[str], form: str) -> str:
     from ur.graph.topics import graph_system
     from ur.run.middleware.helper_view import HelperView
     from ur.run.middleware.protocol import NoGraph
-    from ur.run.middleware.settled import read_settled
     from ur.source.diagnostic import UserError, error
     from ur.source.progress_line import show_progress
 
@@ -189,3 +189,22 @@ def _write(text: str, output: str | None, inputs: Iterable[str] = ()) -> int:
         file.write(content)
     click.echo(f"wrote {output}", err=True)
     return 0
+
+
+PERIOD = 0.25  # s between two looks
+_QUIET = 4  # looks without a change
+_MOST = 40  # looks
+
+
+def read_settled(view: GraphView) -> RunGraph:
+    """Read the graph until it is unchanged for a second, at most for ten seconds. Raises NoGraph."""
+    graph, quiet = view.look(()), 0
+    for _ in range(_MOST):
+        if quiet >= _QUIET and graph.topics():
+            break
+        view.wait(PERIOD)
+        newer = view.look(())
+        quiet = quiet + 1 if newer == graph else 0
+        graph = newer
+    view.forget()
+    return graph

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ur.run.clients.protocol import Severity as EventSeverity
     from ur.run.detach import Detach
     from ur.run.output.console import Console
-    from ur.run.record.entry import RunEntry
+    from ur.run.record.registry import RunEntry
     from ur.source.arguments import CommandLine
     from ur.tui.start import InterfaceProcess
 

@@ -25,7 +25,7 @@ from ur.run.clients.protocol import (
     dump_line,
 )
 from ur.run.clients.run_state import describe_node
-from ur.run.record.entry import RunEntry
+from ur.run.record.registry import RunEntry
 from ur.source.render import shows_colour
 
 

@@ -6,11 +6,8 @@ import os
 import time
 
 from ur.run.clients.client import RunClient, RunUnreachable, connect_run
-from ur.run.join.claims import read_claims
-from ur.run.record.computer import read_computer
-from ur.run.record.ended import EndedRun, find_ended, list_ended
-from ur.run.record.entry import RunEntry
-from ur.run.record.registry import find_run, list_runs
+from ur.run.join.decision import read_claims
+from ur.run.record.registry import EndedRun, RunEntry, find_ended, find_run, list_ended, list_runs, read_computer
 from ur.run.supervisor.events import CTRL_C
 from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable

@@ -11,10 +11,9 @@ from dataclasses import asdict
 import click
 
 from ur.cli.runs.detached import describe_age, describe_reason, list_own_ended, list_own_runs
-from ur.run.join.claims import read_claims
-from ur.run.record.ended import EndedRun
-from ur.run.record.entry import RunEntry
-from ur.run.remote.clients import read_clients
+from ur.run.join.decision import read_claims
+from ur.run.record.registry import EndedRun, RunEntry
+from ur.run.remote.own_clients import read_clients
 
 
 @click.command("ps")

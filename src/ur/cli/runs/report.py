@@ -10,8 +10,7 @@ import click
 
 from ur.cli.runs.detached import choose_run
 from ur.cli.runs.logs import find_ended_run
-from ur.run.record.ended import EndedRun
-from ur.run.record.entry import RunEntry
+from ur.run.record.registry import EndedRun, RunEntry
 from ur.source.diagnostic import UserError
 
 _AFTER_END = 120.0  # s after a run in which its black box may still write

@@ -13,7 +13,7 @@ from ur.cli.runs.detached import choose_run, connect
 from ur.run.clients.protocol import Watch
 from ur.run.clients.run_state import apply_events, begin_state, list_missing
 from ur.run.detach import Detach, run_detached
-from ur.run.record.entry import RunEntry
+from ur.run.record.registry import RunEntry
 from ur.source.progress_line import show_progress
 
 

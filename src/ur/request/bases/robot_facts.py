@@ -71,8 +71,7 @@ def read_facts(master_uri: str) -> Facts | None:
 def _read_run_facts(address: str, domain: str) -> Facts | None:
     """Return the facts of the runs in a domain of ROS 2, if there are any."""
     from ur.run.middleware.facts import read_facts as read_file
-    from ur.run.record.computer import read_computer
-    from ur.run.record.registry import list_runs
+    from ur.run.record.registry import list_runs, read_computer
 
     if not any(each.master_uri == address for each in list_runs(os.environ, os.getuid(), read_computer())):
         return None

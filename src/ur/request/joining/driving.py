@@ -12,7 +12,7 @@ from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.request.options import LaunchOptions, Report
 from ur.run.master.client import parse_master_uri
 from ur.run.paths import is_local_address
-from ur.run.record.computer import describe_user, read_computer
+from ur.run.record.registry import describe_user, read_computer
 from ur.run.remote.lease import Mode, RobotLease, belongs_to_other, describe_lease, read_lease
 from ur.run.remote.names import choose_names, describe_names, find_taken, rename_nodes
 from ur.run.remote.own_clients import clients_folder, list_clients

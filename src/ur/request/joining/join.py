@@ -13,7 +13,7 @@ from ur.system.ros import NONE, graph_address, read_domain
 if TYPE_CHECKING:
     from ur.request.options import Report
     from ur.request.plan_files import LoadedPlan
-    from ur.run.record.entry import RunEntry
+    from ur.run.record.registry import RunEntry
     from ur.run.remote.lease import Mode
 
 
@@ -62,8 +62,7 @@ def join(loaded: LoadedPlan, client: str, report: Report) -> Joined | None:
 
 def describe_client(client: str, mode: Mode, plan: Plan, *, simulated: bool, unattended: bool) -> Mapping[str, str]:
     """Return the variables that `ur_nodes.motion.lease.view` reads; empty if no node can drive."""
-    from ur.run.record.computer import describe_user, read_computer
-    from ur.run.record.registry import make_run_name
+    from ur.run.record.registry import describe_user, make_run_name, read_computer
     from ur.run.startup.node_selection import may_drive
 
     if simulated and mode == "drive" and not unattended and not may_drive(plan.nodes):

@@ -9,10 +9,10 @@ from contextlib import ExitStack
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ur.run.join.claims import Definition, read_claims
+from ur.run.join.decision import Definition, read_claims
 from ur.run.join.lock import MasterLock, lock_master
 from ur.run.master.client import parse_master_uri
-from ur.run.record.entry import RunEntry
+from ur.run.record.registry import RunEntry
 from ur.source.arguments import Argument
 from ur.source.diagnostic import Diagnostic, UserError, error
 from ur.system.ros import graph_address, read_domain
@@ -123,8 +123,7 @@ def describe_join(decision: Decision) -> list[str]:
 
 
 def _list_runs(uri: str) -> list[RunEntry]:
-    from ur.run.record.computer import read_computer
-    from ur.run.record.registry import list_runs
+    from ur.run.record.registry import list_runs, read_computer
 
     runs = list_runs(os.environ, os.getuid(), read_computer())
     if not runs:
@@ -202,8 +201,7 @@ def _find_foreign(names: Sequence[str], uri: str, *, elsewhere: bool) -> list[st
 
 
 def _check_localisers(plan: Plan, ours: Collection[str], entries: Iterable[RunEntry]) -> None:
-    from ur.run.join.claims import define_nodes
-    from ur.run.join.decision import find_localisers
+    from ur.run.join.decision import define_nodes, find_localisers
 
     planned = find_localisers(define_nodes([node for node in plan.nodes if node.full_name in ours], plan.params))
     problems = []

@@ -26,13 +26,13 @@ from ur.robot.remote_run import ask_part
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.openssh import STRICT, connect
 from ur.robot.ssh.shell import quote
-from ur.run.record.computer import describe_user, read_computer
+from ur.run.record.registry import describe_user, read_computer
 from ur.run.remote.names import describe_names, rename_nodes
 from ur.run.remote.own_clients import clients_folder, list_clients
 from ur.run.remote.protocol import Client, ShareAnswer, ShareRequest, dump, parse_answer
 from ur.run.remote.share import END_SECONDS
 from ur.run.remote.start import START_SECONDS
-from ur.run.startup.machine_assignment import keep_nodes
+from ur.run.startup.node_selection import keep_nodes
 from ur.source.diagnostic import UserError, error_about
 
 AGAIN_SECONDS = 0.5

@@ -31,7 +31,7 @@ from ur.request.options import Report
 from ur.request.programs import read_head_lines
 from ur.request.requirements.debian_packages import install_debian
 from ur.request.requirements.python_packages import need_all
-from ur.run.process.missing_package import is_packaged
+from ur.run.process.command import is_packaged
 from ur.run.startup.node_selection import check_display, has_display, is_view
 from ur.source.diagnostic import UserError, error
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ur.run.master.client import parse_master_uri
 from ur.run.paths import is_local_address
-from ur.run.record.entry import runs_folders
+from ur.run.record.registry import runs_folders
 from ur.system.ros import read_domain
 
 _PERIOD = 0.05  # s

@@ -10,13 +10,11 @@ from collections.abc import Callable, Iterable, Mapping
 
 from ur.run.clients.client import RunUnreachable, connect_run
 from ur.run.clients.protocol import RunEnded, RunStopping
-from ur.run.join.claims import read_claims
+from ur.run.join.decision import read_claims
 from ur.run.master.client import Master, parse_master_uri
 from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.middleware.facts import read_facts
-from ur.run.record.computer import read_computer
-from ur.run.record.entry import RunEntry
-from ur.run.record.registry import list_runs
+from ur.run.record.registry import RunEntry, list_runs, read_computer
 from ur.run.supervisor.events import Event, OwnerEnded
 from ur.source.run_users import read_birth
 from ur.system.ros import find_facts, read_domain

@@ -18,9 +18,7 @@ from ur.run.middleware.parameter_files import file_name, format_parameters
 from ur.run.middleware.protocol import GraphView
 from ur.run.options import RunOptions
 from ur.run.process.command import UnitProgram
-from ur.run.record.computer import read_computer
-from ur.run.record.entry import RunEntry
-from ur.run.record.registry import list_runs
+from ur.run.record.registry import RunEntry, list_runs, read_computer
 from ur.run.supervisor.events import Event, Exited, ParametersSet, SetupFailed, Unregistered
 from ur.source.diagnostic import UserError, error
 from ur.system.ros import find_facts, graph_address, parameters_file

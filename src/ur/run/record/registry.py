@@ -5,14 +5,102 @@ from __future__ import annotations
 import os
 import socket
 import stat
-from collections.abc import Iterable, Mapping
-from dataclasses import asdict, replace
+import time
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
 
-from ur.run.record.computer import Computer
-from ur.run.record.entry import RunEntry, is_own, runs_folders
+from ur.launchfile.plan.specs import NodeSpec, Origin, Plan
 from ur.source.diagnostic import UserError, error, error_about
+from ur.source.foreign.files import read_text
+from ur.source.foreign.json_values import read_json, write_json
+from ur.source.replace import replace_file
 from ur.source.run_users import read_birth
 from ur.source.suggest import did_you_mean
+from ur.source.user_folders import user_folder
+
+SHARED = "/tmp"  # noqa: S108 - what is in it is used only if it is private
+
+
+@dataclass(frozen=True, slots=True)
+class RunEntry:
+    """A run: `born` is the start of its process in clock ticks since boot `boot`, to detect a reused process id.
+
+    `run` is its id, `title` the launch file, `started` in s since the epoch, `folder` its control folder. It belongs to
+    the computer `machine` (see `ur.run.record.registry`); `host` is the name of this computer when the run started.
+    Entries of earlier versions have neither `machine` nor `boot`.
+    """
+
+    run: str
+    pid: int
+    born: int
+    title: str
+    master_uri: str
+    log_folder: str
+    started: float
+    detached: bool
+    host: str
+    folder: str = ""
+    machine: str = ""
+    boot: str = ""
+
+
+def runs_folders(environment: Mapping[str, str], uid: int) -> list[str]:
+    """Return registry folders of a user's runs, best first.
+
+    The session's runtime folder is not first: logout deletes it.
+    """
+    found = [f"{user_folder('XDG_STATE_HOME', environment)}/ur/runs"]
+    runtime = environment.get("XDG_RUNTIME_DIR", "")
+    found.append(f"{runtime}/ur/runs" if runtime.startswith("/") else f"{SHARED}/ur-{uid}/runs")
+    return found
+
+
+def is_own(entry: RunEntry, computer: Computer) -> bool:
+    """Return whether a run belongs to this computer, even if the computer had another name when the run started."""
+    return entry.machine == computer.machine if entry.machine else entry.host == computer.host
+
+
+_MACHINE_ID = "/etc/machine-id"
+_BOOT_ID = "/proc/sys/kernel/random/boot_id"
+
+
+@dataclass(frozen=True, slots=True)
+class Computer:
+    """A computer: `machine` is its machine-id(5), or its host name where it has none; `boot` is '' if unknown.
+
+    The machine-id is confidential: it stays on the computer.
+    """
+
+    machine: str
+    boot: str
+    host: str
+
+
+def read_computer(machine_id: str = _MACHINE_ID, boot_id: str = _BOOT_ID) -> Computer:
+    """Read the identity of this computer."""
+    host = socket.gethostname()
+    machine = _read_line(machine_id)
+    if machine in ("", "uninitialized"):  # before the first boot has finished, machine-id(5)
+        machine = host
+    return Computer(machine, _read_line(boot_id), host)
+
+
+def describe_user(computer: Computer, uid: int) -> str:
+    """Return the identity of a user of a computer for other computers, from which the machine-id cannot be computed."""
+    from hashlib import sha256
+
+    return sha256(f"ubiquity_launches\0{computer.machine}\0{uid}".encode()).hexdigest()[:32]
+
+
+def _read_line(path: str) -> str:
+    try:
+        with open(path, encoding="ascii", errors="replace") as file:  # noqa: PTH123 - pathlib is slow to import
+            return file.readline(256).strip()
+    except OSError:
+        return ""
+
 
 SOCKET = "control"
 DESCRIPTION = "run.json"
@@ -71,8 +159,6 @@ def list_runs(environment: Mapping[str, str], uid: int, computer: Computer) -> l
             if is_alive(entry, computer):
                 found.append(entry)
             else:
-                from ur.run.record.ended import write_killed  # rarely: it was killed
-
                 write_killed(entry, environment, uid)
                 unregister_run(entry)
     return sorted(found, key=lambda entry: entry.started)
@@ -179,3 +265,120 @@ def _remove_folder(folder: str) -> None:
     import shutil  # with every compression, which a run does not keep in memory
 
     shutil.rmtree(folder, ignore_errors=True)
+
+
+_LONGEST = 2000  # characters of a value
+_MOST_BYTES = 8_000_000
+
+
+def plan_path(log_folder: str, run: str) -> Path:
+    """The file of a run's plan."""
+    return Path(log_folder, f"{run}.plan.json")
+
+
+def write_plan(path: Path, plan: Plan, nodes: Sequence[NodeSpec], arguments: Sequence[str]) -> None:
+    """Write the plan of a run, for its user only. Raises OSError."""
+    values = {
+        "arguments": list(arguments),
+        "files": list(plan.files),
+        "nodes": {
+            node.full_name: {
+                "program": f"{node.package}/{node.type}",
+                "arguments": node.args,
+                "machine": node.machine or "",
+                "written at": describe_origin(node.origin),
+            }
+            for node in nodes
+        },
+        "parameters": {each.name: str(each.value)[:_LONGEST] for each in plan.params},
+        "origins": [f"{each.name} is written at {describe_origin(each.origin)}" for each in plan.params],
+    }
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+    with os.fdopen(descriptor, "w", encoding="utf-8", errors="replace") as file:
+        file.write(write_json(values))
+
+
+def read_plan(path: Path) -> dict[str, object]:
+    """The plan of a run; {} where there is none."""
+    try:
+        found = read_json(read_text(path, _MOST_BYTES), dict[str, object])
+    except (OSError, ValueError):
+        return {}
+    return found
+
+
+def describe_origin(origin: Origin) -> str:
+    """The place where something was written: file and line, then those of the includes."""
+    return ", included at ".join(f"{span.file.path}:{span.position.line}" for span in (origin.span, *origin.includes))
+
+
+MAX_RUNS = 50
+MAX_LINES = 30
+_MAX_BYTES = 1 << 18
+_MAX_LINE = 500
+
+
+@dataclass(frozen=True, slots=True)
+class EndedRun:
+    """A run that has ended.
+
+    `ended` is in s since the epoch, `exit_code` None for one that was killed. `cause` is a text for the user, ''
+    without one. `lines` are the last lines that the run itself printed; `logs` are the log files of its nodes by name.
+    """
+
+    entry: RunEntry
+    ended: float
+    exit_code: int | None
+    cause: str = ""
+    lines: tuple[str, ...] = ()
+    logs: Mapping[str, str] = field(default_factory=dict)
+
+
+def write_ended(run: EndedRun, environment: Mapping[str, str], uid: int) -> None:
+    """Store an ended run, and remove the oldest beyond MAX_RUNS. No effect if the file cannot be written."""
+    folder = _folder(environment, uid)
+    lines = tuple(line[:_MAX_LINE] for line in run.lines[-MAX_LINES:])
+    text = write_json(replace(run, lines=lines))
+    with suppress(OSError):
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        replace_file(folder / f"{run.entry.run}.{int(run.entry.started)}.json", text, lasting=False)
+        kept = sorted(folder.glob("*.json"), key=lambda path: path.stat().st_mtime)
+        for path in kept[:-MAX_RUNS]:
+            path.unlink(missing_ok=True)
+
+
+def write_killed(entry: RunEntry, environment: Mapping[str, str], uid: int) -> None:
+    """Store a run whose process was killed, with the content of its log file and the time of detection."""
+    lines: tuple[str, ...] = ()
+    with suppress(OSError), Path(entry.log_folder, f"{entry.run}.log").open("rb") as file:
+        file.seek(max(0, file.seek(0, os.SEEK_END) - _MAX_BYTES))
+        lines = tuple(file.read(_MAX_BYTES).decode("utf-8", "replace").splitlines()[-MAX_LINES:])
+    write_ended(EndedRun(entry, time.time(), None, "its process was killed", lines), environment, uid)
+
+
+def list_ended(environment: Mapping[str, str], uid: int, computer: Computer) -> list[EndedRun]:
+    """Return the ended runs of a user on this computer, latest last."""
+    found = [_read(path) for path in _folder(environment, uid).glob("*.json")]
+    return sorted((run for run in found if run and is_own(run.entry, computer)), key=lambda run: run.ended)
+
+
+def find_ended(runs: Collection[EndedRun], word: str | None) -> EndedRun | None:
+    """Find the latest run with this id, prefix of an id, or launch file; without `word`, the latest of all."""
+    for exact in (True, False):
+        for run in reversed(list(runs)):
+            names = (run.entry.run, run.entry.title)
+            if word is None or (word in names if exact else run.entry.run.startswith(word)):
+                return run
+    return None
+
+
+def _folder(environment: Mapping[str, str], uid: int) -> Path:
+    return Path(runs_folders(environment, uid)[0]).parent / "ended"
+
+
+def _read(path: Path) -> EndedRun | None:
+    try:
+        with path.open("rb") as file:
+            return read_json(file.read(_MAX_BYTES * 4), EndedRun)
+    except (OSError, ValueError):
+        return None

@@ -13,7 +13,7 @@ from ur.run.clients.client import RunUnreachable, connect_run, iterate_events
 from ur.run.clients.protocol import NodeChanged, RunStopping, Synchronised
 from ur.run.join.lock import try_lock
 from ur.run.master.client import parse_master_uri
-from ur.run.record.entry import RunEntry, runs_folders
+from ur.run.record.registry import RunEntry, runs_folders
 from ur.run.remote.protocol import ShareRequest
 from ur.source.diagnostic import UserError
 from ur.source.run_users import read_birth

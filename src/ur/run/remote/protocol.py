@@ -25,7 +25,7 @@ class Client:
     """A run on another computer that uses a robot's share of a run.
 
     `client` is the random id of that run (UR_CLIENT), `name` the host name of its computer, `machine` the identity of
-    its user there (`ur.run.record.computer.describe_user`), `pid` its process, `nodes` the full names of its nodes.
+    its user there (`ur.run.record.registry.describe_user`), `pid` its process, `nodes` the full names of its nodes.
     `detached`: it has no process and never unregisters. `since` is in s since the epoch, by the robot's clock.
     """
 

@@ -18,18 +18,7 @@ from dataclasses import replace
 from ur.robot.remote_run import MODULE
 from ur.run.master.client import Master, parse_master_uri
 from ur.run.master.xml_rpc import CallRefused, Unanswered
-from ur.run.record.computer import Computer, read_computer
-from ur.run.record.entry import RunEntry
-from ur.run.record.registry import list_runs
-from ur.run.remote.clients import (
-    TooManyClientsError,
-    add_client,
-    is_shared,
-    read_clients,
-    remove_clients,
-    remove_dead,
-    write_clients,
-)
+from ur.run.record.registry import Computer, RunEntry, list_runs, read_computer
 from ur.run.remote.local_runs import (
     HoldingRun,
     RequestBusyError,
@@ -40,6 +29,15 @@ from ur.run.remote.local_runs import (
     wait_exit,
 )
 from ur.run.remote.names import choose_names
+from ur.run.remote.own_clients import (
+    TooManyClientsError,
+    add_client,
+    is_shared,
+    read_clients,
+    remove_clients,
+    remove_dead,
+    write_clients,
+)
 from ur.run.remote.protocol import MAX_BYTES, Client, Problem, ShareAnswer, ShareRequest, dump, parse_request
 from ur.run.remote.signs import Sign, read_signs
 from ur.run.remote.start import scope, start_share

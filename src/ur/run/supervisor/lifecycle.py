@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from signal import SIGINT
 
-from ur.run.supervisor.actions import Action, ReportDeath, SignalUnit
-from ur.run.supervisor.changes import SIGNALS, Step, is_before, put_unit
+from ur.run.supervisor.actions import SIGNALS, Action, ReportDeath, SignalUnit, Step, is_before, put_unit
 from ur.run.supervisor.requests import fulfil_request
 from ur.run.supervisor.shutdown import advance_end, begin_end
 from ur.run.supervisor.state import ExitStatus, RunPhase, State, TimeLimits, UnitState, UnitStatus

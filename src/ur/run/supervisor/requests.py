@@ -4,8 +4,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ur.run.supervisor.actions import Action, ReportPressure, ReportRequest, SignalUnit
-from ur.run.supervisor.changes import SIGNALS, Step, is_before, put_unit, signal_patience, start_units
+from ur.run.supervisor.actions import (
+    SIGNALS,
+    Action,
+    ReportPressure,
+    ReportRequest,
+    SignalUnit,
+    Step,
+    is_before,
+    put_unit,
+    signal_patience,
+    start_units,
+)
 from ur.run.supervisor.events import KillNode, NodeRequest, RestartNode, StartNode
 from ur.run.supervisor.state import RunPhase, State, StopRequest, UnitState, UnitStatus
 

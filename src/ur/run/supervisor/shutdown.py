@@ -5,8 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 from signal import SIGINT, SIGKILL, SIGTERM
 
-from ur.run.supervisor.actions import Action, Finish, ReportPressure, ReportStop, SignalUnit, Sweep, Unregister
-from ur.run.supervisor.changes import SIGNALS, Step, put_unit, signal_patience
+from ur.run.supervisor.actions import (
+    SIGNALS,
+    Action,
+    Finish,
+    ReportPressure,
+    ReportStop,
+    SignalUnit,
+    Step,
+    Sweep,
+    Unregister,
+    put_unit,
+    signal_patience,
+)
 from ur.run.supervisor.state import RunPhase, State, UnitStatus
 
 

@@ -18,8 +18,10 @@ from ur.run.supervisor.actions import (
     ReportRevival,
     SetParameters,
     StartShare,
+    Step,
+    is_before,
+    start_units,
 )
-from ur.run.supervisor.changes import Step, is_before, start_units
 from ur.run.supervisor.events import (
     Begin,
     Event,

@@ -20,10 +20,7 @@ from ur.run.clients.protocol import (
     find_severity,
 )
 from ur.run.clients.run_state import NodeRow, RunState, apply_events, begin_state
-from ur.run.record.computer import read_computer
-from ur.run.record.ended import EndedRun, list_ended
-from ur.run.record.entry import RunEntry
-from ur.run.record.registry import list_runs
+from ur.run.record.registry import EndedRun, RunEntry, list_ended, list_runs, read_computer
 from ur.run.supervisor.events import RestartNode, StartNode, StopNode
 from ur.web.runs.log_lines import LogLines, read_lines
 from ur.web.wire.run_requests import ChangeNode

@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import Literal
 from urllib.parse import urlsplit
 
-from ur.run.join.claims import read_claims
-from ur.run.record.computer import read_computer
-from ur.run.record.registry import list_runs
+from ur.run.join.decision import read_claims
+from ur.run.record.registry import list_runs, read_computer
 from ur.source.foreign.json_values import read_json
 from ur.source.printable import one_line
 from ur.source.run_users import PAGE, forget_user, note_user
