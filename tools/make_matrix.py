@@ -18,7 +18,7 @@ sys.path.insert(0, str(ROOT))  # the table is the tests'
 
 from tests.e2e.matrix_table import TABLE, Cell, list_all_bases, load_cells  # noqa: E402 - after the path
 
-from ur.request.bases.needs import describe_base  # noqa: E402 - likewise
+from ur.request.bases.base_argument import describe_base  # noqa: E402 - likewise
 
 PAGE = ROOT / "docs" / "reference" / "programs.md"
 _HEAD = """\

@@ -21,7 +21,7 @@ from tests.e2e.matrix_table import Cell
 from tests.e2e.matrix_topics import Ears, find_fault, find_tree_faults, measure_rate
 from tests.office_fiducials import write_office_map
 
-from ur.request.bases.needs import describe_base, describe_need
+from ur.request.bases.base_argument import describe_base, describe_need
 from ur.request.bases.robot_facts import read_facts
 from ur.run.master.client import parse_master_uri
 from ur.run.middleware.facts import read_facts as read_file

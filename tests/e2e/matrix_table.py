@@ -11,7 +11,7 @@ from typing import Any
 import yaml
 
 from ur.launchfile.world.system import SystemWorld
-from ur.request.bases.needs import Need, describe_base, list_lacks, read_needs
+from ur.request.bases.base_argument import Need, describe_base, list_lacks, read_needs
 from ur.request.environment import PACKAGE
 from ur.request.programs import Program, find_launch_file, list_programs
 from ur.robot.base import Base, list_bases, list_variants, load_base

@@ -13,7 +13,7 @@ from tests.e2e.matrix_cell import try_cell
 from tests.e2e.matrix_table import Cell, list_all_bases, load_cells
 from tests.ros2_session import PYTHON, free_domain
 
-from ur.request.bases.needs import describe_base
+from ur.request.bases.base_argument import describe_base
 
 CELLS = load_cells(list_all_bases())
 ROS_1 = {

@@ -7,7 +7,7 @@ import pytest
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.memory import MemoryWorld
-from ur.request.argument_values import blame_arguments
+from ur.request.plan_files import blame_arguments
 from ur.source.arguments import Argument, parse_argument
 
 LIBRARY = """<launch>

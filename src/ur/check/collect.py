@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from ur.check.links import EscapingLinks
 from ur.check.rule import BaseNames, Package
 from ur.launchfile.address import join_addresses
-from ur.launchfile.syntax.ros2 import count_unread, is_ros2_name
+from ur.launchfile.syntax.parse import count_unread, is_ros2_name
 from ur.launchfile.world import World
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.source.diagnostic import Diagnostic, UserError, error, error_about

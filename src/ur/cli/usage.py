@@ -125,8 +125,7 @@ def _suggest_argument(option: str, argv: Sequence[str]) -> str:
     if argv[:1] != ["launch"]:
         return ""
     from ur.launchfile.address import resolve_addresses
-    from ur.request.launch_request import LaunchFiles
-    from ur.request.misspelt import suggest_assignment
+    from ur.request.launch_request import LaunchFiles, suggest_assignment
     from ur.request.plan_files import make_world
     from ur.source.diagnostic import UserError
 
@@ -187,7 +186,7 @@ def _suggest_command(word: str) -> str | None:
         return f"start a launch file: ur launch {word}"
     name, assigned, value = word.partition("=")
     if assigned:
-        from ur.request.misspelt import write_assignment
+        from ur.request.launch_request import write_assignment
 
         name = name.removesuffix(":")
         shown = name if name.isascii() and name.isidentifier() else "NAME"

@@ -14,7 +14,7 @@ from ur.get.index import read_dependencies, read_name
 from ur.get.missing import is_installed, missing_of_names, named_files, named_packages
 from ur.get.owners import addresses_of, owners_above, owners_of_manifest, owners_of_repositories, read_owners
 from ur.get.steps import Missing, Needs, SourceRepository
-from ur.launchfile.syntax.ros2 import count_unread, describe_unread
+from ur.launchfile.syntax.parse import count_unread, describe_unread
 from ur.launchfile.world.system import SystemWorld
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.files import read_text

@@ -16,7 +16,7 @@ from ur.check.rule import LaunchView, survey_launch_file
 from ur.check.session import CheckSession
 from ur.check.worlds import CachedWorld
 from ur.launchfile.plan.specs import Plan, TraceStep
-from ur.launchfile.syntax.decode import decode_text
+from ur.launchfile.syntax.parse import decode_text
 from ur.launchfile.world import World
 from ur.launchfile.world.overlay import OverlayWorld
 from ur.source.diagnostic import Diagnostic, UserError

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.world import World
-from ur.request.questions import find_node
+from ur.request.plan_files import find_node
 from ur.run.debugger.choice import TOOLS, Debugging, Tool, choose_tool, plan_debugging
 from ur.run.debugger.environment import find_core_dump, find_debug_tools, find_free_port, read_core_rules, read_target
 from ur.run.paths import ros_home

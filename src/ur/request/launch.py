@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ur.launchfile.plan.specs import Plan
-from ur.request.launch_request import LaunchRequest, make_request
-from ur.request.options import LaunchOptions, StartReporter
+from ur.request.launch_request import LaunchOptions, LaunchRequest, StartReporter, make_request
 from ur.robot.selection import Selection
 from ur.source.arguments import CommandLine
 from ur.source.diagnostic import Diagnostic, Severity, UserError
@@ -114,7 +113,7 @@ def join(launch: Launch, staged: Staged) -> Staged:
     """
     if launch.options.part is not None:
         return staged
-    from ur.request.joining import join as joining
+    from ur.request.joining import running as joining
 
     joined = joining.join(staged.loaded, launch.client, launch.reporter.report)
     if joined is None:  # the user does not want to go on
@@ -191,8 +190,7 @@ def load_with_packages(launch: Launch) -> LoadedPlan:
     """
     from ur.request.environment import apply_selection
     from ur.request.joining.running import follow_world
-    from ur.request.node_choice import load_chosen
-    from ur.request.plan_files import make_world
+    from ur.request.plan_files import load_chosen, make_world
 
     def load(inspect: Inspect | None) -> LoadedPlan:
         request = make_request(launch.line, make_world(), launch.selection, launch.options)

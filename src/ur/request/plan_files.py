@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ur.launchfile.plan.load import load_plan
-from ur.launchfile.plan.specs import MachineSpec, Origin, Plan
+from ur.launchfile.plan.problems import NOT_GIVEN
+from ur.launchfile.plan.specs import MachineSpec, NodeSpec, Origin, Plan
+from ur.launchfile.query.items import list_nodes
 from ur.launchfile.world.protocol import World
 from ur.launchfile.world.system import SystemWorld
 from ur.request.environment import apply_selection, current_selection
-from ur.request.launch_request import LaunchRequest, make_request
+from ur.request.launch_request import LaunchOptions, LaunchRequest, Report, make_request
 from ur.request.worlds import check_worlds, resolve_worlds
 from ur.robot.selection import Selection
 from ur.source.arguments import Argument, split_argv, values_of
-from ur.source.diagnostic import Diagnostic, Severity, UserError
+from ur.source.diagnostic import Diagnostic, Severity, UserError, error
 from ur.source.file import SourceFile, Span
+from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
     from ur.request.bases.base_argument import FileBase
@@ -96,7 +99,6 @@ def load_request(request: LaunchRequest, inspect: Inspect | None = None) -> Load
     if any(node.terminal for node in plan.nodes):
         findings = tuple(map(_harden, findings))
     if any(each.severity is Severity.ERROR for each in findings):
-        from ur.request.argument_values import blame_arguments
 
         def replan(given: Sequence[Argument]) -> Plan:
             kept = {each.name for each in given}
@@ -236,3 +238,156 @@ def resolve_map(
 
     found = LATEST if remote else own_store(os.environ).latest()
     return (*arguments, Argument(_MAP, found)) if found else tuple(arguments)
+
+
+def load_chosen(request: LaunchRequest, report: Report, inspect: Inspect | None = None) -> LoadedPlan:
+    """Load a request, and apply the options that choose nodes; errors in the files are printed.
+
+    `inspect` is called with the errors before. Raises UserError, as `load_request` does, and for unknown nodes in
+    options.
+    """
+    if request.options.core:
+        return LoadedPlan(request, Plan((), (), (), (), (), ("core",)))
+    loaded = load_request(request, inspect)
+    if loaded.plan is None:
+        return loaded
+    return replace(loaded, plan=apply_options(loaded.plan, request.options, report))
+
+
+def apply_options(plan: Plan, options: LaunchOptions, report: Report) -> Plan:
+    """Return a plan with the nodes that options choose. Raises UserError for unknown nodes in options."""
+    if options.local:
+        from ur.run.paths import is_local_address
+        from ur.run.startup.node_selection import split_plan
+
+        plan, remote = split_plan(plan, is_local_address)
+        for each in remote:
+            names = ", ".join(node.full_name for node in each.nodes)
+            report("warning", f"--local: {names} for {each.machine.name} ({each.machine.address}) left out")
+    if options.only or options.except_ or options.prefix:
+        plan = choose_nodes(plan, options.only, options.except_, options.prefix)
+    if options.no_terminal:
+        left_out = [node.full_name for node in plan.nodes if node.terminal]
+        plan = replace(plan, nodes=tuple(node for node in plan.nodes if not node.terminal))
+        if left_out:
+            report("info", f"--no-terminal: {', '.join(left_out)} left out")
+    for node in plan.nodes if options.required else ():
+        if node.respawn:
+            message = f"--required: {node.full_name} is to be respawned, expected a node that may end"
+            raise UserError(error(message, node.origin.span, rule="required-respawn"))
+    if options.verbose:
+        report("info", "\n".join(_list_contents(plan)))
+    if options.part is not None:
+        from ur.run.startup.node_selection import keep_nodes
+
+        mine = {node.full_name for node in plan.nodes if node.machine == options.part} - set(options.runs_already)
+        plan = keep_nodes(plan, mine)
+        plan = replace(plan, commands=tuple(each for each in plan.commands if each.command != "dump"))
+    return plan
+
+
+def choose_nodes(plan: Plan, only: Sequence[str], without: Sequence[str], prefixes: Sequence[str]) -> Plan:
+    """Return a plan with `only` these nodes (empty: all), `without` others, some with a `NODE=PREFIX`.
+
+    Raises UserError for a node that is not in the plan, and for a prefix without its node.
+    """
+    kept = {find_node(plan, name).full_name for name in only} or {node.full_name for node in plan.nodes}
+    kept -= {find_node(plan, name).full_name for name in without}
+    before = {}
+    for text in prefixes:
+        name, found, prefix = text.partition("=")
+        if not found:
+            raise UserError(error(f"--prefix {text!r}, expected NODE=PREFIX", rule="bad-prefix", subject=text))
+        before[find_node(plan, name).full_name] = prefix
+    nodes = (
+        replace(node, launch_prefix=before.get(node.full_name, node.launch_prefix))
+        for node in plan.nodes
+        if node.full_name in kept
+    )
+    return replace(plan, nodes=tuple(nodes))
+
+
+def _list_contents(plan: Plan) -> Iterator[str]:
+    yield from (f"file {path}" for path in plan.files)
+    yield from (f"parameter {each.name}: {each.command or each.value!r}" for each in plan.params)
+    yield from (f"node {node.full_name} ({node.package}/{node.type})" for node in plan.nodes)
+
+
+# By rule, or by rule and kind: the expected value.
+_EXPECTED = {
+    ("bad-boolean", ""): "true or false",
+    ("bad-number", ""): "a number",
+    ("bad-number", "double"): "a number",
+    ("bad-param-value", "double"): "a number",
+    ("bad-param-value", "int"): "a whole number",
+    ("bad-param-value", "bool"): "true or false",
+    ("bad-param-value", "boolean"): "true or false",
+}
+_BOOLEANS = {"yes": "true", "on": "true", "y": "true", "no": "false", "off": "false", "n": "false"}
+
+
+def blame_arguments(
+    findings: Sequence[Diagnostic], given: Sequence[Argument], replan: Callable[[Sequence[Argument]], Plan]
+) -> tuple[Diagnostic, ...]:
+    """Return errors about the arguments that cause errors about values in launch files, one for each argument.
+
+    An argument causes an error if the error vanishes with the argument's default. `replan` makes the plan with given
+    arguments; it is called only if there is such an error.
+    """
+    blamed: list[Diagnostic] = []
+    left, current = list(given), tuple(findings)
+    for _ in given:  # an error may hide the one of an argument before it
+        for argument in tuple(left):
+            if not any(map(_expectation, current)):
+                return tuple(blamed)
+            others = [each for each in left if each.name != argument.name]
+            without = replan(others).diagnostics
+            places = set(map(_place, without))
+            expected = next(
+                (_expectation(each) for each in current if _expectation(each) and _place(each) not in places), ""
+            )
+            if expected and not any(found.kind == NOT_GIVEN for found in without):
+                blamed.append(_about(argument, expected))
+                left, current = others, without
+    return tuple(blamed)
+
+
+def _about(argument: Argument, expected: str) -> Diagnostic:
+    help_ = None
+    if expected == "true or false":
+        near = _BOOLEANS.get(argument.value.lower()) or did_you_mean(argument.value, ("true", "false"))
+        help_ = f"did you mean {argument.name}:={near}?" if near else f"for example {argument.name}:=false"
+    return error(
+        f"argument '{argument.name}' is '{argument.value}', expected {expected}",
+        rule="bad-argument",
+        help=help_,
+        subject=argument.name,
+    )
+
+
+def _expectation(found: Diagnostic) -> str:
+    return _EXPECTED.get((found.rule, found.kind), "") if found.severity is Severity.ERROR else ""
+
+
+def _place(found: Diagnostic) -> tuple[str, str]:
+    return found.rule, str(found.span or found.message)
+
+
+def find_node(plan: Plan, name: str) -> NodeSpec:
+    """Return the node or test with this name, with or without leading slash. Raises UserError if none or two match."""
+    full = name if name.startswith(("/", "$")) else "/" + name
+    found = [node for node in plan.all_nodes() if node.name and full in (node.full_name, node.name)]
+    if len(found) == 1:
+        return found[0]
+    if found:
+        raise UserError(error(f"{len(found)} tests are named {full}, expected names to differ", rule="duplicate-node"))
+    names = list_nodes(plan)
+    near = did_you_mean(full, names)
+    raise UserError(
+        error(
+            f"unknown node {name!r}, expected one of {', '.join(names) or '(none)'}",
+            rule="unknown-node",
+            help=f"did you mean {near}?" if near else None,
+            subject=name,
+        )
+    )

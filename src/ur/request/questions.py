@@ -18,11 +18,10 @@ from ur.launchfile.query.items import find_node_file, list_files, list_nodes
 from ur.launchfile.world.system import SystemWorld
 from ur.request.environment import PACKAGE, own_packages
 from ur.request.launch_request import LaunchRequest, make_request
-from ur.request.plan_files import complete_arguments, localisation_argument, show_findings, texts
+from ur.request.plan_files import complete_arguments, find_node, localisation_argument, show_findings, texts
 from ur.robot.selection import Selection
 from ur.source.arguments import CommandLine
-from ur.source.diagnostic import Severity, UserError, error
-from ur.source.suggest import did_you_mean
+from ur.source.diagnostic import Severity, UserError
 from ur.source.user_folders import list_workspaces
 
 _ANONYMOUS = re.compile(r"\$\(anon ([^)]{0,500})\)")
@@ -91,26 +90,6 @@ def print_parameters(plan: Plan) -> None:
     if plan.diagnostics[known:]:
         raise UserError(*plan.diagnostics[known:])
     sys.stdout.write(dump_params(plan))
-
-
-def find_node(plan: Plan, name: str) -> NodeSpec:
-    """Return the node or test with this name, with or without leading slash. Raises UserError if none or two match."""
-    full = name if name.startswith(("/", "$")) else "/" + name
-    found = [node for node in plan.all_nodes() if node.name and full in (node.full_name, node.name)]
-    if len(found) == 1:
-        return found[0]
-    if found:
-        raise UserError(error(f"{len(found)} tests are named {full}, expected names to differ", rule="duplicate-node"))
-    names = list_nodes(plan)
-    near = did_you_mean(full, names)
-    raise UserError(
-        error(
-            f"unknown node {name!r}, expected one of {', '.join(names) or '(none)'}",
-            rule="unknown-node",
-            help=f"did you mean {near}?" if near else None,
-            subject=name,
-        )
-    )
 
 
 def format_command(node: NodeSpec, world: SystemWorld, shell: Mapping[str, str], master: str | None = None) -> str:

@@ -9,7 +9,6 @@ Without ROS, all nodes of a run are in one process.
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -212,6 +211,8 @@ def source_ros(prefix: str, environment: Mapping[str, str]) -> dict[str, str]:
     """Run the set-up file of the ROS 2 in `prefix`; return the changes of `environment`. Raises UserError."""
     file = f"{prefix}/setup.bash"
     command = ["bash", "--norc", "-c", _SCRIPT, "bash", file]
+    import subprocess  # most commands do not come here, and it takes as long as ten modules
+
     try:
         done = subprocess.run(command, env=environment, capture_output=True, timeout=_LIMIT, check=False)
     except (OSError, subprocess.TimeoutExpired) as problem:

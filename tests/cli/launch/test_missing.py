@@ -11,7 +11,7 @@ import pytest
 
 from ur.cli.launch import launch as missing
 from ur.request.launch import Launch, load_with_packages
-from ur.request.options import LaunchOptions, StartReporter
+from ur.request.launch_request import LaunchOptions, StartReporter
 from ur.request.plan_files import LoadedPlan
 from ur.robot.selection import Selection, load_selection
 from ur.source.arguments import CommandLine

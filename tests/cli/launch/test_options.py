@@ -8,7 +8,7 @@ import pytest
 
 from ur.cli.launch.options import read_launch
 from ur.cli.main import main
-from ur.request.options import LaunchOptions
+from ur.request.launch_request import LaunchOptions
 from ur.source.arguments import split_argv
 
 SOURCE = str(Path(__file__).parents[3] / "src")

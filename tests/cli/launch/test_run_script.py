@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.cli.launch.run_script import is_script, run_script
+from ur.cli.launch.run import is_script, run_script
 from ur.cli.main import main
 from ur.robot.selection import Selection
 from ur.source.diagnostic import UserError

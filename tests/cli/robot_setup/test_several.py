@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from ur.cli.robot_setup.robot import setup
-from ur.cli.robot_setup.several import make_argv
+from ur.cli.robot_setup.robot import make_argv, setup
 from ur.robot.setup.login import Task
 from ur.robot.setup.robot_states import WantedRobot
 from ur.robot.ssh.address import Address

@@ -15,7 +15,7 @@ from pathlib import Path
 from tests.fuzz.target import Target
 
 from ur.graph.topics import graph_system
-from ur.request.remote import master_nodes
+from ur.request.remote import connection as master_nodes
 from ur.run.master.client import Master
 from ur.run.master.tcpros import NoTopic, listen_to
 from ur.run.master.xml_rpc import CallRefused, Unanswered

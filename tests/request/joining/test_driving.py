@@ -10,7 +10,7 @@ from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.specs import NodeSpec
 from ur.launchfile.world import MemoryWorld
 from ur.request.joining.driving import ask_mode, choose_mode
-from ur.request.options import LaunchOptions, check_options
+from ur.request.launch_request import LaunchOptions, check_options
 from ur.run.remote.lease import RobotLease
 from ur.source import UserError
 

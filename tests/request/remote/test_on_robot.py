@@ -6,10 +6,15 @@ from pathlib import Path
 import pytest
 
 from ur.launchfile.world import MemoryWorld
-from ur.request.launch_request import LaunchFiles, LaunchRequest
-from ur.request.options import LaunchOptions
-from ur.request.remote.on_robot import choose_options, find_new_name, name_file
-from ur.request.remote.share_messages import describe_end, describe_part, explain_problem
+from ur.request.launch_request import LaunchFiles, LaunchOptions, LaunchRequest
+from ur.request.remote.on_robot import (
+    choose_options,
+    describe_end,
+    describe_part,
+    explain_problem,
+    find_new_name,
+    name_file,
+)
 from ur.robot.discovery.record import RobotRecord, records_folder, render_record
 from ur.robot.selection import parse_selection, selection_path, store_selection
 from ur.run.remote.protocol import Problem, ShareAnswer

@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-from ur.run.supervisor.advice import Crash, advise
+from ur.run.output.messages import Crash, advise
 from ur.run.supervisor.state import ExitStatus
 
 

@@ -17,7 +17,7 @@ from ur.check.findings.merge import Hit
 from ur.check.rule import LaunchView, Package
 from ur.check.worlds import CachedWorld, Question
 from ur.launchfile.syntax import LaunchFile
-from ur.launchfile.syntax.decode import decode_text
+from ur.launchfile.syntax.parse import decode_text
 from ur.source.file import SourceFile
 from ur.source.foreign.json_values import Count, ForeignValue
 

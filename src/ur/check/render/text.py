@@ -7,7 +7,7 @@ from textwrap import fill
 
 from ur.check.findings.installed import NotInstalled, split_not_installed
 from ur.check.run import CheckReport
-from ur.launchfile.syntax.ros2 import describe_unread
+from ur.launchfile.syntax.parse import describe_unread
 from ur.source.diagnostic import Diagnostic, Note
 from ur.source.file import SourceFile, Span
 from ur.source.printable import printable

@@ -82,7 +82,7 @@ def _report(repository: DocumentedRepository) -> None:
     import sys
 
     from ur.check.links import describe_left_out
-    from ur.launchfile.syntax.ros2 import describe_unread
+    from ur.launchfile.syntax.parse import describe_unread
     from ur.source.render import render_human, shows_colour
 
     sys.stderr.write(render_human(repository.findings, colour=shows_colour(sys.stderr)))

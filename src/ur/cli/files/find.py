@@ -56,7 +56,7 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
         _show(found)
     else:
         from ur.check.collect import collect_targets
-        from ur.launchfile.syntax.ros2 import describe_unread
+        from ur.launchfile.syntax.parse import describe_unread
 
         unread = describe_unread(collect_targets(places, world).not_read)
         where = ", ".join(places) + (f"; {unread}" if unread else "")

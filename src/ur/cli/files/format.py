@@ -41,7 +41,7 @@ def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
     from ur.check.computer import make_world
     from ur.check.links import describe_left_out
     from ur.check.worlds import CachedWorld
-    from ur.launchfile.syntax.ros2 import describe_unread
+    from ur.launchfile.syntax.parse import describe_unread
     from ur.request.environment import add_own_package
     from ur.source.progress_line import show_progress
 

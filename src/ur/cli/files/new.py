@@ -6,17 +6,19 @@ from pathlib import Path
 
 import click
 
-from ur.cli.files.new_parts import SUMMARY, in_package, show_done
 from ur.cli.files.new_script import new_script
 from ur.cli.files.new_things import (
+    SUMMARY,
     ask,
     base_request,
     check_launch_file,
     check_like,
     find_parts,
+    in_package,
     know_person,
     node_request,
     read_topics,
+    show_done,
     urdf_files,
 )
 from ur.cli.files.new_world import new_world

@@ -13,7 +13,7 @@ from contextlib import ExitStack, closing, contextmanager, suppress
 from typing import TYPE_CHECKING
 
 from ur.request.environment import apply_selection, current_selection
-from ur.request.options import LaunchOptions, StartReporter, check_options, choose_query
+from ur.request.launch_request import LaunchOptions, StartReporter, check_options, choose_query
 from ur.robot.selection import Selection
 from ur.source.diagnostic import Diagnostic, Severity, UserError
 
@@ -114,8 +114,7 @@ def _dry_run(
 ) -> int:
     from ur.request.dry_run import format_dry_run
     from ur.request.launch_request import make_request
-    from ur.request.node_choice import load_chosen
-    from ur.request.plan_files import make_world
+    from ur.request.plan_files import load_chosen, make_world
 
     loaded = load_chosen(make_request(line, make_world(), selection, options), reporter.report)
     if loaded.plan is None:

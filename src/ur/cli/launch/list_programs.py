@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import click
 
@@ -35,8 +35,6 @@ def command(as_json: bool) -> int:
         sys.stderr.write(f"warning: only the programs of {PACKAGE.name} are listed: {printable(index.problem)}\n")
     base = _selected_base()
     if as_json:
-        from ur.cli.launch.program_json import describe_programs
-
         lack = (lambda program: _lack(program, base)) if base else (lambda _: "")
         described = describe_programs(index.programs, os.environ, lack)
         sys.stdout.write(json.dumps(described, indent=2) + "\n")
@@ -87,8 +85,53 @@ def _selected_base() -> Base | None:
 
 def _lack(program: Program, base: Base) -> str:
     from ur.launchfile.world.system import SystemWorld
-    from ur.request.bases.needs import describe_lack, list_lacks, read_needs
+    from ur.request.bases.base_argument import describe_lack, list_lacks, read_needs
 
     path = find_launch_file(program)
     lacks = list_lacks(base, read_needs(str(path), SystemWorld(os.environ))) if path else ()
     return describe_lack(base, lacks) if lacks else ""
+
+
+def describe_programs(
+    programs: Sequence[Program], environment: Mapping[str, str], lack: Callable[[Program], str]
+) -> list[dict[str, object]]:
+    """Describe programs as objects for `ur list --json`.
+
+    `name` is the argument for `ur run`, `launch_file` its path or "" for a program that reads its arguments itself,
+    `lack` the features that the selected robot lacks, `problem` the reason why its arguments are unknown. Each of
+    `arguments` has `name`, `doc`, `default` (null: required) and the known `values`, each with `text` and `help`.
+    """
+    names = [program.name for program in programs]
+    return [_describe(program, names.count(program.name) > 1, environment, lack(program)) for program in programs]
+
+
+def _describe(program: Program, ambiguous: bool, environment: Mapping[str, str], lack: str) -> dict[str, object]:
+    from ur.request.program_arguments import read_program_arguments
+
+    path = find_launch_file(program)
+    problem = ""
+    arguments: list[dict[str, object]] = []
+    try:
+        for each in read_program_arguments(path, environment) if path is not None else ():
+            values = _list_values(each.name, each.default, environment)
+            arguments.append({"name": each.name, "doc": each.doc, "default": each.default, "values": values})
+    except UserError as found:
+        problem = str(found)
+    return {
+        "name": f"{program.package}/{program.name}" if ambiguous else program.name,
+        "package": program.package,
+        "summary": program.summary,
+        "launch_file": str(path or ""),
+        "lack": lack,
+        "problem": problem,
+        "arguments": arguments,
+    }
+
+
+def _list_values(name: str, default: str | None, environment: Mapping[str, str]) -> list[dict[str, str]]:
+    from ur.complete.names import list_values
+
+    found = [{"text": each.text, "help": each.help} for each in list_values(name, {}, environment)]
+    if not found and (default or "").lower() in ("true", "false"):
+        return [{"text": "true", "help": ""}, {"text": "false", "help": ""}]
+    return found

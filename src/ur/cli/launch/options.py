@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from itertools import chain
 from typing import Any, Literal, NamedTuple
 
-from ur.request.options import LaunchOptions, Query
+from ur.request.launch_request import LaunchOptions, Query
 from ur.source.arguments import CommandLine, split_argv
 from ur.source.diagnostic import UserError, error
 

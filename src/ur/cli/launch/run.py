@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable, Sequence
 from errno import ENOEXEC
+from pathlib import Path
 
 import click
 
 from ur.cli.launch.command import make_options
 from ur.cli.launch.launch import explain_problem, launch_line
 from ur.cli.launch.options import LEASE
-from ur.cli.launch.run_script import is_script, run_script
 from ur.request.environment import PACKAGE, add_own_package, apply_selection, current_selection
-from ur.request.options import LaunchOptions, check_options
+from ur.request.launch_request import LaunchOptions, check_options
 from ur.request.program_arguments import check_arguments
 from ur.request.programs import find_launch_file, find_program, read_launch_argv
+from ur.robot.selection import Selection
 from ur.source.arguments import split_argv
 from ur.source.diagnostic import UserError, error, error_about
+from ur.source.project import launch_library
 
 
 @click.command("run", context_settings={"ignore_unknown_options": True, "help_option_names": []})
@@ -94,3 +97,36 @@ def _launch(argv: list[str], options: LaunchOptions) -> int:
 
 
 command.params.extend(make_options(LEASE))
+
+
+def is_script(program: str) -> bool:
+    """Return whether a program's name is that of a Python file."""
+    return program.endswith(".py") and Path(program).is_file()
+
+
+def run_script(
+    path: str,
+    arguments: Sequence[str],
+    *,
+    apply: Callable[[Selection], None] = apply_selection,
+    execute: Callable[[str, list[str]], object] = os.execv,
+) -> int:
+    """Run a script in place of this process, for the selected robot. Raises UserError."""
+    selection = current_selection(os.environ)
+    if not selection.simulated:
+        from ur.cli.robots.over_ssh import is_over_ssh
+
+        if is_over_ssh(selection):
+            there = f"copy {path} to the robot and type there: ur run {Path(path).name}"
+            message = f"{selection.robot} runs ROS 2 and is reached by ssh, expected a script on the robot itself"
+            raise UserError(error(message, rule="not-here", help=there))
+    apply(selection)
+    if os.environ.get("ROS_VERSION") == "0":
+        message = "no ROS on this computer, expected ROS 1 or ROS 2 between a script and the robot"
+        raise UserError(
+            error(message, rule="no-ros", help="install it: ur setup; 'ur use --ros 2' needs no Debian package")
+        )
+    sys.stdout.flush()
+    node = str(launch_library() / "lib" / "node")
+    execute(node, [node, str(Path(path).absolute()), *arguments])
+    return 0

@@ -3,17 +3,48 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Protocol
 
 import click
 
-from ur.cli.robot_setup.terminal import TERMINAL, SetupTerminal
 from ur.robot.discovery.record import load_records, records_folder
 from ur.robot.setup.contact import COMPARE, OfferedHostKey, meet, needs_answer
 from ur.robot.setup.login import Task
 from ur.robot.ssh.host_key import parse_fingerprint
 from ur.source.diagnostic import UserError, error_about
+
+
+class SetupTerminal(Protocol):
+    """Asks the user. `ask` and `confirm` may be called only if `is_there` returns true."""
+
+    def is_there(self) -> bool:
+        """Return whether a terminal is available for questions."""
+
+    def ask(self, question: str, default: str | None, *, show_default: bool = True) -> str:
+        """Ask for a text; an empty answer is the default, if there is one."""
+
+    def confirm(self, question: str) -> bool:
+        """Ask for yes or no; an empty answer is no."""
+
+
+class OwnTerminal:
+    """The terminal of this process. See SetupTerminal."""
+
+    def is_there(self) -> bool:
+        return sys.stdin.isatty()
+
+    def ask(self, question: str, default: str | None, *, show_default: bool = True) -> str:
+        answer: str = click.prompt(question, default=default, show_default=show_default)
+        return answer
+
+    def confirm(self, question: str) -> bool:
+        return click.confirm(question, default=False)
+
+
+TERMINAL = OwnTerminal()
 
 
 def read_fingerprint(text: str) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ur.cli.answers import read_lines
-from ur.cli.guarded import (
+from ur.cli.changing import (
     DRY_RUN,
     PASSWORD_FROM,
     WAIT,

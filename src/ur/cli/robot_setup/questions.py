@@ -11,7 +11,7 @@ from pathlib import Path
 import click
 
 from ur.cli.answers import check_name, read_lines, taken_error
-from ur.cli.robot_setup.terminal import TERMINAL, SetupTerminal
+from ur.cli.robot_setup.contact import TERMINAL, SetupTerminal
 from ur.cli.robots.fleet import choose_robots
 from ur.request.environment import PACKAGE
 from ur.request.remote.connection import robot_address

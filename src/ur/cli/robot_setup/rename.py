@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ur.cli.answers import check_name, read_lines
-from ur.cli.guarded import (
+from ur.cli.changing import (
     DRY_RUN,
     PASSWORD_FROM,
     WAIT,

@@ -18,26 +18,28 @@ from ur.cli.changing import ChangeReporter, show_changes
 from ur.cli.output import plain_text
 from ur.cli.robot_setup.contact import confirm_host_key, decide_robot_login, read_fingerprint
 from ur.cli.robot_setup.network import network
-from ur.cli.robot_setup.questions import ask_task, check_names, list_known_tasks, read_passwords, read_tasks
+from ur.cli.robot_setup.questions import PLAIN, ask_task, check_names, list_known_tasks, read_passwords, read_tasks
 from ur.cli.robot_setup.rename import rename
-from ur.cli.robot_setup.ros2 import find_ros2, put_mux_between, take_back_ros2
-from ur.cli.robot_setup.several import make_argv, set_up_each
 from ur.cli.robot_setup.wheels import offer_wheel_test, wheels
 from ur.cli.robot_setup.wifi import wifi
-from ur.cli.robots.fleet import ALL
+from ur.cli.robots.fleet import ALL, run_for_each
 from ur.devices.needs import examine
 from ur.request.environment import PACKAGE, current_selection
 from ur.robot.base import load_base
 from ur.robot.deploy.repository import read_programs, read_repository
 from ur.robot.devices import expected_devices, inspect_devices
+from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.selection import Selection, selection_path, store_selection
 from ur.robot.setup.login import Task, open_robot
-from ur.robot.setup.robot import prepare_viewer, preview, set_up
+from ur.robot.setup.raspberry_pi.header import undo_header
+from ur.robot.setup.robot import prepare_viewer, preview, set_up, undo_ros2
 from ur.robot.setup.robot_states import ViewerFacts
+from ur.robot.setup.ros2.find import find_robot_ros2
+from ur.robot.setup.ros2.mux_between import give_back, take_over
 from ur.robot.setup.verify import Check, verify
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import LocalShell
-from ur.source.diagnostic import UserError
+from ur.source.diagnostic import UserError, error
 from ur.source.render import render_human, shows_colour
 
 MASTER_SECONDS = 60.0
@@ -247,7 +249,7 @@ def select_robot(task: Task) -> bool:
 
 def wait_for_master(host: str) -> bool:
     """Return whether the ROS master of a robot answers; wait for it as long as a boot takes."""
-    from ur.request.remote.master_nodes import list_node_names
+    from ur.request.remote.connection import list_node_names
 
     end = time.monotonic() + MASTER_SECONDS
     while time.monotonic() < end:
@@ -290,3 +292,99 @@ def _print_checks(task: Task, checks: Sequence[Check]) -> None:
 
 for _change in (rename, wifi, network, wheels):
     command.add_command(_change)
+
+
+def find_ros2(task: Task, report: ChangeReporter) -> Task:
+    """Return the task with the robot's ROS 2, which stays unchanged.
+
+    If this first login had to change the password, the robot has the new one, and later logins may use it.
+    """
+    with open_robot(task, report) as shell:
+        found = find_robot_ros2(shell)
+        if task.new in shell.accepted:
+            task = replace(task, first_contact=False)
+    if found is None:
+        return task
+    ros2, topics = found
+    where = f"domain {ros2.domain}" + (f", {ros2.middleware}" if ros2.middleware else "")
+    kind = topics.get(ros2.commands, "").rpartition("/")[2]
+    commands = f"{ros2.commands}, {kind}" if kind else ros2.commands
+    report(f"ROS 2 {ros2.distro.capitalize()} ({where}; commands: {commands}), which stays as it is")
+    others = [f"{name} ({kind.rpartition('/')[2]})" for name, kind in topics.items() if name != ros2.commands]
+    if others:
+        report(f"the base takes {', '.join(others)}, too; ros_commands in {ROBOT_FILE} names the one that is used")
+    return replace(task, robot=replace(task.robot, ros2=ros2, master=False), devices=())
+
+
+def put_mux_between(task: Task, report: ChangeReporter) -> tuple[Task, int]:
+    """Install the mux before the base of a robot with ROS 2; return the task and the number of changes.
+
+    The task has the base's topic. Raises UserError if the robot has no ROS 2, or its driver did not subscribe to the
+    other topic.
+    """
+    if task.robot.ros2 is None:
+        message = f"{task.robot.name} has no ROS 2, expected a robot with ROS 2 and --take-over"
+        raise UserError(error(message, rule="usage", help="leave --take-over out"))
+    with open_robot(replace(task, address=task.later, host_key=None, first_contact=False), report) as shell:
+        robot, count = take_over(shell, task.robot, report)
+    return replace(task, robot=robot), count
+
+
+def take_back_ros2(task: Task, viewer: ViewerFacts) -> int:
+    """Revert the set-up; return the exit code.
+
+    With ROS 1 it reverts the header of a Raspberry Pi alone. Raises UserError if that was not changed either.
+    """
+    report = ChangeReporter(task.robot.name)
+    task = find_ros2(task, report)
+    if task.robot.ros2 is None:
+        with open_robot(task, report) as shell:
+            count = undo_header(shell, task.address.user, report)
+        if count:
+            report("the rest of the set-up stays: docs/how-to/uninstall.md has the steps")
+            return 0
+        message = f"{task.robot.name} has no ROS 2, or ROS 1 as well, expected a robot with ROS 2 alone"
+        raise UserError(error(message, rule="usage", help="docs/how-to/uninstall.md has the steps"))
+    with open_robot(task, report) as shell:
+        count = give_back(shell, report)
+    count += undo_ros2(task, viewer, report)
+    report(f"{count} changes taken back; packages stay" if count else "nothing to take back")
+    return 0
+
+
+def set_up_each(tasks: Sequence[Task], make: Callable[[Task], list[str]], passwords: Secret) -> int:
+    """Set up several robots; return the highest exit code.
+
+    `make` returns the arguments of `ur` for one of them. `passwords` are the present and the new one, a line each,
+    which go to the standard input of each process. Raises KeyboardInterrupt after all of them were ended.
+    """
+    by_name = {task.robot.name: task for task in tasks}
+    try:
+        return run_for_each(
+            "robot setup",
+            tuple(by_name),
+            lambda name: make(by_name[name]),
+            passwords=dict.fromkeys(by_name, passwords),
+        )
+    except KeyboardInterrupt:
+        sys.stderr.write("interrupted; the same command continues where it stopped\n")
+        raise
+
+
+def make_argv(task: Task, *, master: bool, programs: bool, new_host_key: bool, between: bool = False) -> list[str]:
+    """Return the arguments of `ur` that set up this robot alone, with all answers for it.
+
+    A host key that the user has confirmed is given by its fingerprint: the process accepts no other one.
+    """
+    robot = task.robot
+    argv = ["robot", "setup", str(task.address), "--one-of-several", "--passwords-from", "0"]
+    argv += ["--name", robot.name, "--base", robot.base, "--variant", robot.variant or PLAIN]
+    argv += ["--host-key", task.host_key.fingerprint] if task.host_key else []
+    argv += ["--robot-login" if task.robot_login else "--no-robot-login"]
+    unwanted = (
+        ("--no-master", not (master and robot.master)),
+        ("--no-programs", not (programs and robot.programs)),
+        ("--new-host-key", new_host_key),
+        ("--take-over", between),
+    )
+    return argv + [option for option, given in unwanted if given]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ur.cli.answers import read_lines
-from ur.cli.guarded import DRY_RUN, WAIT, print_line
+from ur.cli.changing import DRY_RUN, WAIT, print_line
 from ur.cli.robot_setup.network import change_network, print_table
 
 if TYPE_CHECKING:

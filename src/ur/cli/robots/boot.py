@@ -9,12 +9,10 @@ from collections.abc import Sequence
 import click
 
 from ur.cli.answers import read_lines
-from ur.cli.changing import show_changes
-from ur.cli.guarded import PASSWORD_FROM, become_root
+from ur.cli.changing import PASSWORD_FROM, become_root, show_changes
 from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, run_for_each
 from ur.cli.robots.shell import run_in_front
-from ur.request.remote.boot_command import PAGE
-from ur.request.remote.boot_services import check_name, has_service, install_services, remove_services
+from ur.request.remote.boot_command import PAGE, check_name, has_service, install_services, remove_services
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.request.requirements.python_packages import need_all
 from ur.robot.boot.status import SCRIPT, describe_status, log_command, parse_status

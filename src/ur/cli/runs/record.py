@@ -48,7 +48,7 @@ def command(
         return stop_run(_RUN, output=True) if here else _run_there(selection.robot, ["record", "--stop"])
     if here:
         from ur.cli.launch.launch import launch_line
-        from ur.request.options import LaunchOptions
+        from ur.request.launch_request import LaunchOptions
 
         given = {
             "topics": " ".join(topics),

@@ -134,7 +134,7 @@ def _play(played: _Played, speed: float, start: float) -> int:
     from ur.cli.launch.launch import run_launch
     from ur.request.environment import apply_selection, current_selection
     from ur.request.joining.replaying import plan_replay
-    from ur.request.options import LaunchOptions, StartReporter
+    from ur.request.launch_request import LaunchOptions, StartReporter
     from ur.request.plan_files import make_world
     from ur.robot.selection import Selection
 
@@ -159,7 +159,7 @@ def _start_simulator(played: _Played, seconds: float | None) -> int:
     from ur.recordings.mcap_file import open_recording
     from ur.recordings.place import find_place
     from ur.request.environment import apply_selection, current_selection
-    from ur.request.options import LaunchOptions, StartReporter
+    from ur.request.launch_request import LaunchOptions, StartReporter
     from ur.robot.selection import Selection
 
     place = find_place(open_recording(played.path), seconds)

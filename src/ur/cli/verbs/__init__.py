@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from ur.cli.verbs.computer import COMPUTER
 from ur.cli.verbs.driving import DRIVING
 from ur.cli.verbs.launching import LAUNCHING
-from ur.cli.verbs.remote import REMOTE
 from ur.cli.verbs.robots import ROBOTS
 from ur.cli.verbs.verb import Below, Trust, Verb
 from ur.cli.verbs.writing import WRITING
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
     import click
 
 HELP = "Finds, selects and drives small ROS robots, and starts launch files."
-VERBS = {verb.name: verb for verb in (*DRIVING, *LAUNCHING, *WRITING, *COMPUTER, *ROBOTS, *REMOTE)}
+VERBS = {verb.name: verb for verb in (*DRIVING, *LAUNCHING, *WRITING, *COMPUTER, *ROBOTS)}
 OLD_SPELLINGS = {  # of version 0.1: the present one, and options that have another name; to be removed after 0.2
     "unmount": ("mount --undo", {}),
     "package": ("check --package", {"--write": "--fix"}),

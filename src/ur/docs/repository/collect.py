@@ -16,7 +16,7 @@ from ur.check.worlds import CachedWorld
 from ur.docs.repository.bases import infer_bases
 from ur.docs.repository.world import RepositoryWorld
 from ur.launchfile.syntax import LaunchFile
-from ur.launchfile.syntax.ros2 import explain_no_launch_file
+from ur.launchfile.syntax.parse import explain_no_launch_file
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, UserError, error
 from ur.source.file import SourceFile, Span

@@ -2,14 +2,60 @@
 
 from __future__ import annotations
 
+import codecs
 import re
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from xml.parsers import expat
 
-from ur.launchfile.syntax.decode import Offsets, decode_text
-from ur.launchfile.syntax.ros2 import find_ros2
 from ur.launchfile.syntax.tree import Comment, Element, LaunchFile
 from ur.source.diagnostic import Diagnostic, Note, error
 from ur.source.file import SourceFile, Span
+
+_DECLARATION = re.compile(rb"""^<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
+_MARKS = ((codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be"))
+
+
+def decode_text(data: bytes) -> tuple[str, str]:
+    """Return the text of an XML file and its encoding: from the byte order mark, the declaration, else UTF-8.
+
+    Invalid bytes become U+FFFD; the XML parser reports them.
+    """
+    if data.isascii():
+        return data.decode("ascii"), "ascii"
+    for mark, encoding in _MARKS:
+        if data.startswith(mark):
+            return data.decode(encoding, "replace"), encoding
+    declared = _DECLARATION.match(data)
+    encoding = declared.group(1).decode("ascii").lower() if declared else "utf-8"
+    try:
+        return data.decode(encoding, "replace"), encoding
+    except (LookupError, ValueError):
+        return data.decode("utf-8", "replace"), "utf-8"
+
+
+class Offsets:
+    """Converts byte offsets to character offsets. Cheap as long as the requested offsets increase."""
+
+    __slots__ = ("_byte", "_character", "_data", "_encoding", "_same")
+
+    def __init__(self, data: bytes, encoding: str) -> None:
+        self._data = data
+        self._encoding = encoding
+        self._same = encoding == "ascii"
+        self._byte = 0
+        self._character = 0
+
+    def characters(self, byte: int) -> int:
+        """Return the number of characters before a byte."""
+        if self._same:
+            return byte
+        if byte < self._byte:
+            self._byte = self._character = 0
+        self._character += len(self._data[self._byte : byte].decode(self._encoding, "replace"))
+        self._byte = byte
+        return self._character
+
 
 MAX_BYTES = 8 * 1024 * 1024
 MAX_ATTRIBUTE = 1024 * 1024
@@ -302,3 +348,72 @@ def _not_one_launch(source: SourceFile, root: Element | None, launches: list[Ele
         rule="launch-element",
         help="a launch file starts with <launch> and ends with </launch>",
     )
+
+
+ROS2_SUFFIXES = (".launch.py", ".launch.yaml", ".launch.yml", "_launch.py", "_launch.yaml", "_launch.yml")
+_SUBSTITUTIONS = ("$(find-pkg-share", "$(find-pkg-prefix", "$(exec-in-pkg", "$(var ")
+_HELP = "start it with ROS 2: ros2 launch PACKAGE FILE; for ROS 1 a file of the package's ROS 1 branch is needed"
+
+
+def is_ros2_name(path: str) -> bool:
+    """Return whether a file is a launch file for ROS 2 by its name."""
+    return path.endswith(ROS2_SUFFIXES)
+
+
+def count_unread(paths: Iterable[str]) -> dict[str, int]:
+    """Count the launch files of ROS 2 that no command reads, by kind."""
+    kinds = Counter("Python" if path.endswith(".py") else "YAML" for path in paths if is_ros2_name(path))
+    return {f"{kind} launch file of ROS 2": number for kind, number in sorted(kinds.items())}
+
+
+def describe_unread(unread: Mapping[str, int]) -> str:
+    """Return `6 Python launch files of ROS 2 were not read`; empty if everything was."""
+    kinds = " and ".join(
+        f"{number} {kind if number == 1 else kind.replace(' file ', ' files ')}" for kind, number in unread.items()
+    )
+    return f"{kinds} {'was' if sum(unread.values()) == 1 else 'were'} not read" if kinds else ""
+
+
+def explain_no_launch_file(unread: Mapping[str, int]) -> str:
+    """Return the help of an error about a folder without launch files."""
+    return "; ".join(filter(None, ("launch files end in .launch or .launch.xml", describe_unread(unread))))
+
+
+def find_ros2(source: SourceFile, root: Element | None) -> Diagnostic | None:
+    """Return the finding that a file is written for ROS 2, at the first evidence of it; None for any other file."""
+    if is_ros2_name(source.path):
+        return _explain("its name ends like one", Span(source, 0, 1))
+    if (
+        root is None
+        or root.name != "launch"
+        or not any(mark in source.text for mark in ("<let", "exec", *_SUBSTITUTIONS))
+    ):
+        return None
+    waiting = [root]
+    while waiting:
+        element = waiting.pop()
+        sign = _find_sign(element)
+        if sign:
+            return _explain(sign, element.span)
+        waiting += reversed(tuple(element.elements))
+    return None
+
+
+def _find_sign(element: Element) -> str:
+    attributes = element.attributes
+    if element.name == "let" and "name" in attributes and "value" in attributes:
+        return "it uses <let>"
+    if element.name == "node" and "exec" in attributes and "type" not in attributes:
+        return "its <node> has exec="
+    if element.name == "executable" and "cmd" in attributes:
+        return "it uses <executable>"
+    for value in attributes.values():
+        for mark in _SUBSTITUTIONS:
+            if mark in value:
+                return f"it uses {mark.strip()} ...)"
+    return ""
+
+
+def _explain(sign: str, span: Span) -> Diagnostic:
+    message = f"this is a launch file for ROS 2 ({sign}), expected one for ROS 1"
+    return error(message, span, rule="wrong-ros-version", help=_HELP)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 from ur.request.environment import environment_changes
-from ur.request.options import Report
+from ur.request.launch_request import Report
 from ur.robot.robot_file import RobotFile, load_robot_file
 from ur.robot.selection import Selection
 from ur.source.arguments import Argument

@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 
 from ur.launchfile.plan.specs import NodeSpec, Plan
-from ur.request.options import LaunchOptions, Report
+from ur.request.launch_request import LaunchOptions, Report
 from ur.run.master.client import parse_master_uri
 from ur.run.paths import is_local_address
 from ur.run.record.registry import describe_user, read_computer

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 
-from ur.request.remote.master_nodes import list_node_names
+from ur.request.remote.connection import list_node_names
 from ur.robot.discovery.announcements import Announcement, Browser
 from ur.robot.discovery.ask import ask_robot
 from ur.robot.discovery.listing import RobotAnswer, is_settled

@@ -27,7 +27,7 @@ from typing import Protocol
 from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.request.environment import PACKAGE
-from ur.request.options import Report
+from ur.request.launch_request import Report
 from ur.request.programs import read_head_lines
 from ur.request.requirements.debian_packages import install_debian
 from ur.request.requirements.python_packages import need_all

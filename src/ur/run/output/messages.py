@@ -2,12 +2,117 @@
 
 from __future__ import annotations
 
+import re
 import signal
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from ur.run.supervisor.actions import ReportDeath
-from ur.run.supervisor.advice import Crash, advise
 from ur.run.supervisor.state import ExitStatus
+from ur.source.script import convert_help, is_python_two
+
+
+@dataclass(frozen=True, slots=True)
+class Crash:
+    """A node that died: its exit status, its last output, and the reason if it could not be started ('' otherwise).
+
+    `fault` is what its file shows, as `ur.source.script.explain_script` returns it.
+    """
+
+    name: str
+    status: ExitStatus
+    lines: Sequence[str] = ()
+    reason: str = ""
+    fault: str = ""
+
+
+def advise(crash: Crash) -> str:
+    """Return the first thing to try, one line without a full stop; '' if the log is the best source."""
+    if crash.fault:
+        return crash.fault
+    if crash.reason:
+        return _advise_unstarted(crash)
+    text = "\n".join(re.sub("\x1b\\[[0-9;]*m", "", line) for line in crash.lines)
+    syntax = _SYNTAX_ERROR.search(text)
+    if syntax and is_python_two(syntax[4], syntax[3]):
+        help_ = convert_help(syntax[1], syntax[4])
+        return f"line {syntax[2]} of {syntax[1]} is Python 2, which Python 3 does not read: {help_}"
+    for pattern, advice in _BY_TEXT:
+        found = re.search(pattern, text, re.MULTILINE)
+        if found:
+            return advice.format(*found.groups(), name=crash.name)
+    if crash.status.signal is not None:
+        return _BY_SIGNAL.get(crash.status.signal, "").format(name=crash.name)
+    if "Traceback (most recent call last)" in text:
+        return f"ur launch --debug {crash.name}=pudb ... steps through it"
+    return _BY_CODE.get(crash.status.code or 0, "").format(name=crash.name)
+
+
+def _advise_unstarted(crash: Crash) -> str:
+    if "permission denied" in crash.reason:
+        return f"chmod +x {crash.reason.partition(':')[0]}"
+    if "no such file" in crash.reason:
+        return "does the program exist, and the interpreter that its first line (#!) names?"
+    return ""
+
+
+_SYNTAX_ERROR = re.compile(
+    r'^ *File "([^"\n]+)", line (\d+)\n(.*)\n(?: *[\^~]*\n)?(?:SyntaxError|TabError): (.*)', re.MULTILINE
+)
+_DEBUG_GDB = "ur launch --debug {name}=gdb ... shows where"
+
+# The most specific text first; {0} is the match of the pattern.
+_BY_TEXT: tuple[tuple[str, str], ...] = (
+    (r"(?:ModuleNotFoundError|ImportError): No module named '?([\w.]+)", "install the Python package that has {0!r}: "
+     "apt-cache search python3-{0}; a ROS package may need its workspace sourced"),
+    (r"ImportError: cannot import name '?(\w+)'? from '?([\w.]+)", "another version of {1!r} is installed than it "
+     "expects: it has no {0!r}"),
+    (r"error while loading shared libraries: ([^\s:]+)", "install the package that has {0}: apt-file search {0}, "
+     "or source the workspace that built it"),
+    (r"symbol lookup error: ", "it was built for another version of a library: build its workspace again"),
+    (r"(?:\[rospack\] Error: package|ResourceNotFound: |PackageNotFound: ?)\s*'?([\w-]+)", "install package {0!r}, or "
+     "source its workspace"),
+    (r"(?:Address already in use|Errno 98)", "something else has its port: is another run still there? ur ps"),
+    (r"(/dev/[\w./-]+)[^\n]*Permission denied|Permission denied[^\n]*?(/dev/[\w./-]+)", "you may not use the device: "
+     "sudo usermod -aG dialout,video $USER, then log in again"),
+    (r"(?:No such file or directory|could not open port|[Cc]annot open)[^\n]*?(/dev/[\w./-]+)", "is {0} plugged in? "
+     "ur devices lists what is there"),
+    (r"KeyError: '?([~/][\w/~]+)'?$", "the parameter {0!r} is not set: ur launch --dump-params shows those that are"),
+    (r"(?:[Uu]nable to contact my own server|[Cc]ouldn't find an AF_INET address|Unable to register with master)",
+     "the network names are wrong: look at ROS_HOSTNAME, ROS_IP and ROS_MASTER_URI (ur env)"),
+    (r"shutdown request: \[?/?[\w/]*\]? ?Reason: new node registered", "two nodes have this name: rosnode list; give "
+     "one of them another name"),
+    (r"(?:could not connect to display|[Cc]annot open display|no Qt platform plugin)", "it needs a display, and there "
+     "is none here: echo $DISPLAY"),
+    (r"No space left on device", "the disk is full: df -h; rosclean purge removes old logs"),
+    (r"(?:std::bad_alloc|MemoryError)", "it ran out of memory: free -h"),
+    (r"ParserError|expat.ExpatError|could not parse|XML parsing error", "a file that it reads is not well-formed: the "
+     "lines above name it"),
+)  # fmt: skip
+
+_BY_SIGNAL: dict[int, str] = {
+    signal.SIGSEGV: _DEBUG_GDB,
+    signal.SIGABRT: "the last lines name the cause; " + _DEBUG_GDB,
+    signal.SIGFPE: _DEBUG_GDB,
+    signal.SIGBUS: "is the disk or /dev/shm full? df -h; " + _DEBUG_GDB,
+    signal.SIGILL: "it was built for another processor: build it here",
+    signal.SIGTRAP: _DEBUG_GDB,
+    signal.SIGKILL: "it was killed; if the kernel did, for want of memory: journalctl -k | grep -i oom",
+    signal.SIGTERM: "it was stopped: by rosnode kill, another node with its name, or the system",
+    signal.SIGINT: "it was stopped: by rosnode kill, another node with its name, or the system",
+    signal.SIGHUP: "its terminal was closed: ur launch --detach keeps a run",
+    signal.SIGPIPE: "the reader of its output has ended",
+    signal.SIGXCPU: "it used more processor time than it may: ulimit -t",
+    signal.SIGXFSZ: "it wrote a larger file than it may: ulimit -f",
+}
+_BY_CODE: dict[int, str] = {
+    2: "it was given something it cannot use: the last lines say what",
+    126: "a command that it calls may not be executed, and the last lines name it: chmod +x",
+    127: "a command that it calls is not installed, or not on PATH: the last lines name it",
+    134: _DEBUG_GDB,
+    137: "it was killed; if the kernel did, for want of memory: journalctl -k | grep -i oom",
+    139: _DEBUG_GDB,
+}
 
 
 def describe_status(status: ExitStatus) -> str:

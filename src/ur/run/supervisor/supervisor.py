@@ -9,17 +9,25 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from signal import SIGINT
 
 from ur.run.supervisor.actions import (
+    SIGNALS,
     Action,
     AwaitMaster,
+    ReportDeath,
     ReportLink,
     ReportMaster,
+    ReportPressure,
+    ReportRequest,
     ReportRevival,
     SetParameters,
+    SignalUnit,
     StartShare,
     Step,
     is_before,
+    put_unit,
+    signal_patience,
     start_units,
 )
 from ur.run.supervisor.events import (
@@ -34,6 +42,7 @@ from ur.run.supervisor.events import (
     MasterLost,
     MasterReplaced,
     MasterReturned,
+    NodeRequest,
     NothingLeft,
     OwnerEnded,
     ParametersSet,
@@ -50,10 +59,182 @@ from ur.run.supervisor.events import (
     Tick,
     Unregistered,
 )
-from ur.run.supervisor.lifecycle import note_ended, note_started
-from ur.run.supervisor.requests import apply_request, press_overdue, restart_all
-from ur.run.supervisor.shutdown import begin_end, finish_end, press_all, remove_registrations
-from ur.run.supervisor.state import ExitStatus, RunPhase, State, TimeLimits, Unit, UnitState
+from ur.run.supervisor.shutdown import advance_end, begin_end, finish_end, press_all, remove_registrations
+from ur.run.supervisor.state import ExitStatus, RunPhase, State, StopRequest, TimeLimits, Unit, UnitState, UnitStatus
+
+
+def apply_request(state: State, wanted: NodeRequest, now: float) -> Step:
+    """Start to execute a request. While the run ends, requests are ignored."""
+    if not is_before(state, RunPhase.STOPPING_NODES):
+        return state, []
+    each = state.find(wanted.name)
+    if each is None:
+        return state, [ReportRequest(wanted.name, "there is no such node in this run")]
+    if each.unit.core:
+        return state, [ReportRequest(wanted.name, "it belongs to the run itself; stop the run instead")]
+    match wanted:
+        case StartNode():
+            if each.alive:
+                return (put_unit(state, replace(each, request=StopRequest.RESTART)) if each.request else state), []
+            return _start_anew(state, each, now)
+        case RestartNode() if not each.alive:
+            return _start_anew(state, each, now)
+    if not each.alive:
+        held = replace(each, status=UnitStatus.ENDED, due=None, held=True)
+        return put_unit(state, held), [] if each.held else [ReportRequest(wanted.name)]
+    request = StopRequest.RESTART if isinstance(wanted, RestartNode) else StopRequest.STOP
+    pressure = 2 if isinstance(wanted, KillNode) else each.pressure
+    return press_unit(state, replace(each, request=request, pressure=pressure), now)
+
+
+def press_unit(state: State, each: UnitState, now: float) -> Step:
+    """Send the next, stronger signal to a unit that is to stop."""
+    if each.pressure >= len(SIGNALS):
+        # The process hangs in the kernel; the end of the run handles that
+        return put_unit(state, replace(each, deadline=None)), []
+    signum = SIGNALS[each.pressure]
+    reported: list[Action] = [ReportPressure((each.unit.name,), signum)] if each.pressure and each.deadline else []
+    wait = signal_patience(state.limits, each.pressure)
+    state = put_unit(state, replace(each, pressure=each.pressure + 1, deadline=now + wait))
+    if each.status is UnitStatus.STARTING:
+        return state, reported  # it gets the signal once it exists
+    return state, [*reported, SignalUnit(each.unit.name, signum)]
+
+
+def press_overdue(state: State, now: float) -> Step:
+    """Send stronger signals to all units that did not stop in time."""
+    actions: list[Action] = []
+    for each in state.units:
+        if each.deadline is not None and each.deadline <= now:
+            state, more = press_unit(state, each, now)
+            actions += more
+    return state, actions
+
+
+def fulfil_request(state: State, each: UnitState, request: StopRequest, now: float) -> Step:
+    """Complete a request after its unit has ended."""
+    if request is StopRequest.RESTART:
+        again = replace(each, restarts=each.restarts + 1)
+        return _start_anew(put_unit(state, again), again, now)
+    return put_unit(state, replace(each, held=True)), [ReportRequest(each.unit.name)]
+
+
+def restart_all(state: State, now: float) -> Step:
+    """Restart running and due units after another master has started: nodes do not register again by themselves."""
+    state = replace(state, reviving=False)
+    actions: list[Action] = []
+    for each in state.units:
+        if each.alive and each.request is None and not each.unit.core:
+            state, more = press_unit(state, replace(each, request=StopRequest.RESTART), now)
+            actions += more
+    state, more = start_units(state, (each for each in state.units if each.due is not None and each.due <= now), now)
+    return state, actions + more
+
+
+def _start_anew(state: State, each: UnitState, now: float) -> Step:
+    waiting = replace(each, status=UnitStatus.WAITING, due=now, quick_deaths=0, gave_up=False, held=False)
+    state = put_unit(state, waiting)
+    if state.phase is not RunPhase.RUNNING or state.reviving:
+        return state, []
+    return start_units(state, [waiting], now)
+
+
+def note_started(state: State, name: str, pid: int, now: float) -> Step:
+    """Record that a unit has a process, which gets a signal requested before it existed."""
+    each = state.find(name)
+    if each is None or each.status is not UnitStatus.STARTING:
+        return state, []
+    state = put_unit(state, replace(each, status=UnitStatus.RUNNING, pid=pid, since=now))
+    pressure = 0 if each.unit.core and state.phase is RunPhase.STOPPING_NODES else state.pressure or each.pressure
+    return state, [SignalUnit(name, SIGNALS[pressure - 1])] if pressure else []
+
+
+def note_ended(state: State, name: str, status: ExitStatus, now: float, reason: str = "", evicted_by: str = "") -> Step:
+    """Record that a unit's process has ended, or (`reason`) could not be started.
+
+    A unit that another node's registration has ended (`evicted_by`) is not restarted, since it would end that node in
+    turn.
+    """
+    before = state.find(name)
+    if before is None or not before.alive:
+        return state, []
+    each = replace(
+        before,
+        status=UnitStatus.ENDED,
+        pid=None,
+        since=now,
+        exit=status,
+        request=None,
+        pressure=0,
+        deadline=None,
+        reason=reason or (f"ended by {evicted_by}" if evicted_by else ""),
+        gave_up=bool(evicted_by),
+    )
+    state = put_unit(state, each)
+    if not is_before(state, RunPhase.STOPPING_NODES):
+        return advance_end(state, now)
+    if before.request is not None:
+        return fulfil_request(state, each, before.request, now)
+    death = ReportDeath(name, status, reason or None, evicted_by=evicted_by)
+    if each.unit.terminal or each.unit.required:
+        return _end_with(state, each, death, now)
+    if each.unit.respawn and not evicted_by:
+        lived = now - before.since if before.status is UnitStatus.RUNNING else 0.0
+        return _respawn(state, each, death, lived, now)
+    return _end_when_idle(state, [death], now)
+
+
+def _end_with(state: State, each: UnitState, death: ReportDeath, now: float) -> Step:
+    """End the run because of this unit's end."""
+    unit, status = each.unit, death.status
+    if not unit.terminal:
+        # roslaunch exits with 0 then; a run with a program of this project in front has not fulfilled its task.
+        counts = unit.core or state.limits.failures_count or any(other.unit.terminal for other in state.units)
+        code = int(bool(death.evicted_by) or (counts and not status.clean))
+        state, actions = begin_end(state, f"{unit.name} is required and has ended", code, now)
+        return state, [replace(death, ends_run=True), *actions]
+    state, actions = begin_end(state, "", status.shell_code or int(bool(death.evicted_by)), now)
+    if death.evicted_by:
+        return state, [replace(death, ends_run=True), *actions]
+    if status.code is not None or status.signal == SIGINT:  # then it has already reported the reason of its end
+        return state, actions
+    return state, [replace(death, ends_run=True), *actions]
+
+
+def _respawn(state: State, each: UnitState, death: ReportDeath, lived: float, now: float) -> Step:
+    """Restart the unit with growing delays; give up if it always dies soon."""
+    quick = each.quick_deaths + 1 if lived < state.limits.quick_death else 0
+    each = replace(each, quick_deaths=quick)
+    if _is_storm(quick, death.status, state.limits):
+        each = replace(each, gave_up=True, reason=each.reason or f"died {quick} times in a row")
+        return _end_when_idle(put_unit(state, each), [replace(death, deaths=quick)], now)
+    delay = max(each.unit.respawn_delay, _backoff(quick, state.limits))
+    again = replace(each, status=UnitStatus.WAITING, due=now + delay, restarts=each.restarts + 1)
+    return put_unit(state, again), [replace(death, restart_in=delay)]
+
+
+def _end_when_idle(state: State, reported: list[Action], now: float) -> Step:
+    """End the run with its last node, unless the user stopped one and may start it again."""
+    nodes = [other for other in state.units if not other.unit.core]
+    if state.phase is not RunPhase.RUNNING or any(
+        other.status is not UnitStatus.ENDED or other.held for other in nodes
+    ):
+        return state, reported
+    # As in roslaunch, which has no limit to respawning: otherwise only units that never started count.
+    failed = any(other.exit == ExitStatus() or other.gave_up for other in nodes)
+    state, actions = begin_end(state, "every node has ended", int(failed), now)
+    return state, reported + actions
+
+
+def _is_storm(quick_deaths: int, status: ExitStatus, limits: TimeLimits) -> bool:
+    if not limits.quick_deaths:
+        return False
+    return quick_deaths >= (min(limits.bad_inputs, limits.quick_deaths) if status.code == 2 else limits.quick_deaths)
+
+
+def _backoff(quick_deaths: int, limits: TimeLimits) -> float:
+    # The first restart is as prompt as in roslaunch; only a unit that keeps dying is delayed.
+    return 0.0 if quick_deaths < 2 else min(limits.longest_backoff, 0.25 * 2.0 ** min(quick_deaths - 2, 16))
 
 
 def begin_state(

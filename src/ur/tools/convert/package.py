@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ur.check.collect import Targets, collect_targets
-from ur.launchfile.syntax.ros2 import explain_no_launch_file
+from ur.launchfile.syntax.parse import explain_no_launch_file
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, Severity, UserError, error_about
 from ur.source.progress import Progress, counted

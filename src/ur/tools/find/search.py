@@ -12,7 +12,7 @@ from ur.check.rule import LaunchView, survey_launch_file
 from ur.check.survey import find_uses, walk_elements
 from ur.check.worlds import CachedWorld, has_marker
 from ur.launchfile.plan.specs import NodeSpec, Origin, ParamSpec, RemapStep, TraceStep
-from ur.launchfile.syntax.ros2 import explain_no_launch_file
+from ur.launchfile.syntax.parse import explain_no_launch_file
 from ur.launchfile.world import World
 from ur.source.diagnostic import UserError, error
 from ur.source.file import SourceFile, Span

@@ -11,7 +11,7 @@ from ur.check.rule import Package, survey_launch_file
 from ur.check.worlds import CachedWorld
 from ur.launchfile.plan.specs import Origin, Plan
 from ur.launchfile.syntax import Comment, Element, LaunchFile, parse_launch_file
-from ur.launchfile.syntax.decode import decode_text
+from ur.launchfile.syntax.parse import decode_text
 from ur.launchfile.world import World
 from ur.launchfile.world.overlay import OverlayWorld
 from ur.source.diagnostic import UserError, error, error_about

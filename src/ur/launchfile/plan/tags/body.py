@@ -9,8 +9,14 @@ from ur.launchfile.plan.problems import OBSOLETE, TagRefused, refuse
 from ur.launchfile.plan.scope import Scope
 from ur.launchfile.plan.specs import IncludeSpec, MachineSpec
 from ur.launchfile.plan.tags.arguments import check_passed, check_used, resolve_arg, trace_arg, warn_missing
-from ur.launchfile.plan.tags.attributes import as_flag, check_attributes, is_wanted, read_optional, read_required
-from ur.launchfile.plan.tags.namespaces import resolve_namespace
+from ur.launchfile.plan.tags.attributes import (
+    as_flag,
+    check_attributes,
+    is_wanted,
+    read_optional,
+    read_required,
+    resolve_namespace,
+)
 from ur.launchfile.plan.tags.nodes import resolve_node, resolve_test
 from ur.launchfile.plan.tags.params import missing_file, resolve_param, resolve_rosparam
 from ur.launchfile.plan.tags.simple import read_remap, resolve_env, resolve_machine

@@ -15,11 +15,12 @@ from ur.launchfile.plan.tags.attributes import (
     as_number,
     check_attributes,
     is_wanted,
+    private_scope,
     read_flag,
     read_optional,
     read_required,
+    resolve_namespace,
 )
-from ur.launchfile.plan.tags.namespaces import private_scope, resolve_namespace
 from ur.launchfile.plan.tags.params import resolve_param, resolve_rosparam
 from ur.launchfile.plan.tags.simple import read_remap, resolve_env
 from ur.launchfile.syntax import Element
