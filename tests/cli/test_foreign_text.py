@@ -10,7 +10,7 @@ import pytest
 from tests.forking import python_of_ur
 
 from ur.cli.changing import show_changes
-from ur.cli.computer.doctor_report import DoctorReport, print_report
+from ur.cli.computer.doctor import DoctorReport, print_report
 from ur.cli.main import main
 from ur.cli.robot_setup.network import print_table
 from ur.cli.robot_setup.robot import _print_checks

@@ -18,7 +18,7 @@ from tests.form.facts import Facts, find_facts
 
 HERE = Path(__file__).parent
 LEAST_LINES = 60
-MOST_SMALL = 144
+MOST_SMALL = 143
 """Rows of small_modules.txt. Lower it with each change that removes some."""
 
 RULES: Mapping[str, Callable[[Facts], bool]] = {

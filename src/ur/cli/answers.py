@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import getpass
 import socket
+import sys
 
 from ur.source.diagnostic import UserError, error
 
@@ -21,6 +23,15 @@ def read_lines(descriptor: int | None, option: str, count: int, *, close: bool =
         raise UserError(
             error(f"{option} {descriptor}: cannot be read: {problem}", rule="bad-descriptor", subject=option)
         ) from None
+
+
+def ask_twice(what: str) -> str:
+    """Ask for a new password, without echo, until it is typed twice; '' for none."""
+    while True:
+        new = getpass.getpass(f"{what}: ")
+        if new == "" or getpass.getpass("the same again: ") == new:
+            return new
+        sys.stdout.write("the two differ; once more\n")
 
 
 def check_name(name: str) -> None:

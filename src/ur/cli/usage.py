@@ -87,7 +87,10 @@ def _describe(problem: click.UsageError, argv: Sequence[str]) -> tuple[str, str]
     context = problem.ctx
     where = context.command_path if context is not None and context.parent is not None else "ur"
     if context is None and argv[0] in VERBS:  # click does not report an option without its value
-        where = _name_command(argv)
+        command = load_verb(argv[0])
+        inner = getattr(command, "commands", {})
+        name = next((word for word in argv[1:] if word in inner), "")
+        where = f"ur {argv[0]} {name}".rstrip()
     help_line = f"'{where} --help' lists the options"
     if isinstance(problem, click.NoSuchOption):
         message = f"{where}: unknown option '{problem.option_name}'"
@@ -202,14 +205,6 @@ def _suggest_command(word: str) -> str | None:
         return f"did you mean 'ur {near}'?"
     near = did_you_mean(word, programs)
     return f"did you mean 'ur run {near}'?" if near else None
-
-
-def _name_command(argv: Sequence[str]) -> str:
-    """Return the command that a command line calls: 'ur robot setup'."""
-    command = load_verb(argv[0])
-    inner = getattr(command, "commands", {})
-    name = next((word for word in argv[1:] if word in inner), "")
-    return f"ur {argv[0]} {name}".rstrip()
 
 
 def describe_values(param: click.Parameter | None) -> str:

@@ -195,7 +195,7 @@ def load_with_packages(launch: Launch) -> LoadedPlan:
     def load(inspect: Inspect | None) -> LoadedPlan:
         request = make_request(launch.line, make_world(), launch.selection, launch.options)
         if launch.options.program:
-            from ur.request.program_arguments import refuse_undeclared
+            from ur.request.programs import refuse_undeclared
 
             refuse_undeclared(launch.options.program, request.arguments, request.files.declared)
         return load_chosen(follow_world(request), launch.reporter.report, inspect)

@@ -111,7 +111,7 @@ def load_request(request: LaunchRequest, inspect: Inspect | None = None) -> Load
         inspect(findings)
     show_findings(findings)
     if bases and values.get("simulate") == "false" and not remote:
-        from ur.request.bases.driver_packages import check_drivers
+        from ur.request.bases.base_argument import check_drivers
 
         check_drivers(bases, plan.nodes, files.world)
     good = not any(each.severity is Severity.ERROR for each in findings)

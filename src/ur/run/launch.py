@@ -52,7 +52,12 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     programs = middleware.arrange(number_logs(programs, middleware.logs), nodes, folder)
     commands = start_commands(plan.params, environment)
     if not programs and not middleware.core:
-        return _end_without_nodes(middleware.set_parameters(plan, folder, options, commands), console)
+        done = middleware.set_parameters(plan, folder, options, commands)
+        if isinstance(done, SetupFailed):
+            raise UserError(error(done.reason, rule="setup-failed"))
+        console.inform("parameters are set; there is no node to start")
+        console.finish(1.0)
+        return 0
     try:
         detached = options.call_started is not None
         entry, listener = register(plan, middleware.address, folder, environment, console, detached=detached)
@@ -89,14 +94,6 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
             unregister_run(entry)
     finally:
         commands.stop()
-
-
-def _end_without_nodes(done: Event, console: Console) -> int:
-    if isinstance(done, SetupFailed):
-        raise UserError(error(done.reason, rule="setup-failed"))
-    console.inform("parameters are set; there is no node to start")
-    console.finish(1.0)
-    return 0
 
 
 def _begin(host: ProcessHost, environment: Mapping[str, str], entry: RunEntry, *, keep_terminal: bool) -> None:

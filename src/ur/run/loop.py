@@ -362,7 +362,9 @@ class _Loop:
                     killed = isinstance(event, Exited) and event.status.signal is not None
                     self._foreground.take_back(reset=killed)
                 if isinstance(event, Exited) and self._may_be_evicted(event):
-                    self._examine_exit(event)
+                    middleware = self._run.middleware
+                    assert middleware is not None
+                    self._run_in_thread(lambda: middleware.examine_exit(event))
                     return
             case NothingLeft():
                 self._outputs.drain_all()
@@ -374,11 +376,6 @@ class _Loop:
             self._state.phase is RunPhase.RUNNING and each is not None and each.request is None and not each.unit.core
         )
         return running and event.status.signal is None and self._run.middleware is not None
-
-    def _examine_exit(self, event: Exited) -> None:
-        middleware = self._run.middleware
-        assert middleware is not None
-        self._run_in_thread(lambda: middleware.examine_exit(event))
 
     def _post_event(self, event: Event) -> None:
         self._inbox.post(lambda: self._handle_event(event))
@@ -403,12 +400,10 @@ class _Loop:
                 threading.Thread(
                     target=check_clock, args=(self._run.middleware.view, self._over, warn), daemon=True
                 ).start()
-        if running and self._call_started is not None and not self._is_starting():
+        starting = any(each.status is UnitStatus.STARTING for each in self._state.units)
+        if running and self._call_started is not None and not starting:
             self._call_started()
             self._call_started = None
-
-    def _is_starting(self) -> bool:
-        return any(each.status is UnitStatus.STARTING for each in self._state.units)
 
     def _carry_out(self, actions: tuple[Action, ...]) -> None:
         for action in actions:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ur.cli.maps.map_list import draw_lines
+from ur.cli.maps.maps import draw_lines
 from ur.source.ansi import strip_styles
 
 VALUES = np.full((40, 60), -1, np.int8)

@@ -6,8 +6,7 @@ import pytest
 
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.world.system import SystemWorld
-from ur.request.bases.base_argument import find_bases
-from ur.request.bases.driver_packages import check_drivers, describe_board
+from ur.request.bases.base_argument import check_drivers, describe_board, find_bases
 from ur.request.launch_request import LaunchFiles
 from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.source.diagnostic import Diagnostic, UserError

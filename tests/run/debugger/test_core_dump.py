@@ -10,8 +10,17 @@ from pathlib import Path
 
 import pytest
 
-from ur.run.debugger.core_dump import APPORT, CoreNames, CoreRules, belongs_to, explain_no_core, plan_search
-from ur.run.debugger.environment import find_core_dump, read_core_rules, read_node_facts
+from ur.run.debugger.environment import (
+    APPORT,
+    CoreNames,
+    CoreRules,
+    belongs_to,
+    explain_no_core,
+    find_core_dump,
+    plan_search,
+    read_core_rules,
+    read_node_facts,
+)
 
 
 @pytest.mark.parametrize(("pattern", "uses_pid", "expected"), [

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from ur.run.master.link_monitor import BUSY, LinkState, MasterState, choose_limit, is_another, step_link
+from ur.run.master.monitor import BUSY, LinkState, MasterState, choose_limit, is_another, step_link
 from ur.run.supervisor.events import Event, LinkLost, LinkRestored, MasterReplaced, MasterReturned, RobotMasterLost
 
 MASTER = MasterState(100, "a")

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import getpass
+import json
 import os
 import socket
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, nullcontext
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import click
 
-from ur.cli.computer.doctor_report import DoctorReport, print_alone, print_json, print_report, print_seen
+from ur.cli.output import plain_text
 from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, print_json_of_each, run_for_each
 from ur.devices.device import Expected
 from ur.recordings.black_boxes import notify_black_boxes
@@ -26,15 +28,18 @@ from ur.robot.discovery.seen import SeenRobot, load_seen, note_seen, seen_path
 from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand
 from ur.robot.doctor.fix import inspect_until_fixed, list_safe, run_fix
 from ur.robot.doctor.inspect import inspect_computer, inspect_pair, read_name
-from ur.robot.doctor.route import explain_route, inspect_route, list_steps
+from ur.robot.doctor.route import RouteStep, explain_route, inspect_route, list_steps
 from ur.robot.doctor.rules import diagnose, diagnose_alone
 from ur.robot.doctor.side import Side
+from ur.robot.doctor.summary import compare_packages, describe_ros2, summarize
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import LocalShell, Shell
 from ur.source.diagnostic import UserError
+from ur.source.printable import printable, printable_lines
 from ur.source.progress_line import show_progress
+from ur.source.render import shows_colour
 from ur.system.debian_root import describe_system, find_root
 
 Apply = Callable[[Sequence[tuple[str, FixCommand]]], list[Finding]]
@@ -319,3 +324,104 @@ def short_name(address: Address) -> str:
     """Return the name of a computer without its domain."""
     name = address.host.removesuffix(".local")
     return socket.gethostname().split(".")[0] if name == "localhost" else name
+
+
+MARKS = {True: ("ok", "green"), False: ("NO", "red"), None: ("-", "bright_black")}
+
+
+@dataclass(slots=True)
+class DoctorReport:
+    """The result of one run of the doctor.
+
+    `names`: the names of the two computers, as printed before a command. `for_robot` are findings that matter only
+    after the first real robot is set up from this computer.
+    """
+
+    names: Mapping[str, str]
+    findings: Sequence[Finding] = ()
+    steps: Sequence[RouteStep] = ()
+    fixed: list[tuple[str, str]] = field(default_factory=list)
+    for_robot: Sequence[Finding] = ()
+
+
+def print_alone(side: Side, ros1: str) -> None:
+    """Print the inspected computer, and its ROS; `ros1` describes its ROS 1."""
+    click.echo(f"a simulated robot is selected: this computer alone ({side.name})")
+    click.echo(ros1)
+    for line in describe_ros2(side.ros2):
+        click.echo(printable(line))
+
+
+def print_report(report: DoctorReport, *, fixable: str = "") -> None:
+    """Print the steps of the route, if the robot was not reached, and each finding with its fix.
+
+    `fixable` is the advice for findings that `--fix` handles.
+    """
+    for step in report.steps:
+        mark, colour = MARKS[step.good]
+        text = f"{step.title}: {step.seen}" if step.seen else step.title
+        click.echo(f"  {_style(f'{mark:2}', colour)} {printable(text)}")
+    for finding in report.findings:
+        click.echo(f"{_style('problem', 'red')}: {printable(finding.message)} [{finding.rule}]")
+        if finding.help:
+            click.echo(f"  {_style('help', 'green')}: {printable(finding.help)}")
+        for command in finding.commands:
+            who = f"on {report.names[command.where]}{' (--fix)' if command.safe else ''}"
+            click.echo(f"  {_style(printable(who), 'green')}: {printable_lines(command.typed)}")
+    fixable_count = sum(finding.fixable for finding in report.findings)
+    if not report.findings:
+        click.echo("all is well")
+    elif fixable_count and fixable:
+        click.echo(f"{fixable_count} of {len(report.findings)} can be fixed by: {fixable}")
+    if report.for_robot:
+        click.echo("before you set up a real robot, run: ur setup")
+        for finding in report.for_robot:
+            click.echo(f"  {printable(finding.message)}")
+
+
+def print_json(report: DoctorReport) -> None:
+    """Print the report as JSON."""
+    findings, for_robot = (
+        [
+            {
+                "rule": finding.rule,
+                "message": finding.message,
+                "help": finding.help,
+                "commands": [
+                    {"on": report.names[each.where], "where": each.where, "command": each.typed, "fix": each.safe}
+                    for each in finding.commands
+                ],
+            }
+            for finding in found
+        ]
+        for found in (report.findings, report.for_robot)
+    )
+    fixed = [{"rule": rule, "result": result} for rule, result in report.fixed]
+    whole = {
+        "findings": findings,
+        "for_robot": for_robot,
+        "steps": [asdict(step) for step in report.steps],
+        "fixed": fixed,
+    }
+    click.echo(json.dumps(whole, indent=2))
+
+
+def print_seen(pair: ComputerPair) -> None:
+    """Print all inspected properties of both computers side by side."""
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(soft_wrap=not sys.stdout.isatty())
+    titles = (("", pair.local.name, pair.remote.name), ("package", pair.local.name, pair.remote.name))
+    for title, rows in zip(titles, (summarize(pair), compare_packages(pair)), strict=True):
+        table = Table()
+        for column in title:
+            table.add_column(plain_text(column), overflow="fold")
+        for row in rows:
+            table.add_row(*map(plain_text, row))
+        if rows:
+            console.print(table)
+
+
+def _style(text: str, colour: str) -> str:
+    return click.style(text, fg=colour, bold=True) if shows_colour(sys.stdout) else text

@@ -195,6 +195,7 @@ def check_package(path: str, fix: bool) -> int:
     from ur.source.diagnostic import UserError, error
     from ur.source.progress_line import show_progress
     from ur.source.read import read_source
+    from ur.tools.new.package import CMAKE
     from ur.tools.new.target import find_target
     from ur.tools.package.cmake import choose_folders, describe_changes, put_block, write_block
     from ur.tools.package.uses import add_run_dependencies, find_used_packages, read_optional, read_run_dependencies
@@ -207,7 +208,7 @@ def check_package(path: str, fix: bool) -> int:
         click.echo(f"note: {unread}", err=True)
     manifest, cmake = folder / "package.xml", folder / "CMakeLists.txt"
     texts = {manifest: read_source(manifest).text}
-    texts[cmake] = read_source(cmake).text if cmake.exists() else _start_of_cmake(package.name)
+    texts[cmake] = read_source(cmake).text if cmake.exists() else CMAKE.format(name=package.name)
     known = read_run_dependencies(texts[manifest])
     for name in sorted(set(used) - known - read_optional(texts[manifest])):
         line, column = used[name].position
@@ -237,9 +238,3 @@ def check_package(path: str, fix: bool) -> int:
         replace_file(str(each), wanted[each])
         click.echo(f"wrote {os.path.relpath(each)}")
     return 0
-
-
-def _start_of_cmake(name: str) -> str:
-    return (
-        f"cmake_minimum_required(VERSION 3.10)\nproject({name} NONE)\nfind_package(catkin REQUIRED)\ncatkin_package()\n"
-    )

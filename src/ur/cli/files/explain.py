@@ -21,7 +21,7 @@ def command(argv: tuple[str, ...]) -> int:
     from ur.launchfile.address import join_addresses
     from ur.launchfile.query.explain import explain_name, format_layers
     from ur.launchfile.world.system import SystemWorld
-    from ur.request.bases.driver_packages import describe_board
+    from ur.request.bases.base_argument import describe_board
     from ur.request.environment import apply_selection, current_selection
     from ur.request.launch_request import make_request
     from ur.request.plan_files import complete_arguments, texts

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import click
 
-from ur.cli.files.new_script import new_script
 from ur.cli.files.new_things import (
     SUMMARY,
     ask,
@@ -22,6 +22,7 @@ from ur.cli.files.new_things import (
     urdf_files,
 )
 from ur.cli.files.new_world import new_world
+from ur.source.diagnostic import UserError, error
 
 _NAME = r"[a-z][a-z0-9_]*"
 
@@ -182,7 +183,7 @@ def new_base(
     With --from its figures, wheels and sensors are read from a URDF or xacro file, and only the rest is asked for.
     ARG:=VALUE are arguments of the xacro file.
     """
-    from ur.cli.files.base_from import describe_base
+    from ur.cli.files.new_things import describe_base
     from ur.tools.new.description import check_source, refuse_arguments
     from ur.tools.new.drivers import check_driver, driver_files, driver_lines, driver_speeds, refuse_sideways
     from ur.tools.new.package import write_base
@@ -229,5 +230,28 @@ def new_package(name: str | None, summary: str | None, maintainer: str | None, e
     return show_done(target, plan_package(name, summary, maintainer, email), f"cd {name} && ur new node")
 
 
-command.add_command(new_script)
+_SCRIPT = re.compile(r"[a-z][a-z0-9_]*")
+
+
+@command.command("script")
+@click.argument("name")
+@click.option("--summary", default="Drive half a metre ahead", help="One line that says what it does.")
+def new_script(name: str, summary: str) -> int:
+    """Write a script NAME.py into this folder, which drives the selected robot half a metre ahead."""
+    from ur.tools.new.script import plan_script
+    from ur.tools.new.write import write_files
+
+    name = name.removesuffix(".py")
+    if not _SCRIPT.fullmatch(name):
+        expected = "expected lower-case letters, digits and _, starting with a letter"
+        raise UserError(
+            error(f"script name {name!r}, {expected}", rule="bad-options", help="ur new script look_around")
+        )
+    (file,) = plan_script(name, summary)
+    write_files(Path.cwd(), [file])
+    click.echo(f"wrote {file.path}")
+    click.echo(f"next: ur run keyboard_navigate, then in another terminal: ur run {file.path}", err=True)
+    return 0
+
+
 command.add_command(new_world)

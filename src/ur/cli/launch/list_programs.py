@@ -106,7 +106,7 @@ def describe_programs(
 
 
 def _describe(program: Program, ambiguous: bool, environment: Mapping[str, str], lack: str) -> dict[str, object]:
-    from ur.request.program_arguments import read_program_arguments
+    from ur.request.programs import read_program_arguments
 
     path = find_launch_file(program)
     problem = ""

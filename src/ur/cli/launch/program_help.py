@@ -29,7 +29,7 @@ def describe_program(program: Program, environment: Mapping[str, str]) -> str:
     Raises UserError when its launch file cannot be read.
     """
     from ur.docs.repository.programs import read_headings
-    from ur.request.program_arguments import read_program_arguments
+    from ur.request.programs import read_program_arguments
     from ur.source.file import SourceFile
 
     width = min(_WIDEST, shutil.get_terminal_size().columns)
@@ -55,7 +55,8 @@ def describe_program(program: Program, environment: Mapping[str, str]) -> str:
     ]
     lines += ["", _heading("Examples:"), f"  ur run {program.name}"]
     found = [each for each in _EXAMPLES.findall(overview) if each != "NAME:=VALUE"]
-    lines += [f"  ur run {program.name} {' '.join(each.split())}" for each in found or _make_examples(arguments)]
+    found = found or [f"{each.name}:={each.default or 'VALUE'}" for each in arguments[:1]]
+    lines += [f"  ur run {program.name} {' '.join(each.split())}" for each in found]
     return _finish(lines)
 
 
@@ -83,10 +84,6 @@ def _values(each: ArgumentSpec, environment: Mapping[str, str]) -> list[str]:
     if each.name == "world" and found:
         found.append("the path of a world file")
     return found
-
-
-def _make_examples(arguments: Sequence[ArgumentSpec]) -> list[str]:
-    return [f"{each.name}:={each.default or 'VALUE'}" for each in arguments[:1]]
 
 
 def _prose(text: str, width: int) -> list[str]:

@@ -15,8 +15,7 @@ from ur.cli.launch.launch import explain_problem, launch_line
 from ur.cli.launch.options import LEASE
 from ur.request.environment import PACKAGE, add_own_package, apply_selection, current_selection
 from ur.request.launch_request import LaunchOptions, check_options
-from ur.request.program_arguments import check_arguments
-from ur.request.programs import find_launch_file, find_program, read_launch_argv
+from ur.request.programs import check_arguments, find_launch_file, find_program, read_launch_argv
 from ur.robot.selection import Selection
 from ur.source.arguments import split_argv
 from ur.source.diagnostic import UserError, error, error_about

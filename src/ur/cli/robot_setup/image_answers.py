@@ -11,7 +11,7 @@ from pathlib import Path
 
 import click
 
-from ur.cli.answers import read_lines
+from ur.cli.answers import ask_twice, read_lines
 from ur.request.environment import PACKAGE
 from ur.robot.base import list_bases, load_base
 from ur.robot.discovery.record import DEFAULT_USER
@@ -103,7 +103,7 @@ def read_passwords(options: SeedOptions, descriptor: int | None) -> Passwords:
     if descriptor is not None:
         user, wifi = read_lines(descriptor, "--passwords-from", 2, close=False)
     elif sys.stdin.isatty():
-        user = _ask_twice(f"password of {options.user} (empty: none, the key alone)")
+        user = ask_twice(f"password of {options.user} (empty: none, the key alone)")
         if options.wifi:
             wifi = getpass.getpass(f"password of the WiFi {options.wifi.network} (empty: it is open): ")
     elif options.wifi:
@@ -174,14 +174,6 @@ def _ask(option: str, what: str) -> str:
         raise _missing(what, option)
     answer: str = click.prompt(what)
     return answer
-
-
-def _ask_twice(what: str) -> str:
-    while True:
-        new = getpass.getpass(f"{what}: ")
-        if new == "" or getpass.getpass("the same again: ") == new:
-            return new
-        click.echo("the two differ; once more")
 
 
 def _missing(what: str, option: str) -> UserError:

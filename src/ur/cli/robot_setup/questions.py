@@ -8,9 +8,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-import click
-
-from ur.cli.answers import check_name, read_lines, taken_error
+from ur.cli.answers import ask_twice, check_name, read_lines, taken_error
 from ur.cli.robot_setup.contact import TERMINAL, SetupTerminal
 from ur.cli.robots.fleet import choose_robots
 from ur.request.environment import PACKAGE
@@ -137,15 +135,7 @@ def read_passwords(
     elif sys.stdin.isatty():
         who = ", ".join(str(task.address) for task in tasks)
         current = getpass.getpass(f"present password of {who} (empty: login by key): ")
-        new = "" if dry_run else _ask_new()
+        new = "" if dry_run else ask_twice("new password (empty: keep the present one)")
     else:
         current = new = ""
     return (Secret(current) if current else None), (Secret(new) if new else None)
-
-
-def _ask_new() -> str:
-    while True:
-        new = getpass.getpass("new password (empty: keep the present one): ")
-        if new == "" or getpass.getpass("the same again: ") == new:
-            return new
-        click.echo("the two differ; once more")

@@ -17,11 +17,10 @@ import click
 from ur.cli.changing import ChangeReporter, show_changes
 from ur.cli.output import plain_text
 from ur.cli.robot_setup.contact import confirm_host_key, decide_robot_login, read_fingerprint
-from ur.cli.robot_setup.network import network
+from ur.cli.robot_setup.network import network, wifi
 from ur.cli.robot_setup.questions import PLAIN, ask_task, check_names, list_known_tasks, read_passwords, read_tasks
 from ur.cli.robot_setup.rename import rename
 from ur.cli.robot_setup.wheels import offer_wheel_test, wheels
-from ur.cli.robot_setup.wifi import wifi
 from ur.cli.robots.fleet import ALL, run_for_each
 from ur.devices.needs import examine
 from ur.request.environment import PACKAGE, current_selection

@@ -56,7 +56,10 @@ def wait_ready(entry: RunEntry, timeout: float) -> int:
             if count and not late:
                 return 0
             progress(f"waiting for {len(late)} of {count} nodes: {', '.join(late)}")
-    _print_missing(list_missing(state), timeout)
+    missing = list_missing(state)
+    sys.stderr.write(f"error: not up after {timeout:g} s{':' if missing else ''}\n")
+    for name, reasons in missing.items():
+        sys.stderr.write(f"  {name}: {'; '.join(reasons)}\n")
     return 1
 
 
@@ -73,9 +76,3 @@ def start_detached(run: Callable[[Detach], int], wait: float | None) -> int:
         return wait_ready(choose_run(name), wait)
 
     return run_detached(run, print_name)
-
-
-def _print_missing(missing: dict[str, tuple[str, ...]], timeout: float) -> None:
-    sys.stderr.write(f"error: not up after {timeout:g} s{':' if missing else ''}\n")
-    for name, reasons in missing.items():
-        sys.stderr.write(f"  {name}: {'; '.join(reasons)}\n")

@@ -48,17 +48,13 @@ def command(path: str, output: str | None, prefix: str | None) -> int:
         _write(made, Path(output or prefix or ""), whole=prefix is not None)
     elif len(made.launch_files) == 1:
         click.echo(made.launch_files[0].text, nl=False)
-        _name_files(made)
+        if made.parameter_files:
+            names = ", ".join(printable(os.path.relpath(each.path)) for each in made.parameter_files)
+            click.echo(f"note: it loads files of parameters, which --output converts, too: {names}", err=True)
     else:
         message = f"{len(made.launch_files)} launch files, expected --output or --prefix with a folder for them"
         raise UserError(error(message, rule="bad-options", help=f"ur convert {path} --output FOLDER"))
     return 1 if made.findings else 0
-
-
-def _name_files(made: ConvertedFiles) -> None:
-    if made.parameter_files:
-        names = ", ".join(printable(os.path.relpath(each.path)) for each in made.parameter_files)
-        click.echo(f"note: it loads files of parameters, which --output converts, too: {names}", err=True)
 
 
 def _write(made: ConvertedFiles, folder: Path, *, whole: bool) -> None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.openssh import connect
 from ur.run.master.client import DEFAULT_PORT, Master
-from ur.run.master.link_monitor import watch_link
+from ur.run.master.monitor import watch_link
 from ur.run.master.xml_rpc import Unanswered
 from ur.run.output.messages import LossLines, describe_link
 from ur.run.supervisor.events import Event, LinkLost, LinkRestored

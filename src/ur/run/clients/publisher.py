@@ -135,7 +135,10 @@ class RunPublisher:
         before, self._state, self._now = self._state, state, now
         for old, new in zip(before.units, state.units, strict=True):
             if old is not new:
-                self._note_unit(old, new)
+                name = new.unit.name
+                if not new.alive or old.pid != new.pid:
+                    self._readiness.pop(name, None)
+                self.subscribers.publish(self._describe_unit(new))
         if before.phase is not state.phase and state.phase is RunPhase.STOPPING_NODES:
             self.subscribers.publish(RunStopping(state.cause or ""))
 
@@ -193,12 +196,6 @@ class RunPublisher:
             self._read_back(False)
         self.subscribers.publish(RunEnded(exit_code))
         self.subscribers.close(limit)
-
-    def _note_unit(self, old: UnitState, new: UnitState) -> None:
-        name = new.unit.name
-        if not new.alive or old.pid != new.pid:
-            self._readiness.pop(name, None)
-        self.subscribers.publish(self._describe_unit(new))
 
     def _describe(self) -> Iterable[RunEvent]:
         yield replace(self._started)

@@ -66,11 +66,6 @@ def start_commands(specs: Sequence[ParamSpec], environment: Mapping[str, str]) -
     return started
 
 
-def plain_values(specs: Sequence[ParamSpec]) -> dict[str, ParamValue]:
-    """Return the values that need no program, in order."""
-    return {spec.name: spec.value for spec in specs if spec.command is None}
-
-
 def check_sendable(specs: Sequence[ParamSpec]) -> None:
     """Raise UserError for the first value that a parameter server cannot hold."""
     from ur.run.master.xml_rpc import dump_value
@@ -136,7 +131,7 @@ def _set_parameters(plan: Plan, master: Master, extra: Mapping[str, ParamValue],
                 master.call("deleteParam", each.name)
             except CallRefused:
                 continue  # the parameter does not exist
-    values = plain_values(plan.params)
+    values = {spec.name: spec.value for spec in plan.params if spec.command is None}
     printed = commands.collect()
     ordered = {spec.name: printed[spec.name] if spec.name in printed else values[spec.name] for spec in plan.params}
     master.set_parameters({**extra, **ordered}, plan.clear_params)

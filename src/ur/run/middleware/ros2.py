@@ -56,7 +56,10 @@ class DomainMiddleware:
         return tuple(
             replace(
                 program,
-                argv=(*_own_words(program, node), *arguments_of(node, file_name(folder, node.full_name))),
+                argv=(  # without the names that roslaunch appends
+                    *program.argv[: len(program.argv) - len(node.remaps) - 1],
+                    *arguments_of(node, file_name(folder, node.full_name)),
+                ),
                 changes=node.env,
                 names_log=False,
             )
@@ -150,11 +153,6 @@ def list_others(environment: Mapping[str, str], own: int | None = None) -> list[
     address = graph_address(environment)
     runs = list_runs(environment, os.getuid(), read_computer())
     return [each for each in runs if each.master_uri == address and each.pid != (own or os.getpid())]
-
-
-def _own_words(program: UnitProgram, node: NodeSpec) -> tuple[str, ...]:
-    """Return the command line without the names that roslaunch appends."""
-    return program.argv[: len(program.argv) - len(node.remaps) - 1]
 
 
 def arguments_of(node: NodeSpec, parameters: str) -> tuple[str, ...]:

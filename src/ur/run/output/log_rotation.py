@@ -146,7 +146,7 @@ class LogRotation:
         """`drop(path, keep)` removes the beginning of a file and returns the number of removed bytes."""
         self._folder = folder
         self._bounds = bounds
-        self._drop = drop or _drop_beginning
+        self._drop = drop or drop_beginning
         self._names: set[str] = set()
         self._checked = now
         self._total = 0
@@ -186,8 +186,3 @@ class LogRotation:
         except OSError:
             return sizes, fixed  # the folder, or a file, was removed meanwhile
         return sizes, fixed
-
-
-def _drop_beginning(path: str, keep: int) -> int:
-
-    return drop_beginning(path, keep)

@@ -128,7 +128,9 @@ class NodeOutputs:
     def work(self, now: float) -> None:
         """Read the streams that were deferred, and cut log files that have become too large."""
         if now >= self._rotation.due:
-            self._cut_logs(now)
+            removed = self._rotation.check(now)
+            for output in self._outputs.values() if removed else ():
+                output.read_back = max(0, output.read_back - removed.get(output.path, 0))
         for descriptor in [each for each, due in self._paused.items() if due <= now]:
             self._poll.register(descriptor, select.POLLIN)
             del self._paused[descriptor]
@@ -203,11 +205,6 @@ class NodeOutputs:
         output.read_back += len(data)
         for line in output.splitter.feed(data):
             self._report(name, "log", make_printable(line))
-
-    def _cut_logs(self, now: float) -> None:
-        removed = self._rotation.check(now)
-        for output in self._outputs.values() if removed else ():
-            output.read_back = max(0, output.read_back - removed.get(output.path, 0))
 
     def _pause(self, descriptor: int) -> None:
         if descriptor not in self._paused:

@@ -77,7 +77,7 @@ def _begin(
         os.environ.update({"ROS_MASTER_URI": request.master_uri, "ROS_HOSTNAME": request.host})
         os.environ.pop("ROS_IP", None)
     others = [each for each in runs if entry is None or each.run != entry.run]
-    holders = find_holders(others, request.nodes, _own_port())
+    holders = find_holders(others, request.nodes, _own_master().port)
     for holder in holders:
         if holder.entry.host != computer.host:
             return ShareAnswer(problem=_renamed(holder, computer, request.machine))
@@ -200,10 +200,6 @@ def _find_live(request: ShareRequest) -> tuple[str, ...]:
 
 def _own_master() -> Master:
     return parse_master_uri(os.environ.get("ROS_MASTER_URI", "http://localhost:11311"))
-
-
-def _own_port() -> int:
-    return _own_master().port
 
 
 def _master_of(entry: RunEntry) -> Master:

@@ -59,9 +59,15 @@ def press_all(state: State, now: float) -> Step:
         case RunPhase.STOPPING_NODES:
             return _press_nodes(state, now)
         case RunPhase.STOPPING_CORE:
-            return _press_core(state, now)
+            if state.pressure >= len(SIGNALS):
+                return _abandon(state, now)
+            left = tuple(each.unit.name for each in state.units if each.alive)
+            state = replace(state, pressure=len(SIGNALS), deadline=now + 1.0)
+            return state, [SignalUnit(name, SIGKILL) for name in left]
         case RunPhase.SWEEPING:
-            return _press_rest(state, now)
+            if state.pressure >= len(SIGNALS):
+                return remove_registrations(state, now)
+            return replace(state, pressure=len(SIGNALS), deadline=now + 1.0), [Sweep(SIGKILL)]
     return finish_end(state)
 
 
@@ -86,20 +92,6 @@ def _press_nodes(state: State, now: float) -> Step:
     wait = signal_patience(state.limits, state.pressure)
     state = replace(state, pressure=state.pressure + 1, deadline=now + wait)
     return state, reported + [SignalUnit(name, signum) for name in left]
-
-
-def _press_core(state: State, now: float) -> Step:
-    if state.pressure >= len(SIGNALS):
-        return _abandon(state, now)
-    left = tuple(each.unit.name for each in state.units if each.alive)
-    state = replace(state, pressure=len(SIGNALS), deadline=now + 1.0)
-    return state, [SignalUnit(name, SIGKILL) for name in left]
-
-
-def _press_rest(state: State, now: float) -> Step:
-    if state.pressure >= len(SIGNALS):
-        return remove_registrations(state, now)
-    return replace(state, pressure=len(SIGNALS), deadline=now + 1.0), [Sweep(SIGKILL)]
 
 
 def _abandon(state: State, now: float) -> Step:

@@ -18,7 +18,7 @@ _PACKAGE = """\
   <buildtool_depend>catkin</buildtool_depend>
 </package>
 """
-_CMAKE = """\
+CMAKE = """\
 cmake_minimum_required(VERSION 3.10)
 project({name} NONE)
 find_package(catkin REQUIRED)
@@ -43,7 +43,7 @@ def plan_package(name: str, summary: str, maintainer: str, email: str) -> tuple[
     )
     return (
         NewFile("package.xml", text),
-        NewFile("CMakeLists.txt", _CMAKE.format(name=name)),
+        NewFile("CMakeLists.txt", CMAKE.format(name=name)),
         NewFile("bin/README.md", _BIN.format(name=name)),
     )
 
