@@ -68,6 +68,17 @@ def test_status_without_a_root_says_so(tmp_path: Path) -> None:
     assert done.stdout.startswith("no Debian root")
 
 
+def test_both_spellings_reach_the_root_without_a_set_up_and_the_old_one_warns(tmp_path: Path) -> None:
+    environment = {**os.environ, "XDG_DATA_HOME": str(tmp_path)}
+    told = []
+    for words in (["setup", "debian"], ["debian"]):
+        command = [REPOSITORY / "ur", *words, "status"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+        assert (done.returncode, done.stdout[:14]) == (0, "no Debian root")
+        told.append(done.stderr)
+    assert told == ["", "warning: 'ur debian' is now 'ur setup debian'; the old spelling ends with the next release\n"]
+
+
 def test_unknown_command_is_refused_with_the_known_ones(tmp_path: Path) -> None:
     done = run_script("remvoe", data=tmp_path)
     assert done.returncode == 2
