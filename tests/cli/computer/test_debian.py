@@ -72,7 +72,7 @@ def test_both_spellings_reach_the_root_without_a_set_up_and_the_old_one_warns(tm
     environment = {**os.environ, "XDG_DATA_HOME": str(tmp_path)}
     told = []
     for words in (["setup", "debian"], ["debian"]):
-        command = [REPOSITORY / "ur", *words, "status"]
+        command = [str(REPOSITORY / "ur"), *words, "status"]
         done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
         assert (done.returncode, done.stdout[:14]) == (0, "no Debian root")
         told.append(done.stderr)

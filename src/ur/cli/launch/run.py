@@ -59,7 +59,7 @@ def command(
         raise UserError(error(message, rule="bad-options", help="select ROS 2 before: ur use sim --ros 2"))
     selection = current_selection(os.environ)
     if not selection.simulated:
-        from ur.cli.robots.over_ssh import is_over_ssh, run_there
+        from ur.cli.robots.shell import is_over_ssh, run_there
 
         if is_over_ssh(selection):
             return run_there(selection, found, options, arguments)
@@ -113,7 +113,7 @@ def run_script(
     """Run a script in place of this process, for the selected robot. Raises UserError."""
     selection = current_selection(os.environ)
     if not selection.simulated:
-        from ur.cli.robots.over_ssh import is_over_ssh
+        from ur.cli.robots.shell import is_over_ssh
 
         if is_over_ssh(selection):
             there = f"copy {path} to the robot and type there: ur run {Path(path).name}"

@@ -8,7 +8,7 @@ from functools import partial
 
 import click
 
-from ur.cli.robots.over_ssh import is_over_ssh, serve_there
+from ur.cli.robots.shell import is_over_ssh, serve_there
 from ur.request.environment import CHOSEN, apply_selection, current_selection, watch_selection
 from ur.request.requirements.python_packages import need_all
 from ur.robot.selection import Selection, parse_selection
