@@ -50,6 +50,8 @@ def test_block_is_put_at_the_end_and_then_replaced() -> None:
     assert "install(DIRECTORY\n  bin\n  n_a\n" in first
     assert "install(FILES\n  x.launch\n" in first
     assert put_block(first, write_block(["bin", "n_a"], ["x.launch"])) == first
+    former = first.replace("ur check --package --fix", "ur package --write")  # until version 0.1
+    assert put_block(former, write_block(["bin", "n_a"], ["x.launch"])) == first
     assert put_block(first + "# mine\n", write_block(["n_b"])) == start + "\n" + write_block(["n_b"]) + "# mine\n"
 
 
