@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
 import subprocess
@@ -90,24 +89,3 @@ def _pairs(costmap, way: float, count: int) -> Iterator[tuple[tuple[float, float
         if (costmap.costs_at(np.stack((start, goal))) == 0).all():
             count -= 1
             yield (float(start[0]), float(start[1])), (float(goal[0]), float(goal[1]))
-
-
-def main() -> None:
-    """Print the figures of this subject alone."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--sizes", nargs="+", type=int, default=list(SIZES), help="cells a side")
-    parser.add_argument("--plans-only", action="store_true", help="start no nodes")
-    parser.add_argument("--nodes-only", action="store_true", help="do not time the planner alone")
-    options = parser.parse_args()
-    if options.plans_only:
-        rows: Iterable[Row] = measure_plans(max(options.sizes), WAYS, f"plan on {max(options.sizes)}^2", by_way=True)
-    elif options.nodes_only:
-        rows = (row for side in options.sizes for row in measure_nodes(side))
-    else:
-        rows = measure(options.sizes)
-    for row in rows:
-        print(f"{row.subject:<44} {row.size:12g} {row.cost:10.3f} {row.unit}", flush=True)
-
-
-if __name__ == "__main__":
-    main()
