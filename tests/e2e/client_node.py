@@ -11,16 +11,15 @@ import math
 from typing import Any
 
 import actionlib
-import genpy
 import rospy
 import tf2_ros
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
-from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseGoal
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
-from nav_msgs.srv import GetPlan, SetMap, SetMapRequest
+from nav_msgs.srv import SetMap, SetMapRequest
 from sensor_msgs.msg import LaserScan
-from std_msgs.msg import Bool, Int32, String, Time
+from std_msgs.msg import Bool, Int32, String
 from std_srvs.srv import Empty, Trigger
 from tests.json_client import answer_requests, claim_output, wait_until
 
@@ -47,7 +46,6 @@ class DrivingClient:
         self.collisions = 0
         self.obstacle_stop = ""
         self.stopped: bool | None = None
-        self.challenge: genpy.Time | None = None
         self.goals: list[GoalStatus] = []
         self.buffer = tf2_ros.Buffer()
         self.listener = tf2_ros.TransformListener(self.buffer)
@@ -62,9 +60,7 @@ class DrivingClient:
         rospy.Subscriber("initialpose", PoseWithCovarianceStamped, self._add_placed)
         rospy.Subscriber("odom", Odometry, self._set_odom)
         rospy.Subscriber("scan", LaserScan, self._count_scan)
-        self.direct = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
         rospy.Subscriber("move_base/status", GoalStatusArray, self._set_goals)
-        rospy.Subscriber("cmd_vel_mux/challenge", Time, self._set_challenge, queue_size=1)
         rospy.Subscriber("simulator/collisions", Int32, self._set_collisions)
         rospy.Subscriber("cmd_vel_mux/obstacle_stop", String, self._set_obstacle_stop)
         rospy.Subscriber("cmd_vel_mux/active", String, self._add_active)
@@ -136,24 +132,6 @@ class DrivingClient:
             raise TimeoutError(f"no patrol {state} within {seconds:g} s, the last are {self.patrols[-3:]}") from None
         return {"reason": self.patrols[-1].reason, "index": self.patrols[-1].index}
 
-    def do_patrol_states(self) -> list[str]:
-        """Return all states of the patrol so far."""
-        return [each.state for each in self.patrols]
-
-    def do_late_goal(self, client: str, x: float, y: float, age: float) -> dict[str, Any]:
-        """Send a goal as our clients do, which answers a challenge so many seconds old."""
-        wait_until(self.direct.get_num_connections, 60, "a subscriber of goals")
-        wait_until(lambda: self.challenge, 60, "a challenge")
-        stamp = self.challenge
-        assert stamp
-        wait_until(lambda: self.challenge and (self.challenge - stamp).to_sec() > age, 60, "newer challenges")
-        goal = MoveBaseActionGoal()
-        goal.goal_id.id = f"late@{client}@{stamp.secs}.{stamp.nsecs:09d}"
-        goal.goal.target_pose.header.frame_id = "map"
-        goal.goal.target_pose.pose = pose_message(Pose2(x, y, 0.0))
-        self.direct.publish(goal)
-        return {}
-
     def do_free(self, seconds: float) -> dict[str, Any]:
         """Take the lease, as a person would after a program that was killed, and let others have it."""
         wait_until(lambda: self.lease.view().state != "unknown", seconds, "the lease of the mux")
@@ -162,11 +140,6 @@ class DrivingClient:
             wait_until(lambda: self.lease.view().mine, seconds, "the lease")
             self.node.ask(lambda: self.lease.release(final=False))
             wait_until(lambda: not self.lease.view().mine, seconds, "the release of the lease")
-        return {}
-
-    def do_lease(self, state: str, seconds: float) -> dict[str, Any]:
-        """Wait for a state of the lease."""
-        wait_until(lambda: self.lease.view().state == state, seconds, f"the lease to be {state}")
         return {}
 
     def do_cancel(self) -> dict[str, Any]:
@@ -267,26 +240,8 @@ class DrivingClient:
         rospy.ServiceProxy("global_localization", Empty)()
         return {}
 
-    def do_plan(self, x: float, y: float) -> dict[str, Any]:
-        """How many poses a path from here has; none when there is none."""
-        rospy.wait_for_service("move_base/make_plan", 10)
-        request = GetPlan._request_class()
-        believed = Pose2(*self.do_where()["believed"])
-        for stamped, pose in ((request.start, believed), (request.goal, Pose2(x, y, 0.0))):
-            stamped.header.frame_id = "map"
-            stamped.pose = pose_message(pose)
-        plan = rospy.ServiceProxy("move_base/make_plan", GetPlan)(request).plan
-        return {"poses": len(plan.poses), "frame": plan.header.frame_id}
-
-    def do_scans(self) -> dict[str, Any]:
-        """How many scans came so far."""
-        return {"scans": self.scans}
-
     def _set_goals(self, message: GoalStatusArray) -> None:
         self.goals = message.status_list
-
-    def _set_challenge(self, message: Time) -> None:
-        self.challenge = message.data
 
     def _add_active(self, message: String) -> None:
         self.active.append(message.data)

@@ -90,23 +90,6 @@ def test_goal_is_cancelled_when_another_computer_takes_over(robot: LaunchedRobot
             assert "g 0.5 0: reached" in out
 
 
-def test_goal_that_was_sent_unattended_goes_on_without_its_program(robot: LaunchedRobot) -> None:
-    put_at_start(robot)
-    with navigate(robot, "laptop", "g 1.5 0 0\n", attended="0") as process:
-        robot.ask("moving", seconds=60)
-        process.kill()
-    robot.ask("goals", state="SUCCEEDED", text="goal reached", seconds=60)
-    with navigate(robot, "laptop", "q\n", keep_open=False) as process:
-        process.communicate(timeout=60)
-
-
-def test_goal_that_arrives_late_is_refused(robot: LaunchedRobot) -> None:
-    put_at_start(robot)
-    robot.ask("late_goal", client="anybody", x=3.0, y=0.0, age=1.2)
-    robot.ask("goals", state="ABORTED", text="the goal arrived late (1.", seconds=60)
-    stand(robot)
-
-
 def test_screen_says_that_the_robot_is_silent_and_holds_the_goal_open(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     silent = [find_node(robot, name) for name in ("cmd_vel_mux", "move_base")]

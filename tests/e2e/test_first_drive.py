@@ -69,37 +69,6 @@ def test_robot_reaches_a_goal(robot: LaunchedRobot) -> None:
     assert abs(math.degrees(yaw) - 90.0) < 8.0
 
 
-def test_cancelled_goal_stops_the_robot(robot: LaunchedRobot) -> None:
-    put_at_start(robot)
-    robot.ask("goal", **GOALS["far"])
-    robot.ask("moving", seconds=60)
-    robot.ask("cancel")
-    assert robot.ask("result", seconds=60)["state"] == "PREEMPTED"
-    robot.ask("still", seconds=60)
-
-
-def test_new_goal_replaces_the_old_one(robot: LaunchedRobot) -> None:
-    put_at_start(robot)
-    robot.ask("goal", **GOALS["far"])
-    robot.ask("moving", seconds=60)
-    result = robot.ask("goal", x=0.8, y=0.0, degrees=0.0, seconds=60)
-    assert result["state"] == "SUCCEEDED", result["text"]
-    assert distance(result["true"], (0.8, 0.0)) < 0.15
-
-
-def test_goal_in_a_wall_is_refused_with_the_reason(robot: LaunchedRobot) -> None:
-    result = robot.ask("goal", x=-3.0, y=-20.0, seconds=60)
-    assert result["state"] == "ABORTED"
-    assert "map" in result["text"], result["text"]
-
-
-def test_plans_are_made_without_driving(robot: LaunchedRobot) -> None:
-    put_at_start(robot)
-    plan = robot.ask("plan", x=1.5, y=0.0)
-    assert plan["poses"] > 5
-    assert plan["frame"] == "map"
-
-
 def test_kidnapped_robot_finds_itself_again(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     assert robot.ask("place", **GOALS["far"])["success"]

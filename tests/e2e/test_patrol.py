@@ -49,39 +49,6 @@ def test_patrol_goes_on_without_the_program_that_started_it_until_another_ends_i
     stand(robot)
 
 
-def test_patrol_of_a_script_waits_at_each_place_and_is_done_after_the_last(robot: LaunchedRobot) -> None:
-    assert robot.ask("ask_patrol", action="start", places=NEAR, wait=0.5, seconds=60) == {"problem": ""}
-    robot.ask("patrol", state="done", seconds=120)
-    states = robot.ask("patrol_states")
-    driven = states[len(states) - 1 - states[::-1].index("starting") :]
-    assert driven == ["starting", "driving", "waiting", "driving", "waiting", "done"]
-    unknown = robot.ask("ask_patrol", action="start", places=["nowhere"], seconds=60)["problem"]
-    assert "unknown waypoint 'nowhere'" in unknown
-
-
-def test_patrol_pauses_at_emergency_stop_take_over_and_foreign_goal_and_starts_nothing_by_itself(
-    robot: LaunchedRobot,
-) -> None:
-    for way in ("emergency", "take-over", "goal"):
-        put_at_start(robot)
-        assert robot.ask("ask_patrol", action="start", places=FAR, loop=True, seconds=60) == {"problem": ""}
-        robot.ask("moving", seconds=60)
-        if way == "emergency":
-            robot.ask("call", service="cmd_vel_mux/stop")
-            expected = "emergency stop"
-        elif way == "take-over":
-            with navigate(robot, "laptop", "take\n", keep_open=False) as process:
-                process.communicate(timeout=60)
-            expected = "laptop took over"
-        else:
-            assert robot.ask("goal", x=0.4, y=0.0, seconds=60)["state"] == "SUCCEEDED"
-            expected = "a new goal has replaced this one"
-        assert robot.ask("patrol", state="paused", seconds=60)["reason"] == expected
-        robot.ask("call", service="cmd_vel_mux/release")
-        stand(robot)
-        robot.ask("patrol", state="paused", seconds=60)
-
-
 def test_killed_node_leaves_nothing_driving_and_forgets_the_patrol(robot: LaunchedRobot) -> None:
     assert robot.ask("ask_patrol", action="start", places=FAR, loop=True, seconds=60) == {"problem": ""}
     robot.ask("moving", seconds=60)

@@ -58,24 +58,6 @@ def test_keyboard_takes_over_from_navigation_which_then_goes_on(robot: LaunchedR
     assert "navigation" in after
 
 
-def test_emergency_ends_the_goal_and_no_other_is_taken_until_the_release(robot: LaunchedRobot) -> None:
-    put_at_start(robot)
-    robot.ask("goal", **GOALS["far"])
-    robot.ask("moving", seconds=60)
-    assert robot.ask("call", service="cmd_vel_mux/stop")["message"] == "stopped"
-    result = robot.ask("result", seconds=60)
-    assert (result["state"], result["text"]) == ("ABORTED", "emergency stop")
-    stand(robot)
-    refused = robot.ask("goal", x=1.0, y=0.0, seconds=60)
-    assert (refused["state"], refused["text"]) == ("ABORTED", "emergency stop is on; release it first")
-    assert robot.ask("call", service="cmd_vel_mux/release")["message"].startswith("released")
-    stand(robot)
-    robot.ask("stopped", value=False, seconds=60)
-    put_at_start(robot)
-    result = robot.ask("goal", x=1.0, y=0.0, seconds=60)
-    assert result["state"] == "SUCCEEDED", result["text"]
-
-
 def test_space_in_keyboard_navigate_stops_the_robot_until_the_release(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     with ProgramTerminal([NAVIGATE, "__name:=navigate_by_hand"], robot.env) as terminal:

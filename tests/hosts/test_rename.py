@@ -8,7 +8,7 @@ import subprocess
 
 import pytest
 from tests.hosts.bench import UR, Bench, Done, Machine, wait_until
-from tests.hosts.managed import PENDING, SNAPSHOT, find_command, wait_reached, wait_settled
+from tests.hosts.managed import SNAPSHOT, find_command, wait_reached, wait_settled
 from tests.hosts.test_doctor import pair
 from tests.hosts.test_robot_setup import PASSWORD
 
@@ -98,15 +98,6 @@ def test_wrong_password_of_the_robot_is_named(pair: Bench) -> None:
     robot.run("mv /root/ros /etc/sudoers.d/").check()
     assert done.code == 2
     assert "sudo refuses this password" in done.err
-
-
-def test_second_change_is_refused_by_the_name_of_the_first(pair: Bench) -> None:
-    laptop, robot = pair["laptop"], pair["robot"]
-    robot.run(f"mkdir -p {PENDING}; echo rename bob to tom >{PENDING}/title; echo pat@desktop >{PENDING}/who").check()
-    done = ur(laptop, "robot rename bob eve")
-    robot.run(f"rm -r {PENDING}").check()
-    assert done.code == 2
-    assert "'rename bob to tom', begun by pat@desktop, is not finished, expected one change at a time" in done.err
 
 
 def test_rename_whose_viewer_was_killed_is_not_taken_for_done(pair: Bench) -> None:

@@ -12,12 +12,11 @@ NUMBER = bytes(range(16))
 
 
 class RplidarA1:
-    """Answers GET_INFO and GET_HEALTH, and sends a scan of a round room of 2 m between SCAN and STOP."""
+    """Answers GET_INFO and GET_HEALTH; `scans` between SCAN and STOP."""
 
     def __init__(self, firmware: tuple[int, int] = (1, 29), *, healthy: bool = True) -> None:
         self._firmware, self._healthy = firmware, healthy
         self.scans, self.requests = False, b""
-        self._degrees = 0
 
     def receive(self, data: bytes) -> bytes:
         self.requests += data
@@ -28,14 +27,7 @@ class RplidarA1:
         return answer
 
     def tick(self) -> bytes:
-        if not self.scans:
-            return b""
-        nodes = b""
-        for _ in range(10):
-            begins = self._degrees == 0
-            nodes += struct.pack("<BHH", 15 << 2 | (1 if begins else 2), self._degrees * 64 << 1 | 1, 2000 * 4)
-            self._degrees = (self._degrees + 1) % 360
-        return nodes
+        return b""
 
     def _answer(self, command: int) -> bytes:
         if command == 0x50:
@@ -76,17 +68,14 @@ def make_xv11_packet(index: int, distance: int) -> bytes:
 
 
 READ, WRITE, RESPONSE = 0xA, 0xB, 0xC
-FIRMWARE_VERSION, BOTH_SPEED_SET, BOTH_ODOM = 0x22, 0x2A, 0x30
+FIRMWARE_VERSION, BOTH_SPEED_SET = 0x22, 0x2A
 
 
 class MagniMotors:
-    """Answers reads of registers and keeps writes; what has a wrong checksum is ignored.
+    """Answers reads of registers and keeps writes; what has a wrong checksum is ignored."""
 
-    A read of the odometry has what the wheels turned since the last one: `ticks` each.
-    """
-
-    def __init__(self, firmware: int = 35, *, ticks: int = 0) -> None:
-        self.registers = {FIRMWARE_VERSION: firmware, BOTH_SPEED_SET: 0, BOTH_ODOM: ticks << 16 | ticks & 0xFFFF}
+    def __init__(self) -> None:
+        self.registers = {FIRMWARE_VERSION: 35, BOTH_SPEED_SET: 0}
         self.writes = 0
         self._data = b""
 

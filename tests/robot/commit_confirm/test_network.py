@@ -193,9 +193,3 @@ def test_profile_is_found_by_the_name_of_its_network_first() -> None:
     assert find_profile(Networks(True, profiles=(other, HOME)), "Home") is HOME
     assert find_profile(Networks(True, profiles=(other,)), "Home") is other
     assert find_profile(NETWORKS, "wired") is None
-
-
-def test_line_breaks_in_a_name_add_no_lines_to_a_profile() -> None:
-    text = render_profile(WirelessNetwork("a\n[connection]\nautoconnect=false\r\tb", None, ""))
-    assert "id=a\\n[connection]\\nautoconnect=false\\r\\tb" in text.splitlines()
-    assert text.splitlines().count("[connection]") == 1

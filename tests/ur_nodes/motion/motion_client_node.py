@@ -10,7 +10,7 @@ from typing import Any
 import rospy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
-from std_msgs.msg import Bool, String
+from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from tests.json_client import answer_requests, claim_output, wait_until
 
@@ -18,12 +18,10 @@ from tests.json_client import answer_requests, claim_output, wait_until
 class MotionClient:
     def __init__(self) -> None:
         self.active: list[str] = []
-        self.stopped = False
         self.commands: list[tuple[float, float]] = []
         self.truth = (0.0, 0.0, 0.0)
         self.publishers = {topic: rospy.Publisher(topic, Twist, queue_size=1) for topic in ("key_vel", "nav_vel")}
         rospy.Subscriber("cmd_vel_mux/active", String, lambda message: self.active.append(message.data))
-        rospy.Subscriber("cmd_vel_mux/stopped", Bool, lambda message: setattr(self, "stopped", message.data))
         rospy.Subscriber("cmd_vel", Twist, lambda m: self.commands.append((m.linear.x, m.angular.z)), queue_size=100)
         rospy.Subscriber("base_pose_ground_truth", Odometry, self.on_truth)
         self.driving: threading.Event | None = None
@@ -74,10 +72,6 @@ class MotionClient:
         assert answer.success
         return str(answer.message)
 
-    def is_stopped(self, value: bool, seconds: float) -> bool:
-        self.wait(lambda: self.stopped is value, seconds)
-        return value
-
     def hears(self, velocity: list[float], seconds: float) -> list[float]:
         """Wait for such a velocity on `cmd_vel`."""
         self.wait(lambda: tuple(velocity) in self.commands, seconds)
@@ -85,7 +79,7 @@ class MotionClient:
 
     def forget(self) -> None:
         """What a mux told before it died."""
-        self.active, self.stopped = [], False
+        self.active = []
 
     def is_active(self, name: str, seconds: float) -> str:
         self.wait(lambda: self.active[-1] == name, seconds)

@@ -19,7 +19,7 @@ from tests.ur_nodes.motion.joystick.virtual_joystick import UINPUT, PipeJoystick
 pytestmark = pytest.mark.ros
 
 HERE = Path(__file__).parent
-DEAD_MAN, STOP, RELEASE = 4, 1, 7
+DEAD_MAN = 4
 
 
 class JoystickRobot(Client):
@@ -70,8 +70,7 @@ def rested(robot: JoystickRobot) -> Iterator[None]:
     robot.ask("rest")
     for axis in (0, 1):
         robot.joystick.push(axis, 0)
-    for button in (DEAD_MAN, STOP, RELEASE):
-        robot.joystick.press(button, False)
+    robot.joystick.press(DEAD_MAN, False)
     robot.ask("stands", seconds=60)
 
 
@@ -126,35 +125,6 @@ def test_keyboard_drives_before_navigation_and_joystick_before_both(robot: Joyst
     assert "keyboard" not in drove[joystick:]
 
 
-def test_emergency_button_stops_and_only_a_pause_after_release_lets_drive_again(robot: JoystickRobot) -> None:
-    robot.ask("drive", topic="key_vel", velocity=[0.3, 0.0])
-    robot.ask("moves", seconds=60)
-    robot.joystick.press(STOP, True)
-    robot.ask("is_stopped", value=True, seconds=60)
-    robot.ask("stands", seconds=60)
-    robot.joystick.press(STOP, False)
-    robot.ask("history")
-    assert robot.ask("call", service="cmd_vel_mux/release") == "released; keyboard may drive after a pause"
-    robot.ask("is_stopped", value=False, seconds=60)
-    robot.ask("stands", seconds=60)
-    robot.ask("rest")
-    robot.ask("stands", seconds=60)
-    assert robot.ask("history")["commands"] == []
-    robot.ask("drive", topic="key_vel", velocity=[-0.3, 0.0])
-    robot.ask("moves", seconds=60)
-
-
-def test_emergency_stop_outlives_the_mux(robot: JoystickRobot) -> None:
-    assert robot.ask("call", service="cmd_vel_mux/stop") == "stopped"
-    kill_mux(robot)
-    assert robot.ask("ready", seconds=60) == "idle"  # it is there again
-    robot.ask("drive", topic="key_vel", velocity=[0.3, 0.0])
-    robot.ask("is_stopped", value=True, seconds=60)
-    assert all(velocity == [0.0, 0.0] for velocity in robot.ask("history")["commands"])
-    robot.ask("rest")
-    assert robot.ask("call", service="cmd_vel_mux/release").startswith("released")
-
-
 def test_new_mux_sends_a_stop_to_the_base(robot: JoystickRobot) -> None:
     robot.ask("history")  # no client drives, so what is published from now on is the new mux's stop
     kill_mux(robot)
@@ -168,12 +138,3 @@ def kill_mux(robot: JoystickRobot) -> None:
     )
     robot.ask("forget")
     os.kill(mux, signal.SIGKILL)
-
-
-def test_mux_refuses_what_it_cannot_use_in_one_clear_message(robot: JoystickRobot) -> None:
-    program = ROOT / "ubiquity_launches" / "n_cmd_vel_mux" / "bin" / "twist_mux"
-    command = [str(program), "__name:=cmd_vel_mux_2", "_base:=stagge"]
-    done = subprocess.run(command, env=robot.env, text=True, capture_output=True, timeout=120)
-    assert done.returncode == 2
-    assert "unknown base 'stagge'" in done.stderr
-    assert "Traceback" not in done.stderr

@@ -89,11 +89,3 @@ def test_node_ends_when_told_to_even_at_full_speed(ros: Ros) -> None:
     node.terminate()
     _, errors = node.communicate(timeout=60)
     assert "Traceback" not in errors
-
-
-def test_node_refuses_what_it_cannot_use_in_one_clear_message(ros: Ros) -> None:
-    node = ros.simulate("_base:=stagge")
-    _, errors = node.communicate(timeout=60)
-    assert node.returncode == 2
-    assert "unknown base 'stagge'" in errors
-    assert "Traceback" not in errors

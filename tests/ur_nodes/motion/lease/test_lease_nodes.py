@@ -170,20 +170,6 @@ def test_screen_says_when_the_robot_is_out_of_reach_and_recovers(session: Sessio
         keys.wait_for("▲ driving")
 
 
-def test_lease_outlives_a_mux_that_is_killed(session: Session) -> None:
-    session.join("a")
-    session.becomes("a", mine=True)
-    session.ask("mirrored", client="a")
-    session.mux.kill()
-    session.mux.communicate(timeout=60)
-    session.running.remove(session.mux)
-    session.mux = session.start_mux()
-    session.ask("ready")
-    session.becomes("a", mine=True, state="held")
-    assert max(session.ask("drive", client="a", count=10)) > 0.0
-    session.ask("leave", client="a")
-
-
 def test_change_of_the_lease_that_was_announced_outlives_a_mux_that_is_killed_at_once(session: Session) -> None:
     for client in ("a", "b"):
         session.join(client, "watch")
