@@ -290,13 +290,6 @@ def test_program_refuses_words_that_are_no_arguments(world: Any) -> None:
     assert "help: did you mean world:=...?" in run.text
 
 
-def test_misspelt_argument_of_a_terminal_program_is_an_error(world: Any) -> None:
-    run = world.launch(TERMINAL.format("ask", "") + '<arg name="world" default="maze"/>', "wrld:=office")
-    assert run.wait() == 1
-    assert "argument 'wrld' is given, but the launch file does not declare it" in run.text
-    assert "did you mean world:=...?" in run.text
-
-
 def test_selection_fills_arguments_that_the_file_declares(world: Any) -> None:
     subprocess.run(
         [sys.executable, "-m", "ur", "use", "sim:magni:lidar"], env=world.environment, check=True, capture_output=True
