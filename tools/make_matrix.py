@@ -1,7 +1,7 @@
 """Make docs/reference/programs.md: the programs, on which bases they run, and what they publish there.
 
 From the programs, the needs of their launch files, the bases, and the table of what the test of every
-program on every base expects. A test compares the committed page with this; `bench/matrix` runs the cells.
+program on every base expects. A test compares the committed page with this; `tests/e2e/test_matrix.py` runs the cells.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Made by `tools/make_matrix.py`: edit the programs, the bases or `tests/e2e/matri
 
 A test runs every program on every base in the simulator, without a display, on ROS 1 and on ROS 2: every topic is
 published at its rate, the frames are one tree, nothing is printed on standard error, and nothing is left at the end.
-Where a base cannot do it, the program prints in one line what it lacks. `bench/matrix [--ros 2]` prints the same.
+Where a base cannot do it, the program prints in one line what it lacks.
 """
 _SHOWS = """\
 ## What they show

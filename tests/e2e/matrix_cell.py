@@ -18,7 +18,7 @@ import psutil
 from tests.e2e.conftest import ROOT, make_environment
 from tests.e2e.matrix_ros2 import Ros2Ears, ros2_environment
 from tests.e2e.matrix_table import Cell
-from tests.e2e.matrix_topics import Ears, find_fault, find_tree_faults, measure_rate
+from tests.e2e.matrix_topics import Ears, find_fault, find_tree_faults
 from tests.office_fiducials import write_office_map
 
 from ur.request.bases.base_argument import describe_base, describe_need
@@ -35,17 +35,14 @@ _CLEAN = (0, 130)  # exit codes of a run that was interrupted: of its own, or of
 
 @dataclass(slots=True)
 class Result:
-    """How a cell went: `faults` is empty when all is well. `rates` are messages a second by topic, for people."""
+    """How a cell went: `faults` is empty when all is well."""
 
     faults: list[str] = field(default_factory=list)
-    rates: dict[str, float] = field(default_factory=dict)
-    seconds: float = 0.0
 
 
 def try_cell(
     cell: Cell,
     folder: Path,
-    patience: float = PATIENCE,
     environment: Mapping[str, str] | None = None,
     domain: str | None = None,
 ) -> Result:
@@ -53,13 +50,10 @@ def try_cell(
 
     With a `domain`, on ROS 2 and in that domain.
     """
-    start = time.monotonic()
     env = _environment(folder) | dict(environment or {})
     if domain is not None:
         env = _select_ros2(env, folder, domain)
-    result = _try_refusal(cell, folder, env) if cell.lacks else _try_run(cell, folder, env, patience)
-    result.seconds = time.monotonic() - start
-    return result
+    return _try_refusal(cell, folder, env) if cell.lacks else _try_run(cell, folder, env)
 
 
 def _words(cell: Cell, folder: Path) -> list[str]:
@@ -105,14 +99,14 @@ def _try_refusal(cell: Cell, folder: Path, env: dict[str, str]) -> Result:
     return result
 
 
-def _try_run(cell: Cell, folder: Path, env: dict[str, str], patience: float) -> Result:
+def _try_run(cell: Cell, folder: Path, env: dict[str, str]) -> Result:
     result = Result()
     with _start(cell, folder, env) as run:
-        deadline = time.monotonic() + patience
+        deadline = time.monotonic() + PATIENCE
         if run.wait_ready(deadline):
             _look(cell, run.master_uri, env, result, deadline)
         else:
-            result.faults.append(f"not up after {patience:g} s: {run.describe_missing()}")
+            result.faults.append(f"not up after {PATIENCE:g} s: {run.describe_missing()}")
         _stop(run, result)
     said = [line for line in run.said if not any(each in line for each in cell.may_say)]
     result.faults += [f"said: {line}" for line in said]
@@ -154,9 +148,6 @@ def _look(cell: Cell, master_uri: str, env: Mapping[str, str], result: Result, d
     result.faults += faults
     if (facts := _read_facts(master_uri, env)) != (cell.base.name, cell.base.variant):
         result.faults.append(f"the run says that the robot is {facts}, expected {describe_base(cell.base)}")
-    for topic in cell.topics:
-        if topic.rate is not None and (rate := measure_rate(topic, ears.heard[topic.name])):
-            result.rates[topic.name] = rate
 
 
 def _read_facts(address: str, env: Mapping[str, str]) -> tuple[object, object] | None:

@@ -1,6 +1,6 @@
 """Every program on every base and variant, on ROS 1 and on ROS 2: topics, rates, frames, a clean end.
 
-`bench/matrix [--ros 2]` runs the same cells and prints them; `docs/reference/programs.md` shows what is expected.
+`docs/reference/programs.md` shows what is expected.
 """
 
 from __future__ import annotations

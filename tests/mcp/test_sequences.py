@@ -1,4 +1,4 @@
-"""A few of the sequences that bench/assistant runs by the thousand."""
+"""Seeded sequences of hostile and ordinary calls of an assistant."""
 
 from __future__ import annotations
 

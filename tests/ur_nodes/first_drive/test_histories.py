@@ -1,4 +1,4 @@
-"""A few of the histories that bench/first_drive runs in numbers."""
+"""Random histories of a first drive."""
 
 from __future__ import annotations
 
