@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import struct
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from bench.stop_network_parts.computer import Computer
 from bench.stop_network_parts.lane import LEASED
-from bench.stop_network_parts.network import Network
+from bench.stop_network_parts.network import Cause, Network
 
 _OTHER_CLOCK = Path(__file__).resolve().parents[2] / "tests" / "hosts" / "other_clock.c"
 _SET_CLOCK = "python3 -c \"open('/run/other-clock', 'r+b').write(bytes.fromhex('{value}'))\""
@@ -32,22 +32,6 @@ class Lengths:
     cut: float = 30.0
     suspend: float = 20.0
     loss: float = 30.0
-
-
-@dataclass(frozen=True, slots=True)
-class Cause:
-    """`happen` during a trial, `before` and `after` it. `lost`: the commanders are gone after it.
-
-    Only the lanes of `commanders` have a trial, if those are given, and persons keep to `pattern`.
-    """
-
-    title: str
-    happen: Callable[[Network, Lengths], None]
-    lost: bool = False
-    before: Callable[[Network], None] | None = None
-    after: Callable[[Network], None] | None = None
-    commanders: tuple[str, ...] = ()
-    pattern: str = ""
 
 
 def _cut_restore(network: Network, lengths: Lengths) -> None:
@@ -191,10 +175,6 @@ def _end_second(network: Network) -> None:
     network.start_laptop()
 
 
-def _restart(network: Network) -> None:
-    network.restart()
-
-
 def _cut(network: Network, seconds: float) -> None:
     network.laptop.machine.cut()
     time.sleep(seconds)
@@ -218,7 +198,7 @@ CAUSES: Mapping[str, Cause] = {
     "suspend": Cause("laptop suspended, resumed", _suspend),
     "loss": Cause("bursts of loss", _loss),
     "teleop": Cause("teleop killed", _kill_teleop, lost=True),
-    "master": Cause("robot's master killed", _kill_master, lost=True, after=_restart),
+    "master": Cause("robot's master killed", _kill_master, lost=True, after=Network.restart),
     "second": Cause("second laptop takes over", _take_over, after=_end_second, commanders=LEASED, pattern="held"),
     "disk": Cause("robot's disk full", _fill_disk, lost=True, before=_mount_small_disk, after=_unmount_small_disk),
     "clock": Cause("laptop's clock off by 1 h", _jump_laptop, lost=True, before=_prepare_clocks),

@@ -63,6 +63,26 @@ class Trial:
         return self.verdict.recorded and not self.disturbed
 
 
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """`happen` during a trial, `before` and `after` it. `lost`: the commanders are gone after it.
+
+    Only the lanes of `commanders` have a trial, if those are given, and persons keep to `pattern`.
+    """
+
+    title: str
+    happen: Callable[..., None]
+    lost: bool = False
+    before: Callable[[Network], None] | None = None
+    after: Callable[[Network], None] | None = None
+    commanders: tuple[str, ...] = ()
+    pattern: str = ""
+
+    def concerns(self, lane: Lane) -> bool:
+        """Return whether a lane has a trial of it."""
+        return not self.commanders or lane.commander in self.commanders
+
+
 class Network:
     """The computers and what runs on them."""
 

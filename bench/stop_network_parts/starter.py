@@ -12,7 +12,6 @@ import secrets
 import signal
 import subprocess
 import sys
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -134,11 +133,6 @@ def main() -> int:
         answers.write(json.dumps(answer) + "\n")
         answers.flush()
     return 0
-
-
-def order_of(lane: Lane) -> dict[str, Any]:
-    """A lane as it goes into an order."""
-    return asdict(lane)
 
 
 if __name__ == "__main__":

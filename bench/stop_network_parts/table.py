@@ -5,9 +5,8 @@ from __future__ import annotations
 import statistics
 from collections.abc import Iterable, Mapping, Sequence
 
-from bench.stop_network_parts.causes import CAUSES
 from bench.stop_network_parts.lane import GOALS, Lane
-from bench.stop_network_parts.network import Trial
+from bench.stop_network_parts.network import Cause, Trial
 
 Results = Mapping[tuple[str, str], Sequence[Trial]]
 """Trials by cause and name of the lane."""
@@ -30,13 +29,13 @@ def describe_trial(trial: Trial) -> str:
     )
 
 
-def list_missing(results: Results, causes: Iterable[str], lanes: Iterable[Lane]) -> list[tuple[str, Lane]]:
+def list_missing(results: Results, causes: Mapping[str, Cause], lanes: Iterable[Lane]) -> list[tuple[str, Lane]]:
     """The causes and lanes of the table for which no trial counts."""
-    cells = [(cause, lane) for lane in lanes for cause in causes if _is_tried(cause, lane)]
+    cells = [(name, lane) for lane in lanes for name, cause in causes.items() if cause.concerns(lane)]
     return [(cause, lane) for cause, lane in cells if not any(each.counts for each in _trials(results, cause, lane))]
 
 
-def is_fine(results: Results, causes: Sequence[str], lanes: Sequence[Lane]) -> bool:
+def is_fine(results: Results, causes: Mapping[str, Cause], lanes: Sequence[Lane]) -> bool:
     """Return whether every cell has a trial that counts, none moved for too long, and there is no ghost."""
     every = [trial for trials in results.values() for trial in trials]
     return (
@@ -46,19 +45,19 @@ def is_fine(results: Results, causes: Sequence[str], lanes: Sequence[Lane]) -> b
     )
 
 
-def make_table(base: str, results: Results, causes: Sequence[str], lanes: Sequence[Lane]) -> str:
+def make_table(base: str, results: Results, causes: Mapping[str, Cause], lanes: Sequence[Lane]) -> str:
     """Lay out the results of a base: a line a cause, a column a lane, and the sums."""
     lines = [
         f"{base}: longest motion after the last fresh command in s (at most 0.3; goals: 3.0), ghosts, trials",
         f"{'':28}" + "".join(f"{lane.name:>20}" for lane in lanes) + f"{'moves again':>14}",
     ]
-    for cause in causes:
-        cells = [_describe_cell(_trials(results, cause, lane)) if _is_tried(cause, lane) else "-" for lane in lanes]
-        again = [each.again for lane in lanes for each in _trials(results, cause, lane) if each.again is not None]
-        seconds = f"{statistics.median(again):.1f} s" if again and not CAUSES[cause].lost else ""
-        lines.append(f"{CAUSES[cause].title:28}" + "".join(f"{cell:>20}" for cell in cells) + f"{seconds:>14}")
+    for name, cause in causes.items():
+        cells = [_describe_cell(_trials(results, name, lane)) if cause.concerns(lane) else "-" for lane in lanes]
+        again = [each.again for lane in lanes for each in _trials(results, name, lane) if each.again is not None]
+        seconds = f"{statistics.median(again):.1f} s" if again and not cause.lost else ""
+        lines.append(f"{cause.title:28}" + "".join(f"{cell:>20}" for cell in cells) + f"{seconds:>14}")
     missing = list_missing(results, causes, lanes)
-    lines += [f"no trial counts: {CAUSES[cause].title}: {lane.name}" for cause, lane in missing]
+    lines += [f"no trial counts: {causes[cause].title}: {lane.name}" for cause, lane in missing]
     return "\n".join([*lines, _sum_up(base, [trial for trials in results.values() for trial in trials])])
 
 
@@ -80,10 +79,6 @@ def _sum_up(base: str, every: Sequence[Trial]) -> str:
         text += f"; no record: {unrecorded}"
     busy = [trial.verdict.longest for trial in every if trial.verdict.recorded and trial.disturbed]
     return text + (f"; made again, on a busy computer: {len(busy)}, longest {max(busy):.3f} s" if busy else "")
-
-
-def _is_tried(cause: str, lane: Lane) -> bool:
-    return not CAUSES[cause].commanders or lane.commander in CAUSES[cause].commanders
 
 
 def _trials(results: Results, cause: str, lane: Lane) -> Sequence[Trial]:

@@ -4,22 +4,11 @@ from __future__ import annotations
 
 import signal
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
 
+from bench.stop_network_parts.network import Cause
 from bench.stop_network_parts.ros2.network import Network, set_clock
 
 _START = 6.0  # s: for the programs of a second laptop to start
-
-
-@dataclass(frozen=True, slots=True)
-class Cause:
-    """`lost`: the commanders are gone after it, or cannot go on. `muxes`: the muxes are."""
-
-    title: str
-    happen: Callable[[Network], None]
-    lost: bool = False
-    muxes: bool = False
 
 
 def _cut(network: Network) -> None:

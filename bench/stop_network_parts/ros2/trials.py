@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import statistics
 import sys
 import tempfile
 import time
@@ -16,8 +15,8 @@ from pathlib import Path
 from bench.stop_network_parts.lane import PATTERNS
 from bench.stop_network_parts.network import Trial
 from bench.stop_network_parts.ros2.causes import CAUSES
-from bench.stop_network_parts.ros2.network import LANES, MOTORS, PYTHON, Network, start_network
-from bench.stop_network_parts.table import describe_trial
+from bench.stop_network_parts.ros2.network import LANES, PYTHON, Network, start_network
+from bench.stop_network_parts.table import describe_trial, is_fine, make_table
 
 Results = dict[tuple[str, str], list[Trial]]
 _ROUNDS = 2  # times as many trials as asked for, at most, where some are disturbed
@@ -41,13 +40,9 @@ def run_ros2(base: str, causes: Sequence[str], trials: int, seconds: float, seed
             except RuntimeError as problem:
                 print(f"{base}: the trials broke off: {problem}", flush=True)
                 _print_logs(Path(folder))
-    print(f"\n{make_table(base, results, causes)}", flush=True)
-    every = [trial for made in results.values() for trial in made]
-    fine = all(trial.verdict.recorded and not trial.verdict.ghosts for trial in every)
-    fine = fine and all(trial.verdict.longest <= trial.lane.limit for trial in every if trial.counts)
-    return (
-        0 if fine and all(any(t.counts for t in results[cause, lane.name]) for cause in causes for lane in LANES) else 1
-    )
+    chosen = {name: CAUSES[name] for name in causes}
+    print(f"\n{make_table(f'{base} on ROS 2', results, chosen, LANES)}", flush=True)
+    return 0 if is_fine(results, chosen, LANES) else 1
 
 
 def _run_all(network: Network, causes: Sequence[str], trials: int, end: float, results: Results) -> None:
@@ -69,30 +64,6 @@ def _run_all(network: Network, causes: Sequence[str], trials: int, end: float, r
             print(f"{'multicast' if network.multicast else 'peers only'}, turn {turn + 1}: {cause}", flush=True)
             if found.lost:
                 network.start_commanders()
-
-
-def make_table(base: str, results: Results, causes: Sequence[str]) -> str:
-    """The longest motion after the last fresh command, ghosts and trials by cause and lane."""
-    titles = [f"{name} ({'TwistStamped' if kind == 'stamped' else 'Twist'} base)" for name, kind in MOTORS.items()]
-    lines = [
-        f"{base} on ROS 2: longest motion after the last fresh command in s (at most 0.3), ghosts, trials that count",
-        f"{'':28}" + "".join(f"{title:>28}" for title in titles),
-    ]
-    total = ghosts = 0
-    for cause in causes:
-        cells = []
-        for lane in LANES:
-            counted = [trial for trial in results[cause, lane.name] if trial.counts]
-            found = sum(len(trial.verdict.ghosts) for trial in results[cause, lane.name])
-            total, ghosts = total + len(counted), ghosts + found
-            longest = [trial.verdict.longest for trial in counted]
-            cells.append(f"{max(longest):.3f}, {found}, {len(counted)}" if counted else f"NONE, {found}, 0")
-        lines.append(f"{CAUSES[cause].title:28}" + "".join(f"{cell:>28}" for cell in cells))
-    longest = [trial.verdict.longest for made in results.values() for trial in made if trial.counts]
-    if longest:
-        middle = statistics.median(longest)
-        lines.append(f"{total} trials, {ghosts} ghosts; longest motion {max(longest):.3f} s, median {middle:.3f} s")
-    return "\n".join(lines)
 
 
 def _print_logs(folder: Path) -> None:

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections import defaultdict
 
 import pytest
+from bench.stop_network_parts.causes import CAUSES as ALL
 from bench.stop_network_parts.lane import LEASED, Lane
 from bench.stop_network_parts.network import BUSY, Trial
 from bench.stop_network_parts.table import Results, describe_trial, is_fine, list_missing, make_table
 from bench.stop_network_parts.verdict import Ghost, Verdict
 
 KEYBOARD, ROSTOPIC = Lane("keyboard", "linear", 0.5), Lane("rostopic", "linear", 0.5)
-LANES, CAUSES = (KEYBOARD, ROSTOPIC), ("cut", "second")
+LANES, CAUSES = (KEYBOARD, ROSTOPIC), {name: ALL[name] for name in ("cut", "second")}
 GOOD = Verdict(0.25, 1.0, (), 1.0)
 GHOST = Verdict(0.25, 1.0, (Ghost(5.0, 0.4, 18.0, "back"),), 1.0)
 
