@@ -11,15 +11,13 @@ from __future__ import annotations
 import argparse
 import functools
 import math
-import os
 import shutil
-import signal
 import socket
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -30,12 +28,12 @@ from PIL import Image, ImageGrab
 
 from ur.robot.base import Base, list_bases, list_variants, load_base
 
-ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from tools.pictures import ROOT, end, save, start_screen, wait_until
+
 PACKAGE = ROOT / "ubiquity_launches"
 URDFS = PACKAGE / "n_robot_state_publisher" / "urdf"
 CONFIG = PACKAGE / "rviz_robot" / "rviz" / "robot.rviz"
-BACKGROUND = (64, 68, 72)
-PATIENCE = 300.0  # s; a busy computer draws slowly
 LOOKS = ("footprint", "body", "height", "ground_clearance", "wheels", "casters", "lidar", "raspicam", "sonars", "imu")
 
 
@@ -54,16 +52,16 @@ def main() -> int:
     if not names:
         print(f"error: {given.only} is not known, expected one of {', '.join(list_looks())}")
         return 2
-    given.output.mkdir(parents=True, exist_ok=True)
     width, height = given.size
     with tempfile.TemporaryDirectory(prefix="base_pictures_") as folder, ExitStack() as stack:
-        env = stack.enter_context(start_screen(Path(folder), width, height))
+        env = stack.enter_context(start_screen(Path(folder), width, height))  # RViz remembers things in its home
+        env |= {"ROS_HOSTNAME": "localhost", "ROS_HOME": folder, "ROS_LOG_DIR": f"{folder}/log"}
+        env |= {"ROS_PACKAGE_PATH": str(PACKAGE)}
         for name in names:
             with start_master(env) as own:
                 picture = take_picture(name, Path(folder), own, (width, height))
             path = given.output / f"{name}.png"
-            picture.quantize(64, dither=Image.Dither.NONE).save(path, optimize=True)
-            print(f"{path}: {path.stat().st_size / 1000:.0f} kB")
+            save(picture, path)
     return 0
 
 
@@ -85,35 +83,6 @@ def list_looks() -> dict[str, Base]:
             if any(getattr(base, part) != getattr(plain, part) for part in LOOKS):
                 looks[f"{name}.{variant}"] = base
     return looks
-
-
-@contextmanager
-def start_screen(folder: Path, width: int, height: int) -> Iterator[dict[str, str]]:
-    """A screen; the environment in which programs find it."""
-    reader, writer = os.pipe()
-    screen = subprocess.Popen(
-        # Without -noreset it begins anew, and refuses whoever comes then, each time a look at it ends.
-        ["Xvfb", "-displayfd", str(writer), "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp", "-noreset"],
-        pass_fds=[writer],
-        stderr=subprocess.DEVNULL,
-    )
-    os.close(writer)
-    with os.fdopen(reader) as answer:
-        display = f":{answer.readline().strip()}"
-    kept = {name: value for name, value in os.environ.items() if not name.startswith(("ROS", "WAYLAND"))}
-    try:
-        yield kept | {
-            "DISPLAY": display,
-            "HOME": str(folder),  # RViz remembers things
-            "XDG_RUNTIME_DIR": str(folder),
-            "LIBGL_ALWAYS_SOFTWARE": "1",
-            "ROS_HOSTNAME": "localhost",
-            "ROS_HOME": str(folder),
-            "ROS_LOG_DIR": str(folder / "log"),
-            "ROS_PACKAGE_PATH": str(PACKAGE),
-        }
-    finally:
-        end(screen)
 
 
 @contextmanager
@@ -208,29 +177,10 @@ def is_drawn(pictures: list[npt.NDArray[np.uint8]], display: str) -> bool:
     return bool((blue > red + 40).mean() > 0.05)  # the body is blue
 
 
-def wait_until(condition: Callable[[], bool], what: str) -> None:
-    """Wait for a condition. Raises SystemExit when it does not come true."""
-    deadline = time.monotonic() + PATIENCE
-    while not condition():
-        if time.monotonic() > deadline:
-            raise SystemExit(f"error: {what} did not appear within {PATIENCE:.0f} s")
-        time.sleep(0.05)
-
-
 def is_open(port: int) -> bool:
     """Whether somebody listens."""
     with socket.socket() as probe:
         return probe.connect_ex(("localhost", port)) == 0
-
-
-def end(process: subprocess.Popen[bytes]) -> None:
-    """End a process that we started."""
-    process.send_signal(signal.SIGTERM)
-    try:
-        process.wait(10)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
 
 
 if __name__ == "__main__":

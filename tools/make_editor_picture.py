@@ -6,18 +6,18 @@ Usage: tools/make_editor_picture.py [OUTPUT]. It needs Neovim and tmux.
 from __future__ import annotations
 
 import os
-import re
 import subprocess
 import sys
 import tempfile
-import time
 import uuid
 from pathlib import Path
 
 from rich.console import Console
 from rich.text import Text
 
-ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from tools.pictures import IMAGES, ROOT, clean_svg, save, wait_until
+
 COLUMNS, ROWS = 128, 14
 BRINGUP = """<launch>
   <!--Summary: Start a robot with its lidar.-->
@@ -91,11 +91,7 @@ def take_screen(folder: Path, opened: Path) -> str:
         return done.stdout
 
     def wait_for(text: str) -> None:
-        end = time.monotonic() + 60
-        while text not in tmux("capture-pane", "-p"):
-            if time.monotonic() > end:
-                raise SystemExit(f"error: {text!r} did not appear:\n{tmux('capture-pane', '-p')}")
-            time.sleep(0.1)
+        wait_until(lambda: text in tmux("capture-pane", "-p"), repr(text), 60.0)
 
     editor = ["nvim", "-u", str(folder / "init.lua"), str(opened)]
     tmux("new-session", "-d", "-x", str(COLUMNS), "-y", str(ROWS), *editor)
@@ -113,17 +109,14 @@ def draw(screen: str) -> str:
     console = Console(record=True, width=COLUMNS, file=open(os.devnull, "w"), force_terminal=True)  # noqa: SIM115, PTH123
     for line in screen.rstrip("\n").split("\n"):
         console.print(Text.from_ansi(line), soft_wrap=True)
-    picture = console.export_svg(title="nvim bringup.launch", unique_id="terminal")
-    picture = re.sub(r"@font-face \{.*?\}\s*", "", picture, flags=re.DOTALL)
-    return re.sub(r"<!--.*?-->\s*", "", picture, flags=re.DOTALL)
+    return clean_svg(console.export_svg(title="nvim bringup.launch", unique_id="terminal"))
 
 
 def main() -> None:
     """Write the picture."""
-    target = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs/images/editor.svg"
+    target = Path(sys.argv[1]) if len(sys.argv) > 1 else IMAGES / "editor.svg"
     with tempfile.TemporaryDirectory(prefix="ur_picture_") as folder:
-        target.write_text(draw(take_screen(Path(folder), make_workspace(Path(folder)))), encoding="utf-8")
-    print(f"{target}: {target.stat().st_size // 1024} kB")
+        save(draw(take_screen(Path(folder), make_workspace(Path(folder)))), target)
 
 
 if __name__ == "__main__":

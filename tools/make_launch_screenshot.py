@@ -6,11 +6,8 @@ Usage: tools/make_launch_screenshot.py [OUTPUT] [COLUMNSxROWS] [dark|light]. The
 from __future__ import annotations
 
 import asyncio
-import os
-import re
 import socket
 import sys
-import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -30,7 +27,9 @@ from ur.run.clients.run_state import NodeRow
 from ur.run.debugger.attach import DebuggerCommand
 from ur.tui.app import WatchApp
 
-ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from tools.pictures import IMAGES, clean_svg, read_size, save
+
 NOW = 1_700_049_600.0
 NODES = (
     ("simulator", 0.38, 142e6),
@@ -129,21 +128,14 @@ async def take_screenshot(size: tuple[int, int], light: bool) -> str:
                 await pilot.press("down")
             await pilot.pause(0.2)
             picture = app.export_screenshot(title="ur launch", simplify=True)
-    picture = re.sub(r"@font-face \{.*?\}\s*", "", picture, flags=re.DOTALL)  # a picture loads nothing from elsewhere
-    picture = re.sub(r"<!--.*?-->\s*", "", picture, flags=re.DOTALL)
-    return re.sub(r"terminal-\d+", "terminal", picture)
+    return clean_svg(picture)
 
 
 def main() -> None:
     """Write the picture."""
-    os.environ["TZ"] = "UTC"
-    time.tzset()
-    target = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs/images/launch.svg"
-    columns, rows = sys.argv[2].split("x") if len(sys.argv) > 2 else ("104", "34")
-    light = len(sys.argv) > 3 and sys.argv[3] == "light"
-    target.parent.mkdir(parents=True, exist_ok=True)
-    target.write_text(asyncio.run(take_screenshot((int(columns), int(rows)), light)), encoding="utf-8")
-    print(f"{target}: {target.stat().st_size // 1024} kB")
+    size, light = read_size(sys.argv[2:], "104x34")
+    target = Path(sys.argv[1]) if len(sys.argv) > 1 else IMAGES / "launch.svg"
+    save(asyncio.run(take_screenshot(size, light)), target)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,6 @@ map of a flat with a closed door, a person and a glass wall), map_explored (the 
 from __future__ import annotations
 
 import io
-import re
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -25,6 +24,7 @@ from bench.exploration_parts.flat import make_flat  # noqa: E402 - after the pat
 from bench.exploration_parts.quick import explore_quickly  # noqa: E402
 from bench.exploration_parts.truth import Truth  # noqa: E402
 from bench.mapping_parts.simulated import drive, grid_of_world, load_bench_base  # noqa: E402
+from tools.pictures import clean_svg, make_named  # noqa: E402
 
 from ur.worlds.world_file import WorldModel  # noqa: E402
 from ur_nodes.costmap.footprint import footprint_of_outline  # noqa: E402
@@ -38,7 +38,6 @@ from ur_nodes.slam.matching.scan import make_scan  # noqa: E402
 from ur_nodes.slam.occupancy import OccupancyMap  # noqa: E402
 from ur_nodes.slam.tracker import MapTracker  # noqa: E402
 
-IMAGES = ROOT / "docs" / "images"
 FLAT = 0
 SCALE = 2  # pixels of a cell
 GAP = 12  # pixels between two maps
@@ -78,8 +77,7 @@ def make_map_explored() -> str:
     console.print(Text("..."))
     console.print(Text(describe_end(status)))
     console.print(Text("the map is stored as 'flat'; navigate on it with\n    ur run keyboard_navigate map:=flat"))
-    svg = console.export_svg(title="make_map", unique_id="terminal")
-    return re.sub(r"@font-face \{.*?\}\s*", "", svg, flags=re.DOTALL)
+    return clean_svg(console.export_svg(title="make_map", unique_id="terminal"))
 
 
 def _maps(
@@ -149,20 +147,7 @@ PICTURES: dict[str, Callable[[], Image.Image | str]] = {
 
 def main(names: list[str]) -> int:
     """Make the pictures with these names, all without any. Returns the exit code."""
-    unknown = [name for name in names if name not in PICTURES]
-    if unknown:
-        print(f"error: {unknown[0]!r} is not known, expected one of {', '.join(PICTURES)}", file=sys.stderr)
-        return 2
-    for name in names or PICTURES:
-        made = PICTURES[name]()
-        if isinstance(made, str):
-            path = IMAGES / f"{name}.svg"
-            path.write_text(made, encoding="utf-8")
-        else:
-            path = IMAGES / f"{name}.png"
-            made.quantize(16, dither=Image.Dither.NONE).save(path, optimize=True)
-        print(f"{path}: {path.stat().st_size // 1024} kB")
-    return 0
+    return make_named(PICTURES, names, 16)
 
 
 if __name__ == "__main__":

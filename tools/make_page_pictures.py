@@ -7,13 +7,12 @@ Xvfb and RViz), simulate (the simulated camera's picture; needs OpenGL and OpenC
 from __future__ import annotations
 
 import io
-import os
-import re
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -29,34 +28,23 @@ from ur.worlds.world_file import read_world
 from ur_nodes.simulator.camera.camera_process import CameraProcess
 from ur_nodes.simulator.simulation import Simulation
 
-ROOT = Path(__file__).resolve().parents[1]
-IMAGES = ROOT / "docs" / "images"
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from tests.ros_session import free_port
+from tools.pictures import ROOT, clean_svg, end, make_named, start_screen, wait_until
+
 LIBRARY = ROOT / "ubiquity_launches"
-LIMIT = 180.0  # s; a busy computer draws slowly
 PLAN_COLOUR = (78, 154, 6)  # of the global plan in rviz_navigation
-PORT = 11399
 
 
-def make_navigate() -> Path:
+def make_navigate() -> Image.Image:
     """Take the window of RViz once the global plan is drawn."""
     for program in ("Xvfb", "rviz"):
         if not shutil.which(program):
             raise SystemExit(f"error: {program} is not installed; apt-get install xvfb rviz")
-    path = IMAGES / "navigate.png"
-    reader, writer = os.pipe()
-    screen = subprocess.Popen(
-        ["Xvfb", "-displayfd", str(writer), "-screen", "0", "1200x720x24", "-nolisten", "tcp", "-noreset"],
-        pass_fds=[writer],
-        stderr=subprocess.DEVNULL,
-    )
-    os.close(writer)
-    with os.fdopen(reader) as answer, tempfile.TemporaryDirectory() as home:
-        display = f":{answer.readline().strip()}"
-        kept = {name: value for name, value in os.environ.items() if not name.startswith(("ROS", "WAYLAND"))}
-        own = {"DISPLAY": display, "HOME": home, "XDG_RUNTIME_DIR": home, "LIBGL_ALWAYS_SOFTWARE": "1"}
+    with tempfile.TemporaryDirectory() as home, start_screen(Path(home), 1200, 720) as environment:
         run = subprocess.Popen(
             [ROOT / "ur", "run", "keyboard_navigate", "robot_base:=magni", "robot_variant:=lidar"],
-            env={**kept, **own, "ROS_MASTER_URI": f"http://localhost:{PORT}"},
+            env={**environment, "ROS_MASTER_URI": f"http://localhost:{free_port()}"},
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
         )
@@ -64,30 +52,21 @@ def make_navigate() -> Path:
         try:
             run.stdin.write(b"g 12.1 7.65 90\n")
             run.stdin.flush()
-            picture = _await_plan(display)
+            pictures: list[Image.Image] = []
+
+            def is_planned() -> bool:
+                pictures[:] = [ImageGrab.grab(xdisplay=environment["DISPLAY"]).convert("RGB")]
+                near = (np.abs(np.asarray(pictures[0]).astype(int) - PLAN_COLOUR) < 24).all(axis=2)
+                return bool(near.sum() > 200)
+
+            wait_until(is_planned, "a plan in RViz")
+            return pictures[0]
         finally:
-            run.terminate()
-            run.wait()
-            screen.terminate()
-            screen.wait()
-    picture.quantize(64, dither=Image.Dither.NONE).save(path, optimize=True)
-    return path
+            end(run)
 
 
-def _await_plan(display: str) -> Image.Image:
-    end = time.monotonic() + LIMIT
-    while time.monotonic() < end:
-        picture = ImageGrab.grab(xdisplay=display).convert("RGB")
-        near = (np.abs(np.asarray(picture).astype(int) - PLAN_COLOUR) < 24).all(axis=2)
-        if near.sum() > 200:
-            return picture
-        time.sleep(0.5)
-    raise SystemExit(f"error: RViz shows no plan within {LIMIT:.0f} s")
-
-
-def make_simulate() -> Path:
+def make_simulate() -> Image.Image:
     """Draw what the camera of the base `stage` sees in the office."""
-    path = IMAGES / "simulate.png"
     world, base = read_world(LIBRARY / "n_simulator" / "worlds" / "office.yaml"), load_base(LIBRARY, "stage")
     assert base.raspicam
     simulation = Simulation(world, base)
@@ -96,13 +75,11 @@ def make_simulate() -> Path:
         jpeg = process.render(0, simulation.state(), pixels=False, jpeg=True).jpeg
     finally:
         process.close()
-    Image.open(io.BytesIO(jpeg)).quantize(64).save(path, optimize=True)
-    return path
+    return Image.open(io.BytesIO(jpeg))
 
 
-def make_two_computers() -> Path:
+def make_two_computers() -> str:
     """Render the table of `ur robots` with two robots that are there and one that is away."""
-    path = IMAGES / "two_computers.svg"
     now = time.time()
     services = (("magni-base", "active"),)
     rows = [
@@ -116,25 +93,14 @@ def make_two_computers() -> Path:
     console.print(Text("$ ur robots"))
     console.print(_picture(rows))
     console.print(Text("$ ur use bob\nbob\n$ ur run keyboard_navigate"))
-    svg = console.export_svg(title="laptop", unique_id="terminal")
-    path.write_text(re.sub(r"@font-face \{.*?\}\s*", "", svg, flags=re.DOTALL), encoding="utf-8")
-    return path
+    return clean_svg(console.export_svg(title="laptop", unique_id="terminal"))
 
 
-PICTURES = {"navigate": make_navigate, "simulate": make_simulate, "two_computers": make_two_computers}
-
-
-def main(names: list[str]) -> int:
-    """Make the pictures with these names, all without any. Returns the exit code."""
-    unknown = [name for name in names if name not in PICTURES]
-    if unknown:
-        print(f"error: {unknown[0]!r} is not known, expected one of {', '.join(PICTURES)}", file=sys.stderr)
-        return 2
-    for name in names or PICTURES:
-        path = PICTURES[name]()
-        print(f"{path}: {path.stat().st_size // 1024} kB")
-    return 0
-
+PICTURES: dict[str, Callable[[], Image.Image | str]] = {
+    "navigate": make_navigate,
+    "simulate": make_simulate,
+    "two_computers": make_two_computers,
+}
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(make_named(PICTURES, sys.argv[1:]))

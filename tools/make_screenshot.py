@@ -9,11 +9,8 @@ from __future__ import annotations
 
 import asyncio
 import math
-import os
-import re
 import sys
 import tempfile
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -36,7 +33,9 @@ from ur_nodes.memory.bus import Bus
 from ur_nodes.motion.lease.view import LeaseView
 from ur_nodes.teleop.navigate.app import NavigateApp
 
-ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from tools.pictures import IMAGES, ROOT, clean_svg, read_size, save
+
 MAP = ROOT / "ubiquity_launches/n_map_server/maps/maze.yaml"
 START = Pose2(0.0, 0.0, 0.0)
 ROBOT_AT = 0.62  # of the way
@@ -182,9 +181,7 @@ async def take_screenshot(size: tuple[int, int], light: bool, picture: str = "ke
                 line.cursor_blink = False
             await pilot.pause(0.5)
             svg = app.export_screenshot(title="keyboard_navigate", simplify=True)
-    svg = re.sub(r"@font-face \{.*?\}\s*", "", svg, flags=re.DOTALL)  # a picture loads nothing from elsewhere
-    svg = re.sub(r"<!--.*?-->\s*", "", svg, flags=re.DOTALL)
-    return re.sub(r"terminal-\d+", "terminal", svg)
+    return clean_svg(svg)
 
 
 def main() -> None:
@@ -192,14 +189,8 @@ def main() -> None:
     name = sys.argv[1] if len(sys.argv) > 1 else "keyboard_navigate"
     if name not in PICTURES:
         sys.exit(f"error: '{name}' is not known, expected one of {', '.join(PICTURES)}")
-    target = ROOT / f"docs/images/{name}.svg"
-    columns, rows = sys.argv[2].split("x") if len(sys.argv) > 2 else ("96", "32")
-    light = len(sys.argv) > 3 and sys.argv[3] == "light"
-    os.environ["TZ"] = "UTC"
-    time.tzset()
-    target.parent.mkdir(parents=True, exist_ok=True)
-    target.write_text(asyncio.run(take_screenshot((int(columns), int(rows)), light, name)), encoding="utf-8")
-    print(f"{target}: {target.stat().st_size // 1024} kB")
+    size, light = read_size(sys.argv[2:], "96x32")
+    save(asyncio.run(take_screenshot(size, light, name)), IMAGES / f"{name}.svg")
 
 
 if __name__ == "__main__":

@@ -21,13 +21,14 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from PIL import Image
-from tests.chromium import Chromium, find_chromium
-from tests.ros_session import free_port
 
 from ur.mcp.grants import GrantFiles, Request, ServerRecord, grant_files
 
-ROOT = Path(__file__).resolve().parents[1]
-IMAGES = ROOT / "docs" / "images"
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from tests.chromium import Chromium, find_chromium
+from tests.ros_session import free_port
+from tools.pictures import IMAGES, ROOT, save, wait_until
+
 PHONE, DESK, MOVING = (390, 844), (1200, 750), (840, 525)
 EVERY, SHOWN_FOR = 0.5, 100  # s between the frames of drive.gif; ms that each is shown
 GOAL = "g 12.1 7.65 90"  # that of tools/make_screenshot.py
@@ -51,12 +52,12 @@ def _take_pictures(program: str, folder: Path, link: str, drive: Callable[[str],
     with Chromium(program, folder / "chromium") as browser:
         browser.resize(*PHONE, phone=True)
         browser.open(link)
-        _wait(lambda: browser.run(f"Boolean({_SHOWN})"), "the page shows no robot")
+        wait_until(lambda: browser.run(f"Boolean({_SHOWN})"), "a robot on the page")
         if "assistant" in sys.argv:
             _take_assistant(browser, grant_files({"HOME": str(folder)}))
             return
         drive(GOAL)
-        _wait(lambda: browser.run(f"Boolean({_THERE})"), "the robot is not on its way")
+        wait_until(lambda: browser.run(f"Boolean({_THERE})"), "a robot on its way")
         phone = browser.screenshot()
         _save(phone, IMAGES / "web_phone.png")
         browser.resize(*DESK)
@@ -78,7 +79,7 @@ def _take_assistant(browser: Chromium, files: GrantFiles) -> None:
     asks = Request(30.0, 0.2, "to look at the door")
     files.note_server(ASSISTANT, ServerRecord(os.getpid(), "Helper", asks))
     browser.resize(*DESK)
-    _wait(lambda: "asks to drive" in browser.run("document.querySelector('#banners').innerText"), "no assistant asks")
+    wait_until(lambda: "asks to drive" in browser.run("document.querySelector('#banners').innerText"), "an assistant")
     browser.run("page.panels.toggle('assistants'); 0")
     for index, value in enumerate((3.0, 6.0, 2.0, 4.0)):
         field = f"{panel}.querySelectorAll('.rectangle .sides input')[{index}]"
@@ -88,10 +89,10 @@ def _take_assistant(browser: Chromium, files: GrantFiles) -> None:
     time.sleep(1.0)  # one more picture of the map
     _save(browser.screenshot(), IMAGES / "assistant_asks.png")
     browser.run(f"{panel}.querySelector('form').requestSubmit(); 0")
-    _wait(lambda: files.find(ASSISTANT) is not None, "no grant is given")
+    wait_until(lambda: files.find(ASSISTANT) is not None, "a grant")
     browser.run("page.panels.toggle('assistants'); 0")
     browser.resize(*PHONE, phone=True)
-    _wait(lambda: "may drive" in browser.run("document.querySelector('#banners').innerText"), "no grant is shown")
+    wait_until(lambda: "may drive" in browser.run("document.querySelector('#banners').innerText"), "a banner")
     browser.run("page.map.fit(); 0")
     time.sleep(1.0)
     _save(browser.screenshot(), IMAGES / "assistant_phone.png")
@@ -112,7 +113,7 @@ def _robot(folder: Path) -> Iterator[tuple[str, Callable[[str], None]]]:
         command = [str(ROOT / "ur"), "web", "--port", str(free_port()), "--no-browser"]
         web = subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=output)
     try:
-        _wait(lambda: "login#" in log.read_text(), "ur web prints no link")
+        wait_until(lambda: "login#" in log.read_text(), "a link of ur web")
         found = re.search(r"http\S+", log.read_text())
         assert found
         assert run.stdin
@@ -127,14 +128,6 @@ def _robot(folder: Path) -> Iterator[tuple[str, Callable[[str], None]]]:
         for process in (web, run):
             process.terminate()
             process.wait()
-
-
-def _wait(condition: Callable[[], bool], otherwise: str) -> None:
-    end = time.monotonic() + LIMIT
-    while not condition():
-        if time.monotonic() > end:
-            raise SystemExit(f"error: {otherwise} within {LIMIT:g} s")
-        time.sleep(0.1)
 
 
 def _page_beside_terminal(phone: bytes) -> str:
@@ -167,9 +160,7 @@ def _save_moving(frames: list[bytes], path: Path) -> None:
 
 
 def _save(png: bytes, path: Path) -> None:
-    picture = Image.open(io.BytesIO(png)).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
-    picture.save(path, optimize=True)
-    print(f"{path.relative_to(ROOT)}: {path.stat().st_size // 1024} kB")
+    save(Image.open(io.BytesIO(png)).convert("RGB"), path, COLOURS)
 
 
 if __name__ == "__main__":
