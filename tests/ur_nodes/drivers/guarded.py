@@ -1,16 +1,10 @@
-"""A board's stand-in without a watchdog, at the end of the real line of a driver in a process of its own.
-
-python -m tests.ur_nodes.drivers.guarded COUNT prints how long motors turn after that process was killed or stopped.
-"""
+"""A board's stand-in without a watchdog, at the end of the real line of a driver in a process of its own."""
 
 from __future__ import annotations
 
 import os
-import signal
-import statistics
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -20,7 +14,7 @@ from tests.ur_nodes.drivers.mutations import StillPlant
 
 from ur.run.host.cgroup import Cgroup
 from ur_nodes.drivers.boards import arduino, magni
-from ur_nodes.drivers.registry import BOARDS, FIRMWARES
+from ur_nodes.drivers.registry import FIRMWARES
 from ur_nodes.simulator.devices.terminal import DeviceTerminal
 
 LONGEST = 30.0  # s
@@ -82,28 +76,3 @@ class GuardedBoard(StillPlant):
             assert time.monotonic() < end, self.turned[-5:]
             self._terminal.write(self.firmware.receive(self._terminal.read()))
             time.sleep(0.002)
-
-
-def measure(name: str, sent: signal.Signals, folder: Path) -> float:
-    """The time (s) from the signal to the driver until the motors get 0."""
-    with GuardedBoard(name, folder / "device") as board:
-        board.run_until(lambda: len(board.turned) > 10)
-        begun = time.monotonic()
-        os.kill(board.driver.pid, sent)
-        board.run_until(lambda: board.rests)
-        return time.monotonic() - begun
-
-
-def main() -> None:
-    """Measure each board and signal so often as the argument says."""
-    with tempfile.TemporaryDirectory() as folder:
-        for name in sorted(BOARDS):
-            for sent in (signal.SIGKILL, signal.SIGSTOP):
-                times = [measure(name, sent, Path(folder)) for _ in range(int(sys.argv[1]))]
-                figures = f"at most {max(times):.3f} s, median {statistics.median(times):.3f} s"
-                sys.stdout.write(f"{name} {sent.name}: {len(times)} times, {figures}\n")
-                sys.stdout.flush()
-
-
-if __name__ == "__main__":
-    main()
