@@ -20,7 +20,7 @@ import yaml
 from bench.stop_network_parts.lane import GOALS, Lane, Pattern
 from bench.stop_network_parts.screen import Screen
 from bench.stop_parts.nursery import Child, Nursery
-from bench.stop_parts.people import JOYSTICK, KEYBOARD, READER
+from bench.stop_parts.people import JOYSTICK, KEYBOARD, READER, JoystickPipe
 
 PLAIN, PHONE, ROSTOPIC = "bench.stop_network_parts.plain_teleop", "bench.stop_network_parts.phone", "rostopic"
 NAVIGATE = "ur_nodes.teleop.navigate.keyboard_navigate_node"
@@ -29,8 +29,6 @@ _ROUND = "g 7.23 10.63\ng 0 0\n" * 50  # through the whole maze and back
 _LIBRARY = Path(__file__).resolve().parents[2] / "ubiquity_launches"
 _KEYS = {("linear", 1): "i", ("linear", -1): ",", ("angular", 1): "j", ("angular", -1): "l"}
 _TICK = 0.033  # s: how often a held key repeats
-_ENABLE, _TURBO = 4, 5
-_RECORD = struct.Struct("=IhBB")  # of a joystick device: time, value, kind, number
 
 
 class Commander:
@@ -142,11 +140,7 @@ class JoystickCommander(Commander):
 
     def _open(self) -> None:
         device = self._folder / f"joystick-{self.lane.name}-{time.monotonic_ns()}"
-        os.mkfifo(device)
-        self._pipe = os.open(device, os.O_RDWR)  # so that neither side waits for the other
-        for kind, count in ((2, 2), (1, 8)):
-            for number in range(count):
-                self._write(kind | 0x80, number, 0)
+        self._pipe = JoystickPipe(device)
         arguments = [f"__name:=teleop_{os.urandom(4).hex()}", f"cmd_vel:={self.lane.topic}"]
         arguments += [
             f"_{key}:={yaml.safe_dump(value, default_flow_style=True).split(chr(10))[0]}"
@@ -159,15 +153,10 @@ class JoystickCommander(Commander):
         if sign == self._sign:
             return
         self._sign = sign
-        self._write(2, 1, -32767 * sign if self.lane.axis == "linear" else 0)
-        self._write(2, 0, -32767 * sign if self.lane.axis == "angular" else 0)
-        self._write(1, _TURBO, 1 if sign else 0)
-
-    def _write(self, kind: int, number: int, value: int) -> None:
-        os.write(self._pipe, _RECORD.pack(0, value, kind, number))
+        self._pipe.hold(*self.lane.pick(sign, 0), turbo=bool(sign))
 
     def _close(self) -> None:
-        os.close(self._pipe)
+        self._pipe.close()
 
 
 class RostopicCommander(Commander):

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeVar
 
 Axis = Literal["linear", "angular"]
+Number = TypeVar("Number", int, float)
 GOALS = "goals"
 COMMANDERS = ("keyboard", "joystick", "plain", "rostopic", GOALS)
 LEASED = ("keyboard", "joystick")  # these take part in the lease of the robot
@@ -52,8 +53,8 @@ class Lane:
         """The topic of the commander's velocities in the namespace."""
         return TOPICS[self.commander]
 
-    def pick(self, forward: float, turn: float) -> tuple[float, float]:
-        """The velocity along its axis, and the one along the other."""
+    def pick(self, forward: Number, turn: Number) -> tuple[Number, Number]:
+        """The velocity along its axis, and the one along the other; and back."""
         return (forward, turn) if self.axis == "linear" else (turn, forward)
 
 

@@ -26,7 +26,6 @@ KEYBOARD, JOYSTICK, NAVIGATION = (
 READER = "ur_nodes.motion.joystick.joy_node"
 _KEYS = {(1, 0): "i", (-1, 0): ",", (0, 1): "j", (1, 1): "u", (-1, 1): "."}
 _REPEAT = 0.033  # s: how often a held key repeats
-_TURBO = 5  # the button that drives at full speed
 _RECORD = struct.Struct("=IhBB")  # of a joystick device: time, value, kind, number
 
 
@@ -70,16 +69,38 @@ class Keyboard:
         os.close(self._terminal)
 
 
-class Joystick:
-    """A joystick (a pipe that speaks as a device does), what reads it, and the teleop that drives by it."""
+class JoystickPipe:
+    """A pipe that speaks as a joystick does; `turbo` drives at full speed while it is held."""
 
-    def __init__(self, nursery: Nursery, device: Path) -> None:
-        """`device` is where the pipe is made."""
-        os.mkfifo(device)
-        self._pipe = os.open(device, os.O_RDWR)  # so that neither side waits for the other
+    TURBO = 5  # the button
+
+    def __init__(self, path: Path) -> None:
+        os.mkfifo(path)
+        self._pipe = os.open(path, os.O_RDWR)  # so that neither side waits for the other
         for kind, count in ((2, 2), (1, 8)):
             for number in range(count):
                 self._write(kind | 0x80, number, 0)
+
+    def hold(self, ahead: int, turn: int, *, turbo: bool) -> None:
+        """Push the stick, each from -1 to 1, and press or release the button."""
+        self._write(2, 1, -32767 * ahead)
+        self._write(2, 0, -32767 * turn)
+        self._write(1, self.TURBO, int(turbo))
+
+    def close(self) -> None:
+        """Close it."""
+        os.close(self._pipe)
+
+    def _write(self, kind: int, number: int, value: int) -> None:
+        os.write(self._pipe, _RECORD.pack(0, value, kind, number))
+
+
+class Joystick:
+    """A joystick, what reads it, and the teleop that drives by it."""
+
+    def __init__(self, nursery: Nursery, device: Path) -> None:
+        """`device` is where the pipe is made."""
+        self._pipe = JoystickPipe(device)
         self.teleop = nursery.bear(JOYSTICK, "__name:=teleop_twist_joy", "cmd_vel:=joy_vel")
         self._reader = nursery.bear(READER, "__name:=joy", f"_dev:={device}", "_autorepeat_rate:=30")
 
@@ -90,18 +111,13 @@ class Joystick:
 
     def drive(self, ahead: int, turn: int) -> None:
         """Hold the button for full speed and push the stick."""
-        self._write(1, _TURBO, 1)
-        self._write(2, 1, -32767 * ahead)
-        self._write(2, 0, -32767 * turn)
-
-    def _write(self, kind: int, number: int, value: int) -> None:
-        os.write(self._pipe, _RECORD.pack(0, value, kind, number))
+        self._pipe.hold(ahead, turn, turbo=True)
 
     def close(self) -> None:
         """End it."""
         for child in self.viewer:
             child.signal(signal.SIGKILL)
-        os.close(self._pipe)
+        self._pipe.close()
 
 
 class Navigation:

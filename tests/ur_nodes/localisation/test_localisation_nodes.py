@@ -55,17 +55,6 @@ def test_amcl_speaks_with_the_rest_of_ros_as_upstream_does(ros: RosSession) -> N
     assert max(ros.ask("drive", steps=5, distance=0.04, turn=0.0)[-3:]) < 0.05
 
 
-@pytest.mark.ros
-def test_amcl_refuses_a_parameter_in_one_line(ros: RosSession) -> None:
-    amcl = ros.start(str(AMCL), "__name:=amcl", "_odom_model_type:=dif")
-    _, errors = amcl.communicate(timeout=60)
-    assert amcl.returncode == 2
-    assert (
-        "parameter /amcl/odom_model_type: 'dif', expected one of diff, diff-corrected, omni, omni-corrected" in errors
-    )
-    assert "Traceback" not in errors
-
-
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
