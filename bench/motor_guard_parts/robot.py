@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -52,13 +51,7 @@ def run_trials(robot: Machine, user: str, starter: str, count: int, sets: Sequen
     words = f"{user} {starter} {count} {' '.join(sets)}"
     environment = {"PYTHONPATH": f"{REPOSITORY}/src:{REPOSITORY}", "PYTHONDONTWRITEBYTECODE": "1"}
     command = f"cd {REPOSITORY} && exec .venv/bin/python -m bench.motor_guard_parts.trials {words}"
-    with subprocess.Popen(
-        robot.command_line(command, environment=environment),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        stdin=subprocess.DEVNULL,
-        text=True,
-    ) as running:
+    with robot.spawn(command, environment=environment) as running:
         assert running.stdout
         rest = []
         for line in running.stdout:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-
 import pytest
 from tests.hosts.bench import UR, Bench, Done, wait_until
 from tests.hosts.test_doctor import pair
@@ -99,13 +97,7 @@ def test_interrupted_build_leaves_nothing_running(workspaces: Bench, where: str,
     carry(workspaces)
     laptop = workspaces["laptop"]
     machine, user = (workspaces["robot"], "ros") if where else (laptop, "pat")
-    process = subprocess.Popen(
-        laptop.command_line(f"echo $$; exec {UR} build {where}", user="pat"),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
+    process = laptop.spawn(f"echo $$; exec {UR} build {where}", user="pat")
     assert process.stdout
     number = int(process.stdout.readline())
     with process.stdout:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from collections.abc import Iterator
 
 import pytest
@@ -91,13 +90,7 @@ def test_interrupted_builds_end_on_every_robot(three: Bench) -> None:
     add_package(three, "slow", SLOW.format(name="slow"))
     ur(three, "sync --all --yes").check()
     laptop = three["laptop"]
-    process = subprocess.Popen(
-        laptop.command_line(f"echo $$; exec {UR} build --all", user="pat"),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
+    process = laptop.spawn(f"echo $$; exec {UR} build --all", user="pat")
     assert process.stdout
     number = int(process.stdout.readline())
     for robot in ROBOTS.values():

@@ -107,13 +107,11 @@ def look(pair: Bench) -> list[str]:
 def strike(pair: Bench, blow: Blow) -> Callable[[], str]:
     """Begin a change and let the blow fall; gives what waits for the end of the command and tells what it said."""
     laptop, robot = pair["laptop"], pair["robot"]
-    process = subprocess.Popen(
+    process = laptop.spawn(
         # A shell in between: runuser and nsenter would stop with what they started, and stay so.
-        laptop.command_line(f"{blow.change} <&0 & wait", user="pat"),
+        f"{blow.change} <&0 & wait",
+        user="pat",
         stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
     )
     assert process.stdin
     assert process.stdout

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
 from collections.abc import Iterator
 
 import pytest
@@ -69,13 +68,7 @@ def test_network_that_is_cut_leaves_no_map(pair: Bench) -> None:
     interface = "tc qdisc {} dev host0 root tbf rate 2mbit burst 200kb latency 400ms"
     laptop.run(interface.format("add")).check()
     robot.run(interface.format("add")).check()
-    process = subprocess.Popen(
-        laptop.command_line(f"exec {UR} maps copy large --to {ROBOT} --as cut", user="pat"),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
+    process = laptop.spawn(f"exec {UR} maps copy large --to {ROBOT} --as cut", user="pat")
     try:
         wait_until(lambda: bool(copying(robot)) or process.poll() is not None, "the map is on its way", 100.0)
         assert process.poll() is None, process.communicate()[0]

@@ -36,13 +36,7 @@ def run_until(
     laptop: Machine, line: str, stdin: str, strikes: Mapping[str, Callable[[int], None]]
 ) -> tuple[list[str], int]:
     """Run it; whenever it says one of the keys, call that with the number of its process. All it said, and its code."""
-    process = subprocess.Popen(
-        laptop.command_line(f"echo $$; exec {line}", user="pat"),
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
+    process = laptop.spawn(f"echo $$; exec {line}", user="pat", stdin=subprocess.PIPE)
     assert process.stdin
     assert process.stdout
     process.stdin.write(stdin)

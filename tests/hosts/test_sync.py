@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-
 import pytest
 from tests.hosts.bench import UR, Bench, Done, wait_until
 from tests.hosts.test_doctor import pair
@@ -114,13 +112,7 @@ def test_interrupted_transfer_loses_nothing_and_is_finished_later(synced: Bench,
     here(synced, "head -c 40M /dev/urandom >p/large && echo small >p/b.py")
     there(synced, "echo theirs >p/launch/a.launch")
     laptop.write("/usr/local/bin/rsync", SLOW_RSYNC, mode=0o755)
-    process = subprocess.Popen(
-        laptop.command_line(f"echo $$; exec {UR} sync bob --yes", user="pat"),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
+    process = laptop.spawn(f"echo $$; exec {UR} sync bob --yes", user="pat")
     assert process.stdout
     number = int(process.stdout.readline())
     robot.wait_for("[ -n \"$(find catkin_ws/.ur_sync -name '.large.*' -size +1M)\" ]", user="ros", deadline=60)

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from tests.hosts.bench.ledger import children_of
 
@@ -86,6 +87,11 @@ class Machine:
         settings = "".join(f"export {key}={shlex.quote(value)}; " for key, value in (environment or {}).items())
         inside = ["runuser", "-l", user, "-c", settings + line]
         return ["nsenter", *_namespaces(self.leader), "--", *inside]
+
+    def spawn(self, line: str, *, stdin: int = subprocess.DEVNULL, **how: Any) -> subprocess.Popen[str]:
+        """Start a shell command line inside; what it prints, errors too, is to be read. See `command_line`."""
+        words, pipe = self.command_line(line, **how), subprocess.PIPE
+        return subprocess.Popen(words, stdin=stdin, stdout=pipe, stderr=subprocess.STDOUT, text=True)
 
     def wait_for(
         self,
