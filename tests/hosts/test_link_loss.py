@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import re
 import signal
-import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from tests.hosts.bench import REPOSITORY, UR, Bench, Machine, boot, wait_until
+from tests.hosts.bench import REPOSITORY, UR, Bench, Machine, boot
 from tests.hosts.test_robot_setup import prepare, set_up
-from tests.hosts.test_run_on_robot import PACKAGE
+from tests.hosts.test_run_on_robot import PACKAGE, Started
 
 LAUNCH = """\
 <launch>
@@ -93,44 +91,9 @@ def pair() -> Iterator[Bench]:
         yield bench
 
 
-class RemoteProgram:
-    """A program that was started on the laptop, and what it has printed so far."""
-
-    def __init__(self, laptop: Machine, words: str, log: Path) -> None:
-        self._laptop, self._log = laptop, log
-        with log.open("wb") as output:
-            self.process = subprocess.Popen(
-                laptop.command_line(f"exec {UR} {words}", user="pat"),
-                stdin=subprocess.DEVNULL,
-                stdout=output,
-                stderr=subprocess.STDOUT,
-                start_new_session=True,
-            )
-
-    @property
-    def said(self) -> str:
-        return self._log.read_text(errors="replace")
-
-    def wait_said(self, pattern: str, *, after: int = 0, deadline: float = 60.0) -> None:
-        """Wait until it has printed what a pattern fits, after so many characters."""
-        try:
-            wait_until(lambda: re.search(pattern, self.said[after:]) is not None, f"{pattern!r} is printed", deadline)
-        except AssertionError as problem:
-            raise AssertionError(f"{problem}\n{self.said[-5000:]}") from None
-
-    def signal(self, number: signal.Signals) -> None:
-        """Send a signal to `ur launch` itself."""
-        self._laptop.run(f"pkill -{number.value} -u pat -f '^[^ ]*python.* -m ur launch'").check()
-
-    def end(self) -> None:
-        """End it as Ctrl-C does."""
-        self.signal(signal.SIGINT)
-        assert self.process.wait(60) == 0, self.said
-
-
 @contextmanager
-def started(pair: Bench, words: str, tmp_path: Path) -> Iterator[RemoteProgram]:
-    program = RemoteProgram(pair["laptop"], words, tmp_path / "said")
+def started(pair: Bench, words: str, tmp_path: Path) -> Iterator[Started]:
+    program = Started(pair["laptop"], words, tmp_path / "said")
     try:
         yield program
     finally:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import subprocess
 from collections.abc import Iterator
@@ -130,21 +131,28 @@ class Started:
     def said(self) -> str:
         return self._log.read_text(errors="replace")
 
-    def wait_said(self, text: str, *, after: int = 0) -> None:
-        """Wait until it has said a text, after so many characters."""
+    def wait_said(self, pattern: str, *, after: int = 0, deadline: float = 60.0) -> None:
+        """Wait until it has said what a pattern fits, after so many characters."""
 
         def has_said() -> bool:
-            assert self.process.poll() is None or text in self.said[after:], self.said
-            return text in self.said[after:]
+            ended = self.process.poll() is not None
+            found = re.search(pattern, self.said[after:]) is not None
+            assert found or not ended, self.said
+            return found
 
         try:
-            wait_until(has_said, f"{text!r} is said", 60)
+            wait_until(has_said, f"{pattern!r} is said", deadline)
         except AssertionError as problem:
-            raise AssertionError(f"{problem}\n{self.said}") from None
+            raise AssertionError(f"{problem}\n{self.said[-5000:]}") from None
 
     def signal(self, number: signal.Signals) -> None:
         """Send a signal to `ur launch` itself, inside."""
-        self._laptop.run(f"pkill -{number.value} -u pat -f '^[^ ]*python -I -m ur launch'").check()
+        self._laptop.run(f"pkill -{number.value} -u pat -f '^[^ ]*python.* -m ur launch'").check()
+
+    def end(self) -> None:
+        """End it as Ctrl-C does."""
+        self.signal(signal.SIGINT)
+        assert self.process.wait(60) == 0, self.said
 
 
 @contextmanager
