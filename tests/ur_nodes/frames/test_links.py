@@ -5,7 +5,7 @@ import math
 import pytest
 
 from ur.robot.description.parse import parse_urdf
-from ur_nodes.frames.links import fixed_frames, moving_frames
+from ur_nodes.frames.robot_state_publisher_node import fixed_frames, moving_frames
 
 URDF = """<robot name="r"><link name="base"/><link name="laser"/><link name="wheel"/><link name="lift"/>
 <joint name="mount" type="fixed">

@@ -9,10 +9,9 @@ from tests.ur_nodes.navigation.synthetic import Drifter, make_room, scan_points
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.localisation.likelihood import BeamModel, LikelihoodField, make_field
-from ur_nodes.localisation.localiser import ClusterEstimate, FilterSettings, ParticleLocaliser
+from ur_nodes.localisation.localiser import POOL, ClusterEstimate, FilterSettings, ParticleLocaliser, pool_size
 from ur_nodes.localisation.motion_model import MotionModel
 from ur_nodes.localisation.particle_filter import SampleSize
-from ur_nodes.localisation.relocalise import POOL, pool_size
 
 SIZE = SampleSize(minimum=200, maximum=5000, kld_err=0.05, kld_z=2.33)
 MOTION = MotionModel("diff-corrected", 0.02, 0.02, 0.02, 0.02)

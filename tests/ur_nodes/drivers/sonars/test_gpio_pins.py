@@ -12,7 +12,7 @@ import pytest
 from gpiod.line import Value
 
 from ur_nodes.drivers.sonars.echoes import LONGEST, Listened, SonarPins, SonarPort, find_echo
-from ur_nodes.drivers.sonars.gpio_pins import open_gpio
+from ur_nodes.drivers.sonars.sonar_driver_node import open_gpio
 
 SONAR = SonarPins(20, 21)
 PULSE = 5_000_000  # ns

@@ -5,7 +5,7 @@ import pytest
 from tests.ur_nodes.exploration.drawn import draw, place
 
 from ur_nodes.exploration.search.floor import Floor, read_floor
-from ur_nodes.exploration.search.walls import continue_walls
+from ur_nodes.exploration.search.frontiers import continue_walls
 
 LINE = "????????????\n????????????\n###?????????\n............"
 
