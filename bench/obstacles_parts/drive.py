@@ -22,8 +22,8 @@ from ur_nodes.geometry.hull import Floats
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.mux import MuxState, start_mux, step
 from ur_nodes.motion.mux_events import Event, GuardChanged, MuxSettings, Source, Velocity, VelocityCommand
-from ur_nodes.motion.obstacle_stop.base import contact_points, make_sight
 from ur_nodes.motion.obstacle_stop.guard import make_guard
+from ur_nodes.motion.obstacle_stop.obstacle_stop import contact_points, make_sight
 from ur_nodes.motion.obstacle_stop.sensors import RangeSensor
 from ur_nodes.motion.obstacle_stop.sight import MEMORY, SensorRanges, Sight, look, move, touch
 from ur_nodes.motion.obstacle_stop.track import Odometer

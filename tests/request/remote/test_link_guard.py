@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from ur.request.remote import link_guard
-from ur_nodes.teleop.keyboard.link_watch import LINK_LIMIT, make_watch
+from ur_nodes.teleop.keyboard.teleop_twist_keyboard_node import LINK_LIMIT, make_watch
 
 
 class Guard:

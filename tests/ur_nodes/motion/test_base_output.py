@@ -6,8 +6,8 @@ import pytest
 
 from ur_nodes.memory.bus import Bus
 from ur_nodes.memory.node import MemoryNode
-from ur_nodes.motion.base_output import BaseOutput
 from ur_nodes.motion.mux_events import STILL, Velocity
+from ur_nodes.motion.mux_runner import BaseOutput
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import StampedTwist, Twist
 

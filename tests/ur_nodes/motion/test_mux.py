@@ -29,8 +29,8 @@ from ur_nodes.motion.mux_events import (
     VelocityCommand,
     slow_to,
 )
-from ur_nodes.motion.obstacle_stop.base import make_sight
 from ur_nodes.motion.obstacle_stop.guard import Guard, make_guard
+from ur_nodes.motion.obstacle_stop.obstacle_stop import make_sight
 from ur_nodes.motion.obstacle_stop.sight import SensorRanges, look
 from ur_nodes.motion.ramp import Axis
 

@@ -9,8 +9,7 @@ from tests.ur_nodes.vision.synthetic import CAMERA
 from tests.ur_nodes.vision.test_detect import SIZE, corners_of, draw
 
 from ur_nodes.geometry.rigid import Floats, from_angles
-from ur_nodes.vision.corners import refine_corners
-from ur_nodes.vision.detect import Detector, Sizes
+from ur_nodes.vision.detect import Detector, Sizes, refine_corners
 
 VIEWS = [
     from_angles((x, 0.05 - x / 4, distance), (math.pi + tilt, tilt / 2, turn))

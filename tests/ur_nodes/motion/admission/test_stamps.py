@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur_nodes.motion.admission.stamps import DRIFT, FALL, Stamps, step_stamps
+from ur_nodes.motion.admission.admission import DRIFT, FALL, Stamps, step_stamps
 
 PERIOD = 0.05
 JITTER = (0.002, 0.011, 0.003, 0.018, 0.002, 0.004, 0.031, 0.002, 0.007, 0.002)  # s, of a WiFi

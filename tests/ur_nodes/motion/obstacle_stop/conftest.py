@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ur.robot.base import Base, load_base
-from ur_nodes.motion.obstacle_stop.base import make_sight
 from ur_nodes.motion.obstacle_stop.guard import Guard, make_guard
+from ur_nodes.motion.obstacle_stop.obstacle_stop import make_sight
 from ur_nodes.motion.obstacle_stop.sight import SensorRanges, Sight, look
 
 PACKAGE = Path(__file__).parents[4] / "ubiquity_launches"

@@ -10,8 +10,8 @@ import pytest
 from tests.ur_nodes.motion.obstacle_stop.conftest import guard_of, load, scan_of, seeing
 
 from ur.robot.base import Cliff, Cliffs
-from ur_nodes.motion.obstacle_stop.base import contact_points, contact_topics, explain_frame, make_sight
 from ur_nodes.motion.obstacle_stop.guard import BLIND, Cause, make_guard
+from ur_nodes.motion.obstacle_stop.obstacle_stop import contact_points, contact_topics, explain_frame, make_sight
 from ur_nodes.motion.obstacle_stop.sight import Contact, SensorRanges, Sight, touch
 
 FRONT = 0.10  # m from the lidar of stage to its front edge

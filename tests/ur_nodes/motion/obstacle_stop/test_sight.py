@@ -10,7 +10,7 @@ import pytest
 from tests.ur_nodes.motion.obstacle_stop.conftest import load, scan_of, seeing
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.motion.obstacle_stop.base import contact_points, make_sight
+from ur_nodes.motion.obstacle_stop.obstacle_stop import contact_points, make_sight
 from ur_nodes.motion.obstacle_stop.sight import MEMORY, Contact, SensorRanges, Sight, move, touch
 from ur_nodes.motion.obstacle_stop.track import Odometer
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 from ur.source.ansi import strip_styles
 from ur_nodes.client.mux import MuxView
 from ur_nodes.exploration.status import ExploreStatus
-from ur_nodes.teleop.explore.explore_screen import draw_explore_screen, room_for_map
+from ur_nodes.teleop.explore.explore_terminal import draw_explore_screen, room_for_map
 
 BLOCKED = ("too narrow at (3.00, 4.00): 0.31 m < 0.46 m", "behind an obstacle at (1.00, 2.00)")
 EXPLORING = ExploreStatus("exploring", 3, 12.4, 40.2, 17.0, 65.0, BLOCKED)

@@ -9,7 +9,7 @@ import pytest
 from tests.ur_nodes.teleop.keyboard.rig import AHEAD, STILL, Driving
 from tests.ur_nodes.teleop.screen import TypedTerminal, running
 
-from ur_nodes.teleop.keyboard.drive_terminal import drive_by_terminal
+from ur_nodes.teleop.keyboard.teleop_twist_keyboard_node import drive_by_terminal
 
 
 @dataclass

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from ur_nodes.teleop.navigate.commands import AskMux, CancelGoal, Command, ContinueGoal, Quit
-from ur_nodes.teleop.navigate.line_reader import LineReader
+from ur_nodes.teleop.navigate.line_program import LineReader
 
 
 @pytest.fixture
