@@ -9,8 +9,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ur.robot.base import SENSORS, Base, UpstreamDriver, list_bases, list_variants, load_base
-from ur_nodes.motion.obstacle_stop.obstacle_stop import make_sight
 from ur_nodes.motion.obstacle_stop.guard import BLIND
+from ur_nodes.motion.obstacle_stop.obstacle_stop import make_sight
 from ur_nodes.motion.obstacle_stop.sensors import Side, covers
 
 ROOT = Path(__file__).resolve().parents[1]
