@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from tests.base_contract import EVERY, PACKAGE, list_frames, list_topics, load
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.world.system import SystemWorld
 from ur.robot.base import Base

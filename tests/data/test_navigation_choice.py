@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tests.base_contract import PACKAGE
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.system import SystemWorld
 

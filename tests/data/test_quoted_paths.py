@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from tests.base_contract import PACKAGE
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.system import SystemWorld
 

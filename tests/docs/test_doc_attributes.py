@@ -10,7 +10,7 @@ import pytest
 from tests.docs.helpers import LIBRARY
 
 from ur.docs.doc_attributes import add_doc_attributes
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.syntax import parse_launch_file
 from ur.launchfile.world import MemoryWorld
 

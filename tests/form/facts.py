@@ -36,6 +36,7 @@ THREADS = {
 }
 # Objects with the methods of the reader (ur.source.foreign), and objects whose `open` opens no file.
 _READERS = {
+    *("context.world", "self._context.world"),
     *("world", "self.world", "self._world", "workspace.world", "draft.world", "cached"),
     *("self.sources", "session.sources"),
 }

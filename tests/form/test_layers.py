@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Set
 
 import pytest
-from tests.form.facts import Facts
+from tests.form.facts import ROOT, Facts
 
 # A module may import from the layers named here and from its own.
 MAY_IMPORT: dict[str, tuple[str, ...]] = {
@@ -13,6 +14,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.launchfile.syntax": ("ur.source",),
     "ur.launchfile.world": ("ur.source",),
     "ur.launchfile.plan": ("ur.source", "ur.launchfile.syntax", "ur.launchfile.world"),
+    "ur.launchfile.ros2": (*("ur.source", "ur.launchfile.syntax", "ur.launchfile.world", "ur.launchfile.plan"),),
     "ur.launchfile": ("ur.source",),
     "ur.system": ("ur.source",),
     "ur.devices": ("ur.source",),
@@ -329,6 +331,7 @@ ROS = {
     "rosgraph_msgs", "roslaunch", "roslib", "rospy", "sensor_msgs", "std_msgs", "std_srvs", "tf2_msgs", "tf2_py",
     "tf2_ros", "visualization_msgs", "rclpy", "rcl_interfaces", "action_msgs", "builtin_interfaces",
 }  # fmt: skip
+_VERSIONED = re.compile(r"\b\w+_ros[12]\w*|\b(?:\w+\.)+ros[12]\b|\bros[12]_\w+")
 BACKENDS = ("ur_nodes.ros1", "ur_nodes.ros2", "ur_nodes.codecs")
 
 
@@ -366,6 +369,16 @@ def test_modules_import_only_from_layers_below(imports: dict[str, set[str]]) -> 
                 if not (below or parent):
                     wrong.append(f"{module} imports {name}, expected only {', '.join(allowed)}")
     assert not wrong, "\n".join(wrong)
+
+
+def test_readers_of_plans_do_not_ask_which_version_of_ros_they_are_for(modules: Mapping[str, Facts]) -> None:
+    folders = ("check", "docs", "graph", "complete", "lsp", "tools/find", "tools/format")
+    readers = [path for path in modules if path.startswith(tuple(f"ur/{each}/" for each in folders))]
+    front_ends = ("ur.launchfile.ros2", "ur.launchfile.plan.load")
+    assert readers
+    assert {i.module for path in readers for i in modules[path].imports if i.module.startswith(front_ends)} == set()
+    texts = {path: (ROOT / "src" / path).read_text(encoding="utf-8") for path in readers}
+    assert {(path, name) for path, text in texts.items() for name in _VERSIONED.findall(text)} == set()
 
 
 def test_imports_are_absolute(modules: Mapping[str, Facts]) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import pytest
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.memory import MemoryWorld
 from ur.request.plan_files import blame_arguments

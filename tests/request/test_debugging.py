@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.system import SystemWorld
 from ur.request.debugging import debug_nodes, has_terminal

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.world import MemoryWorld
 from ur.request.launch_request import LaunchFiles, LaunchRequest, make_request
 from ur.source import UserError

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import NodeSpec
 from ur.launchfile.world import World
 from ur.launchfile.world.memory import MemoryWorld

@@ -15,7 +15,7 @@ from functools import partial
 from ur.check.rule import LaunchView
 from ur.check.survey import walk_elements
 from ur.check.worlds import ANONYMOUS, CachedWorld, Environment, Unknowns, has_marker
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.problems import NOT_GIVEN, NOT_PYTHON, SPECIAL
 from ur.launchfile.plan.specs import Plan, TraceStep
 from ur.launchfile.plan.values.budget import Budget
@@ -244,7 +244,7 @@ def _is_sure(found: Diagnostic, case: StartCase, unknowns: Unknowns, world: Cach
         return False
     if found.span is not None and found.span.file.path == "<command line>":
         return False
-    if found.rule == "missing-argument" and found.kind == NOT_GIVEN:
+    if found.kind == NOT_GIVEN:
         return False  # an argument of the file itself, set when it is started
     if found.rule == "bad-eval" and found.kind != NOT_PYTHON:
         return not (unknowns.any_used or case.flipped)  # the result may depend on something unknown

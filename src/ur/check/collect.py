@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from ur.check.links import EscapingLinks
 from ur.check.rule import BaseNames, Package
 from ur.launchfile.address import join_addresses
-from ur.launchfile.syntax.parse import count_unread, is_ros2_name
+from ur.launchfile.load import is_launch_name
 from ur.launchfile.world import World
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.source.diagnostic import Diagnostic, UserError, error, error_about
@@ -23,6 +23,8 @@ MAX_DEPTH = 30
 _SKIPPED = frozenset({"node_modules", "__pycache__"})
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".test")
 _YAML_SUFFIXES = (".yaml", ".yml")
+_ENTRY = b"\ndef generate_launch_description"
+_TEST_ENTRY = b"generate_test_description"
 _LAUNCH_DIRECTORY = re.compile(r"(n|m|rviz)_\w+\Z")
 _NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
 _DEPENDS = re.compile(r"<(?:\w*_)?depend\b[^>]*>\s*([^<\s]+)\s*</")
@@ -33,7 +35,7 @@ class Targets:
     """The files to check, sorted, by kind; `whole`: packages that are checked completely.
 
     `left_out` are links that lead elsewhere, and unreadable folders; `found` are the files below each whole package,
-    by its folder, whose names fit a launch file. `not_read` counts the files of each kind that no rule reads.
+    by its folder, whose names fit a launch file.
     """
 
     launch_files: tuple[str, ...]
@@ -43,7 +45,6 @@ class Targets:
     whole: tuple[Package, ...]
     left_out: tuple[str, ...] = ()
     found: Mapping[str, Sequence[str]] = field(default_factory=dict)
-    not_read: Mapping[str, int] = field(default_factory=dict)
 
     def package_of(self, path: str) -> Package | None:
         """Return the package that a file belongs to: the innermost folder with a package.xml."""
@@ -68,7 +69,6 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
     visited: set[str] = set()
     left_out: set[str] = set()
     found: dict[str, None] = {}
-    seen: set[str] = set()
     for word in join_addresses(paths, world):
         path = _locate(word, world)
         links = EscapingLinks(path)
@@ -80,8 +80,7 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
             if file.endswith("/package.xml"):
                 _add_package(file.removesuffix("/package.xml"), world, packages)
         launch.update(file for file in files if _is_launch_file(file, file == path, world))
-        yaml.update(file for file in files if file.endswith(_YAML_SUFFIXES) and not is_ros2_name(file))
-        seen.update(files)
+        yaml.update(file for file in files if file.endswith(_YAML_SUFFIXES) and not is_launch_name(file))
         folders = {f"{folder}/bin" for folder in packages}
         if world.is_file(path) and not _can_be_checked(path, launch, yaml, folders, world):
             raise UserError(
@@ -96,8 +95,7 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
     programs = _without_twins(programs, world)
     whole = tuple(packages[folder] for folder in sorted(packages) if folder in visited)
     files_of = (tuple(sorted(launch)), tuple(sorted(yaml)), tuple(sorted(programs)))
-    unread = count_unread(seen - launch)
-    return Targets(*files_of, packages, whole, tuple(sorted(left_out)), _sort_by_package(found, whole), unread)
+    return Targets(*files_of, packages, whole, tuple(sorted(left_out)), _sort_by_package(found, whole))
 
 
 def _sort_by_package(files: Iterable[str], packages: Iterable[Package]) -> Mapping[str, Sequence[str]]:
@@ -121,7 +119,11 @@ def list_launch_files(folder: str, targets: Targets, world: World) -> list[str]:
 def may_be_checked(path: str) -> bool:
     """Return whether the name of a file shows that it may be checked, or may influence the check of others."""
     folder, _, name = path.rpartition("/")
-    return path.endswith((*_LAUNCH_SUFFIXES, ".xml", *_YAML_SUFFIXES)) or folder.endswith("/bin") or "IGNORE" in name
+    return (
+        path.endswith((*_LAUNCH_SUFFIXES, ".xml", ".py", *_YAML_SUFFIXES))
+        or folder.endswith("/bin")
+        or "IGNORE" in name
+    )
 
 
 def _may_hold_launch_file(path: str) -> bool:
@@ -217,8 +219,10 @@ def _walk(
 
 
 def _is_launch_file(path: str, asked_for: bool, world: World) -> bool:
-    if asked_for and is_ros2_name(path):
-        return True  # which is what is reported of it
+    if path.endswith(".py"):
+        return _is_python_launch_file(path, asked_for, world)
+    if is_launch_name(path):
+        return True
     if not asked_for and not path.endswith(_LAUNCH_SUFFIXES) and not (path.endswith(".xml") and "/launch/" in path):
         return False
     if (asked_for and path.endswith((*_YAML_SUFFIXES, "/package.xml"))) or ("/bin/" in path and is_script(path, world)):
@@ -230,6 +234,16 @@ def _is_launch_file(path: str, asked_for: bool, world: World) -> bool:
     if b"<launchConfiguration" in data[:500]:  # Eclipse has files of this name, too
         return False
     return path.endswith((".launch", ".launch.xml")) or b"<launch" in data
+
+
+def _is_python_launch_file(path: str, asked_for: bool, world: World) -> bool:
+    if "/bin/" in path or not (asked_for or path.endswith("launch.py") or "/launch/" in path):
+        return False
+    try:
+        text = b"\n" + world.read_bytes(path)
+        return asked_for or _ENTRY in text or (path.endswith(".launch.py") and _TEST_ENTRY not in text)
+    except OSError:
+        return True  # reported when it is read
 
 
 def _find_enclosing(path: str, world: World, packages: dict[str, Package]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from posixpath import commonpath
 
 from ur.check.rule import LaunchView
 from ur.check.survey import walk_elements
@@ -13,6 +14,8 @@ from ur.source.file import SourceFile, Span
 from ur.source.foreign.json_values import Count, ForeignValue
 
 _PIECE = re.compile(r"\$\([^)]{0,500}\)")
+_ANYWHERE = "$(any folder)/"
+_NAMED_FILE = re.compile(r"""["'/]([\w.-]{1,200}(?:[._]launch\.(?:py|xml|ya?ml)))["']""")
 _IN_PACKAGE = re.compile(r"\$\(find\s+(\S+)\s*\)/")
 
 
@@ -69,7 +72,11 @@ class IncludeFinder:
         return self._meant_in(view.path, include.attributes.get("file", ""))
 
     def _meant_in(self, path: str, file: str) -> tuple[str, ...]:
-        return tuple(meant for meant in self._meant_by(file) if meant != path)
+        found = [meant for meant in self._meant_by(file) if meant != path]
+        if len(found) > 1 and file.startswith(_ANYWHERE):
+            shared = {meant: len(commonpath((meant, path))) for meant in found}
+            found = [meant for meant in found if shared[meant] == max(shared.values())]
+        return tuple(found)
 
     def _meant_by(self, file: str) -> Iterable[str]:
         parts = _PIECE.split(file)
@@ -96,6 +103,12 @@ def list_include_tags(view: LaunchView) -> Iterator[IncludeTag]:
         span = element.value_span("file")
         passes = tuple(sorted({*_passed_by(element, view)}))
         yield IncludeTag(element.attributes.get("file", ""), span.start, span.end, passes)
+
+
+def list_named_files(source: SourceFile) -> Iterator[IncludeTag]:
+    """Yield the launch files that a text in another language names: any of them may be included."""
+    for match in _NAMED_FILE.finditer(source.text):
+        yield IncludeTag(_ANYWHERE + match.group(1), match.start(1), match.end(1), ())
 
 
 def passes_all(include: Element) -> bool:

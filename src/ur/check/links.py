@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from ur.source.printable import printable
 
-_CHECKED_SUFFIXES = (".launch", ".xml", ".test", ".yaml", ".yml")
+_CHECKED_SUFFIXES = (".launch", ".xml", ".py", ".test", ".yaml", ".yml")
 _NAMED = 3  # links that a note names
 
 

@@ -15,13 +15,16 @@ from ur.check.inclusion import Inclusions
 from ur.check.rule import LaunchView, Rule
 from ur.check.survey import walk_elements
 from ur.check.visitor import Visitor, stamp_severity
-from ur.check.worlds import CachedWorld
+from ur.check.worlds import CachedWorld, has_marker
+from ur.launchfile.plan.problems import INHERITED
 from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Diagnostic, Note, Severity
 from ur.source.file import SourceFile, Span
 
 CheckedAs = Callable[[str], str]  # of a path: "launch file", "YAML file", or "" for what is not checked
 Given = tuple[tuple[str, str], ...]
+GAP = "unknown-value"
+"""The rule of a value that is not known without running the file: for the report, not for the catalogue."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +71,7 @@ class PlanChecks:
         for found, label in found_in:
             included = found.rule == "unknown-machine" and view.path in inclusions.tags
             if _place_of(found) not in missing and not included:
-                yield Hit(found, view.path, label, plain)
+                yield Hit(_judge_inherited(found, view, inclusions), view.path, label, plain)
 
     def _findings_of(self, resolved: Resolved, view: LaunchView) -> Iterator[Diagnostic]:
         option = resolved.case.flipped
@@ -78,6 +81,14 @@ class PlanChecks:
             found = self._settle(found, view)
             if found.severity is Severity.ERROR or self._is_checked(found):
                 yield judge_package(stamp_severity(found, self.rules), view.package, option, self.world)
+        places = {(found.span.file.path, found.span.start) for found in resolved.plan.diagnostics if found.span}
+        for gap in resolved.plan.gaps:
+            if gap.origin is not None and (gap.origin.span.file.path, gap.origin.span.start) in places:
+                continue
+            span = gap.origin.span if gap.origin is not None else Span(SourceFile(view.path, ""), 0, 0)
+            found = Diagnostic(Severity.WARNING, gap.reason, GAP, self._settled_span(span, view))
+            if not gap.kind and not has_marker(gap.reason) and self._is_checked(found):
+                yield found
         element_at = partial(self._element_at, view)
         for found in self.visitor.visit_plan(resolved.plan, element_at, view.package, self.world, plain=option is None):
             yield judge_package(found, view.package, option, self.world)
@@ -112,6 +123,17 @@ class PlanChecks:
         if path not in self.elements:
             self.elements[path] = {element.start: element for element, _ in walk_elements(seen.tree.launch)}
         return self.elements[path].get(start)
+
+
+def _judge_inherited(found: Diagnostic, view: LaunchView, inclusions: Inclusions) -> Diagnostic:
+    # A value that including files set: the file works as a part of those, and not alone.
+    if found.kind != INHERITED or found.span is None or view.path not in inclusions.tags:
+        return found
+    if found.span.file.path != view.path:
+        return found
+    message = f"{found.message}: the file cannot be started alone"
+    notes = (*found.notes, Note("it is included from here", inclusions.tags[view.path][0]))
+    return replace(found, severity=Severity.WARNING, message=message, notes=notes)
 
 
 def _place_of(found: Diagnostic) -> tuple[str, str, int]:

@@ -30,6 +30,7 @@ class RuleGroup(Enum):
     YAML = "yaml"
     CONVENTIONS = "conventions"
     COMMENTS = "comments"
+    LAUNCH_API = "launch-api"
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from ur.check.cache.recall import Recall
 from ur.check.session import CheckSession
@@ -20,7 +20,7 @@ class CheckReport:
     files: int
     suppressed: int
     left_out: tuple[str, ...] = ()  # links that lead out of what was checked
-    not_read: Mapping[str, int] = field(default_factory=dict)  # number of files that no rule reads, by kind
+    gaps: tuple[Diagnostic, ...] = ()  # values that are not known without running the file
 
     @property
     def errors(self) -> int:
@@ -54,4 +54,5 @@ def finish_report(session: CheckSession) -> CheckReport:
     targets = session.sources.targets
     files = len(targets.launch_files) + len(targets.yaml_files) + len(targets.programs)
     findings = tuple(each for group, _ in found for each in group)
-    return CheckReport(findings, files, sum(hidden for _, hidden in found), targets.left_out, targets.not_read)
+    gaps = tuple(each for path in session.paths for each in session.gaps_of(path))
+    return CheckReport(findings, files, sum(hidden for _, hidden in found), targets.left_out, gaps)

@@ -16,7 +16,7 @@ from ur.check.collect import may_be_checked
 from ur.check.findings.index import FindingIndex, FoundByUnit, Unit
 from ur.check.findings.merge import Hit
 from ur.check.findings.suppress import read_line_suppressions
-from ur.check.plans import Given, PlanChecks
+from ur.check.plans import GAP, Given, PlanChecks
 from ur.check.rule import LaunchView, Package, PackageView, ProgramView, YamlView
 from ur.check.sources import CheckSources
 from ur.check.survey import LaunchSurvey
@@ -269,12 +269,16 @@ class CheckSession:
         rules = {each.id for each in self.rules.values() if each.only_parameters}
         if not rules.isdisjoint(each.rule for each in found) and not self._may_hold_parameters(path):
             found = [each for each in found if each.rule not in rules]
-        return found, hidden
+        return [each for each in found if each.rule != GAP], hidden
 
     def _may_hold_parameters(self, path: str) -> bool:
         is_yaml = bool(self.sources.views) and path in self.sources.targets.yaml_files
         loading = self._index.units_that_asked({("read_bytes", path)})
         return not is_yaml or any(unit[0] == _LAUNCH for unit in loading)
+
+    def gaps_of(self, path: str) -> list[Diagnostic]:
+        """Return the values in one file that are not known without running it, sorted by position."""
+        return [each for each in self._index.findings_of(path)[0] if each.rule == GAP]
 
     @property
     def paths(self) -> list[str]:

@@ -20,7 +20,7 @@ from ur.check.rule import (
 )
 from ur.check.survey import walk_possible
 from ur.check.worlds import CachedWorld
-from ur.launchfile.plan.problems import OBSOLETE
+from ur.launchfile.plan.problems import OBSOLETE, TOLERATED
 from ur.launchfile.plan.specs import Origin, Plan
 from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Diagnostic, Note
@@ -112,6 +112,12 @@ def _is_old_master(found: Diagnostic) -> bool:
 def stamp_severity(found: Diagnostic, rules: Mapping[str, Rule]) -> Diagnostic:
     """Return a finding of the resolver with the severity of its rule."""
     rule = rules.get(found.rule)
-    if rule is None or rule.severity is found.severity or found.rule in _AS_RESOLVED or _is_old_master(found):
+    if (
+        rule is None
+        or rule.severity is found.severity
+        or found.kind == TOLERATED
+        or found.rule in _AS_RESOLVED
+        or _is_old_master(found)
+    ):
         return found
     return replace(found, severity=rule.severity)

@@ -160,6 +160,7 @@ class LaunchDoc:
     support: tuple[SupportDoc, ...]
     problems: tuple[str, ...]
     graph: DrawnGraph
+    launcher: str = "roslaunch"
 
     @property
     def name(self) -> str:

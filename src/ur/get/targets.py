@@ -11,7 +11,7 @@ from ur.get.index import read_dependencies
 from ur.get.missing import is_installed, missing_of_names, missing_of_plan
 from ur.get.owners import owners_above
 from ur.get.steps import PACKAGE_NAME, Missing, Needs, SourceRepository
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.world.system import SystemWorld
 from ur.request.launch_request import make_request
 from ur.source.arguments import split_argv

@@ -56,7 +56,7 @@ def _grow_include(
 
 
 def _node(node: NodeSpec) -> Branch:
-    program = f"{node.package}/{node.type}"
+    program = f"{node.package}/{node.type}".lstrip("/")
     where = f" on {node.machine}" if node.machine and node.machine != "localhost" else ""
     return Branch("node", node.full_name, node.full_name, program + where)
 

@@ -45,7 +45,7 @@ def graph_plan(plan: Plan) -> DrawnGraph:
     builder = _Builder()
     params = {param.name: param.value for param in plan.params}
     for node in plan.nodes:
-        own = builder.box("node", node.full_name, f"{node.package}/{node.type}")
+        own = builder.box("node", node.full_name, f"{node.package}/{node.type}".lstrip("/"))
         for use in _find_uses(node, params):
             _connect(builder, own, use)
     return builder.graph()

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from ur.launchfile.address import resolve_addresses
     from ur.launchfile.dump import dump_plan
+    from ur.launchfile.load import load_plan
     from ur.launchfile.plan.commands import CommandResult, CommandRunner, run_command, run_commands
     from ur.launchfile.plan.executables import check_executables
-    from ur.launchfile.plan.load import load_plan
     from ur.launchfile.plan.specs import (
         MachineSpec,
         NodeSpec,
@@ -34,7 +34,7 @@ _PLACES = {
     "dump_plan": "dump",
     **dict.fromkeys(("CommandResult", "CommandRunner", "run_command", "run_commands"), "plan.commands"),
     "check_executables": "plan.executables",
-    "load_plan": "plan.load",
+    "load_plan": "load",
     **dict.fromkeys(("MachineSpec", "NodeSpec", "Origin", "ParamCommand", "ParamSpec"), "plan.specs"),
     **dict.fromkeys(("ParamValue", "Plan", "TestSpec"), "plan.specs"),
     "MemoryWorld": "world.memory",

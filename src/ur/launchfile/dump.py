@@ -6,7 +6,7 @@ import base64
 from collections.abc import Sequence
 
 from ur.launchfile.plan.commands import CommandRunner, refuse_command, run_commands
-from ur.launchfile.plan.specs import NodeSpec, Origin, ParamValue, Plan
+from ur.launchfile.plan.specs import NodeSpec, Origin, ParamValue, Plan, describe_trigger
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
 
@@ -87,7 +87,11 @@ def _plain_key(key: object) -> str:
 
 
 def _dump_node(node: NodeSpec) -> dict[str, object]:
+    more: dict[str, object] = {"kind": node.kind} if node.kind != "node" else {}
+    more |= {"container": node.container} if node.container else {}
+    more |= {"starts": describe_trigger(node.trigger)} if node.trigger is not None else {}
     return {
+        **more,
         "name": node.full_name if node.name else None,
         "package": node.package,
         "type": node.type,

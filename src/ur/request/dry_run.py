@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from ur.launchfile.plan.specs import LOCAL_ADDRESSES, MachineSpec, NodeSpec, Plan
+from ur.launchfile.plan.specs import LOCAL_ADDRESSES, MachineSpec, NodeSpec, ParameterFile, Plan, describe_trigger
 from ur.launchfile.world.protocol import World
 from ur.request.questions import changed_variables
 from ur.run.paths import ros_home
@@ -23,6 +24,8 @@ def format_dry_run(
     `shell` is the environment of the shell that the lines are for, `world` that of the nodes. The second list has
     errors about missing programs.
     """
+    if plan.launcher != "roslaunch":
+        return [*_format_by_ros2(plan)], []
     lines = []
     if plan.params:
         lines.append(f"# parameters first: ur launch --dump-params {shlex.join(argv)} | rosparam load -")
@@ -38,6 +41,47 @@ def format_dry_run(
             problems += problem.diagnostics
             lines.append(f"# {node.full_name}: cannot be started, see the error")
     return lines, problems
+
+
+def _format_by_ros2(plan: Plan) -> Iterator[str]:
+    """Yield comments and command lines of `ros2` that start the same, one node at a time."""
+    for node in plan.nodes:
+        about = [describe_trigger(node.trigger)] if node.trigger is not None else []
+        about += [f"in {node.container}"] if node.container else []
+        about += [f"again {node.respawn_delay:g} s after its end"] if node.respawn else []
+        about += ["its end ends the launch"] if node.required else []
+        about += ["lifecycle node"] if node.kind == "lifecycle" else []
+        yield f"# {', '.join((node.full_name if node.kind != 'program' else node.name, *about))}"
+        words = _words_of(node)
+        changes: dict[str, str | None] = dict(node.env)
+        command = _with_variables(changes, [*shlex.split(node.launch_prefix or ""), *words], {})
+        yield f"(cd {shlex.quote(node.cwd)} && {command})" if node.cwd else command
+    for gap in plan.gaps:
+        where = f" ({gap.origin.span})" if gap.origin is not None else ""
+        yield f"# not known: {gap.reason}{where}"
+
+
+def _words_of(node: NodeSpec) -> list[str]:
+    if node.kind == "program":
+        return [node.type, *node.words]
+    given: list[str] = []
+    for source in node.sources:
+        if isinstance(source, ParameterFile):
+            given += ["--params-file", source.path]
+        else:
+            values = (("-p", f"{name}:={json.dumps(value, default=str)}") for name, value in source.values)
+            given += [word for pair in values for word in pair]
+    remaps = [word for source, target in node.remaps for word in ("-r", f"{source}:={target}")]
+    namespace = node.namespace.rstrip("/")
+    if node.kind == "component":
+        names = ["-n", node.name] if node.is_named else []
+        names += ["--node-namespace", namespace] if namespace else []
+        return ["ros2", "component", "load", node.container, node.package, node.type, *names, *remaps, *given]
+    names = ["-r", f"__node:={node.name}"] if node.is_named else []
+    names += ["-r", f"__ns:={namespace}"] if namespace else []
+    run = ["ros2", "run", node.package, node.type] if node.package else [node.type]
+    more = [*names, *remaps, *given]
+    return [*run, *node.words, *(["--ros-args", *more] if more else [])]
 
 
 def format_node(node: NodeSpec, machine: MachineSpec | None, world: World, shell: Mapping[str, str]) -> list[str]:

@@ -6,6 +6,7 @@ The imports of a stage are inside it: most launches need few of them, and a star
 from __future__ import annotations
 
 import os
+import shlex
 import socket
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack, suppress
@@ -17,7 +18,7 @@ from ur.launchfile.plan.specs import Plan
 from ur.request.launch_request import LaunchOptions, LaunchRequest, StartReporter, make_request
 from ur.robot.selection import Selection
 from ur.source.arguments import CommandLine
-from ur.source.diagnostic import Diagnostic, Severity, UserError
+from ur.source.diagnostic import Diagnostic, Severity, UserError, error
 
 if TYPE_CHECKING:
     from ur.launchfile.world.protocol import World
@@ -198,7 +199,10 @@ def load_with_packages(launch: Launch) -> LoadedPlan:
             from ur.request.programs import refuse_undeclared
 
             refuse_undeclared(launch.options.program, request.arguments, request.files.declared)
-        return load_chosen(follow_world(request), launch.reporter.report, inspect)
+        loaded = load_chosen(follow_world(request), launch.reporter.report, inspect)
+        if loaded.plan is not None and loaded.plan.launcher != "roslaunch":
+            raise UserError(_explain_launcher(loaded.plan, launch.line.argv))
+        return loaded
 
     def make_xacro_first(findings: Iterable[Diagnostic]) -> None:
         if any(each.rule == "unknown-package" and each.subject == _MADE for each in findings):
@@ -216,6 +220,16 @@ def load_with_packages(launch: Launch) -> LoadedPlan:
         apply_selection(launch.selection)
         loaded = load(None)
     return loaded
+
+
+def _explain_launcher(plan: Plan, argv: tuple[str, ...]) -> Diagnostic:
+    message = f"{argv[0]}: this is a launch file for ROS 2, which 'ur launch' does not start yet"
+    return error(
+        message,
+        rule="wrong-ros-version",
+        help=f"{plan.launcher} {shlex.join(argv)}; 'ur launch --dry-run' shows what that starts",
+        subject=argv[0],
+    )
 
 
 def write_report(diagnostics: Iterable[Diagnostic], path: str) -> None:

@@ -6,10 +6,12 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from ur.launchfile.address import resolve_addresses
+from ur.launchfile.load import is_for_ros2
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.syntax.parse import parse_launch_file
 from ur.launchfile.world.protocol import World
@@ -216,11 +218,20 @@ class LaunchFiles:
                     parsed = self.parse(path)
                 except OSError:
                     continue
+                if is_for_ros2(path, self.world, parsed=self.parsed):
+                    with suppress(UserError):  # which the plan reports
+                        names.update(dict.fromkeys(_names_of(path, self)))
                 for element in parsed.launch.elements if parsed.launch is not None else ():
                     if element.name == "arg" and "value" not in element.attributes:
                         names[element.attributes.get("name", "")] = None
             self._declared = tuple(names)
         return self._declared
+
+
+def _names_of(path: str, files: LaunchFiles) -> list[str]:
+    from ur.launchfile.query.arguments import read_arguments  # most files are read without it
+
+    return [each.name for each in read_arguments(path, (), files.world, files.parsed)]
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.problems import NOT_GIVEN
 from ur.launchfile.plan.specs import MachineSpec, NodeSpec, Origin, Plan
 from ur.launchfile.query.items import list_nodes

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import is_for_ros2, load_plan
 from ur.launchfile.plan.names import join_names
 from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.query.items import find_node_file, list_files, list_nodes
@@ -150,7 +150,9 @@ def _print_arguments(request: LaunchRequest) -> int:
     files = request.files
     last = files.paths[-1]
     broken = files.parse(last).diagnostics
-    if any(each.severity is Severity.ERROR for each in broken):
+    if any(each.severity is Severity.ERROR for each in broken) and not is_for_ros2(
+        last, files.world, None, files.parsed
+    ):
         raise UserError(*broken)
     # roslaunch shows those of the last file
     found = read_arguments(last, texts(request.arguments), files.world, files.parsed)

@@ -24,7 +24,7 @@ def report() -> CheckReport:
 
 def test_json_has_places_from_one_and_counts() -> None:
     body = json.loads(render_json(report()))
-    assert body["summary"] == {"files": 2, "errors": 2, "warnings": 1, "suppressed": 0, "not_read": {}}
+    assert body["summary"] == {"files": 2, "errors": 2, "warnings": 1, "suppressed": 0}
     finding = next(each for each in body["findings"] if each["rule"] == "undeclared-argument")
     assert {key: finding[key] for key in ("path", "line", "column", "end_line", "end_column", "severity")} == {
         "path": "part.launch",
@@ -64,11 +64,15 @@ def test_text_ends_with_counts() -> None:
     assert render_text(CheckReport((), 1, 2)) == "nothing found in 1 file (2 findings hidden by comments)\n"
 
 
-def test_text_counts_what_was_not_read_by_kind() -> None:
-    ros2 = {"/w/launch/a.launch.py": "", "/w/launch/b_launch.py": "", "/w/launch/c.launch.yaml": ""}
-    skipped = "2 Python launch files of ROS 2 and 1 YAML launch file of ROS 2 were not read\n"
-    text = render_text(check_paths(["/w"], MemoryWorld(FILES | ros2)))
-    assert text.endswith(f"\n2 errors and 1 warning in 2 files; {skipped}")
-    text = render_text(check_paths(["/w"], MemoryWorld(ros2)))
-    assert text.startswith("nothing was checked: ")
-    assert text.endswith(f"; {skipped}")
+def test_text_names_values_that_are_not_known_in_one_line_per_file() -> None:
+    lines = [f"    v{number} = subprocess.run(['{number}']).stdout" for number in range(5)]
+    nodes = [f"Node(package='demo', executable=v{number})" for number in range(5)]
+    head = "import subprocess\nfrom launch import LaunchDescription\nfrom launch_ros.actions import Node\n"
+    body = "\n".join((*lines, f"    return LaunchDescription([{', '.join(nodes)}])\n"))
+    world = MemoryWorld({"/w/launch/a.launch.py": f"{head}def generate_launch_description():\n{body}"})
+    checked = check_paths(["/w"], world)
+    first, *rest = render_text(checked).splitlines()
+    assert first.startswith("/w/launch/a.launch.py: note: 5 values are not known without running it: line 5: ")
+    assert first.endswith("; and 2 more")
+    assert rest == ["nothing found in 1 file"]
+    assert [each["line"] for each in json.loads(render_json(checked))["not_known"]] == [5, 6, 7, 8, 9]

@@ -49,7 +49,7 @@ def test_exit_code_says_what_was_found(words: list[str], code: int) -> None:
 @pytest.mark.parametrize("form", ["human", "json"])
 def test_check_that_read_nothing_ends_with_code_two(folder: Path, form: str) -> None:
     (folder / "ros2").mkdir()
-    (folder / "ros2" / "robot.launch.py").write_text("")
+    (folder / "ros2" / "robot.py").write_text("")
     assert main(["check", "ros2", "--format", form]) == 2
 
 

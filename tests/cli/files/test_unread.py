@@ -9,7 +9,7 @@ import pytest
 from ur.cli.main import main
 
 MANIFEST = '<package><name>my_robot</name><depend condition="$ROS_VERSION == 2">rclcpp</depend></package>'
-READ = ("check", "format --check", "find speed", "docs --output -", "get --missing", "convert .")
+READ = ("format --check", "get --missing", "convert .")
 UNREAD = "2 Python launch files of ROS 2 and 1 YAML launch file of ROS 2 were not read"
 
 
@@ -18,7 +18,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "my_robot"
     folder.mkdir()
     for name in ("drive.launch.py", "map_launch.py", "view.launch.yaml", "README.md"):
-        (folder / name).touch()
+        (folder / name).write_text("def generate_launch_description(): ...\n")
     monkeypatch.chdir(folder)
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
@@ -33,7 +33,7 @@ def test_folder_with_launch_files_of_ros2_alone_is_not_called_fine(
     assert UNREAD in "".join(capsys.readouterr())
 
 
-@pytest.mark.parametrize("words", [*READ[:4], "package"])
+@pytest.mark.parametrize("words", ["format --check", "check --package"])
 def test_launch_files_that_were_not_read_are_counted_beside_others(
     folder: Path, words: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -47,11 +47,3 @@ def test_manifest_is_read_and_what_was_not_is_named(folder: Path, capsys: pytest
     (folder / "package.xml").write_text(MANIFEST)
     assert main(["get", "--missing"]) == 0
     assert capsys.readouterr().out == f"note: {UNREAD}\nnothing is missing of what was read\n"
-
-
-@pytest.mark.parametrize(
-    "words", ["graph .", "graph drive.launch.py", "explain drive.launch.py x", "get ./map_launch.py"]
-)
-def test_file_that_cannot_be_read_is_refused(words: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(words.split()) in (1, 2)
-    assert "expected a launch file" in (text := "".join(capsys.readouterr())) or "is a launch file for ROS 2" in text

@@ -45,18 +45,13 @@ def test_file_for_ros_1_is_not_taken_for_one_of_ros_2(body: str) -> None:
     assert _rules(f"<launch>{body}</launch>") == []
 
 
-@pytest.mark.parametrize(
-    "words",
-    [["check"], ["launch"], ["launch", "--nodes"], ["explain"], ["graph"], ["format"], ["find", "talker"]],
-    ids=" ".join,
-)
-@pytest.mark.parametrize("name", ["a.launch", "a.launch.py", "a.launch.yaml"])
-def test_verb_names_ros_2_and_gives_no_advice_for_ros_1(words: list[str], name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("verb", ["launch", "format"])
+@pytest.mark.parametrize("name", ["a.launch", "a.launch.yaml"])
+def test_verb_names_ros_2_and_gives_no_advice_for_ros_1(verb: str, name: str, tmp_path: Path) -> None:
     text = f"<launch>{ROS2['let']}{ROS2['exec']}</launch>" if name == "a.launch" else "launch: []\n"
     (tmp_path / name).write_text(text, encoding="utf-8")
-    more = ["talker"] if words == ["explain"] else []
     environment = {**os.environ, "HOME": str(tmp_path), "NO_COLOR": "1"}
-    done = run_ur(*words, name, *more, folder=tmp_path, environment=environment)
+    done = run_ur(verb, name, folder=tmp_path, environment=environment)
     printed = done.stdout + done.stderr
     assert done.returncode != 0
     assert "this is a launch file for ROS 2" in printed

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.world.system import SystemWorld
 from ur.request.bases.base_argument import check_drivers, describe_board, find_bases
 from ur.request.launch_request import LaunchFiles

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import NodeSpec
 from ur.launchfile.world import MemoryWorld
 from ur.request.joining.driving import ask_mode, choose_mode

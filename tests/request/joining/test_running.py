@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.world.system import SystemWorld
 from ur.request.environment import PACKAGE
 from ur.request.programs import Program, find_launch_file, list_programs

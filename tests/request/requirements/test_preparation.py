@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.launchfile.world.system import SystemWorld

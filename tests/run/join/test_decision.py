@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.memory import MemoryWorld
 from ur.run.join.decision import (

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.memory import MemoryWorld
 from ur.request.bases.robot_facts import read_facts as read_robot_facts

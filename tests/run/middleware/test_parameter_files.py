@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.world.memory import MemoryWorld
 from ur.run.middleware.parameter_files import file_name, format_parameters
 from ur.run.middleware.ros2 import arguments_of

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world import MemoryWorld
 from ur.run.master.client import Master

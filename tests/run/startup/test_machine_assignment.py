@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import MachineSpec, Origin
 from ur.launchfile.world.system import SystemWorld
 from ur.run.startup.node_selection import keep_nodes, split_plan

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from ur.launchfile import MemoryWorld
-from ur.source.diagnostic import UserError
 from ur.tools.find.search import find_name
 
 TOP = """<launch>
@@ -104,7 +103,10 @@ def test_nothing_is_found_for_a_part_of_a_name() -> None:
     assert places("opic") == []
 
 
-def test_launch_file_for_ros2_is_refused() -> None:
-    world = MemoryWorld({"/q/top.launch": '<launch><let name="a" value="1"/></launch>'})
-    with pytest.raises(UserError, match="launch file for ROS 2"):
-        find_name("a", ["/q/top.launch"], world, ("arg",))
+def test_arguments_and_nodes_of_launch_files_of_ros_2_are_found() -> None:
+    text = '<launch><arg name="speed" default="1"/><node pkg="demo" exec="talker" name="talker"/></launch>'
+    world = MemoryWorld({"/q/top.launch.xml": text})
+    (argument,) = find_name("speed", ["/q"], world)
+    assert (argument.kind, argument.defines, str(argument.span)) == ("arg", True, "/q/top.launch.xml:1:20")
+    (node,) = find_name("talker", ["/q"], world, ("node",))
+    assert (node.name, node.defines) == ("/talker", True)

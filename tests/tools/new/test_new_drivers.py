@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from ur.cli.main import main
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.world.system import SystemWorld
 from ur.robot.base import load_base
 from ur.source.project import launch_library

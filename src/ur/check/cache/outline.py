@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ur.check.findings.suppress import Suppression, read_xml_suppressions
-from ur.check.inclusion import IncludeTag, list_include_tags
+from ur.check.findings.suppress import Suppression, read_line_suppressions, read_xml_suppressions
+from ur.check.inclusion import IncludeTag, list_include_tags, list_named_files
 from ur.check.rule import LaunchView
 from ur.source.file import SourceFile, Span
 from ur.source.foreign.json_values import Count, ForeignValue
@@ -41,7 +41,10 @@ class KeptOutline(ForeignValue, frozen=True, array_like=True):
 
 def outline_of(view: LaunchView) -> IncludeOutline:
     """Return the outline of a launch file, which is parsed for it."""
-    return IncludeOutline(view.tree.source, tuple(list_include_tags(view)), read_xml_suppressions(view.tree))
+    tree = view.tree
+    comments = read_xml_suppressions(tree) if tree.root is not None else read_line_suppressions(tree.source)
+    tags = list_named_files(tree.source) if tree.launch is None else list_include_tags(view)
+    return IncludeOutline(tree.source, tuple(tags), comments)
 
 
 def encode_outline(outline: IncludeOutline, digest: str) -> KeptOutline:

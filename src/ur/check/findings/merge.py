@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from ur.launchfile.plan.problems import INHERITED
 from ur.source.diagnostic import Diagnostic, Note, Severity
 
 MAX_NOTES = 6
@@ -66,10 +67,11 @@ def _merge(group: list[Hit]) -> Diagnostic:
 
 
 def _once_per_package(found: list[Diagnostic]) -> Iterable[Diagnostic]:
-    # A missing package is one finding per file, however often the file names it.
+    # A missing package or value of an including file is one finding per file, however often the file names it.
     groups: dict[tuple[str, str, str], list[Diagnostic]] = {}
     for finding in sorted(found, key=_order):
-        if finding.span is not None and finding.rule in ("unknown-package", "package-not-installed"):
+        of_whole_file = finding.rule in ("unknown-package", "package-not-installed") or finding.kind == INHERITED
+        if finding.span is not None and of_whole_file:
             groups.setdefault((finding.rule, finding.span.file.path, finding.subject), []).append(finding)
         else:
             yield finding

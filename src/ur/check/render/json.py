@@ -10,7 +10,10 @@ from ur.source.file import Span
 
 
 def render_json(report: CheckReport) -> str:
-    """Return one object: `findings`, sorted by position, and a `summary`. Lines and columns count from 1."""
+    """Return one object: `findings`, sorted by position, a `summary`, and values that are `not_known`.
+
+    Lines and columns count from 1.
+    """
     body = {
         "findings": [_finding(found) for found in report.findings],
         "summary": {
@@ -18,8 +21,8 @@ def render_json(report: CheckReport) -> str:
             "errors": report.errors,
             "warnings": len(report.findings) - report.errors,
             "suppressed": report.suppressed,
-            "not_read": dict(report.not_read),
         },
+        "not_known": [{**place_of(gap.span), "message": gap.message} for gap in report.gaps],
     }
     return json.dumps(body, indent=2, ensure_ascii=False) + "\n"
 

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import groupby
 from textwrap import fill
 
 from ur.check.findings.installed import NotInstalled, split_not_installed
 from ur.check.run import CheckReport
-from ur.launchfile.syntax.parse import describe_unread
 from ur.source.diagnostic import Diagnostic, Note
 from ur.source.file import SourceFile, Span
 from ur.source.printable import printable
 from ur.source.render import render_human
 
 _WIDTH = 100
+_GAPS = 3  # that a line names
 _INSTALL = "'ur get --missing FOLDER' gets them; of packages built here: source their setup.bash"
 
 
@@ -21,8 +23,19 @@ def render_text(report: CheckReport, *, colour: bool = False) -> str:
     """Return the findings, one paragraph about packages that are not installed, and one line with counts."""
     findings, not_installed = split_not_installed(report.findings)
     nothing = "nothing else found" if not_installed.packages else "nothing found"
-    text = render_human(findings, colour=colour) + _describe_not_installed(not_installed)
+    text = render_human(findings, colour=colour) + _describe_gaps(report.gaps) + _describe_not_installed(not_installed)
     return text + summarise(replace(report, findings=findings), nothing=nothing) + "\n"
+
+
+def _describe_gaps(gaps: Sequence[Diagnostic]) -> str:
+    lines = []
+    for path, group in groupby(gaps, key=lambda gap: gap.span.file.path if gap.span is not None else ""):
+        found = list(group)
+        first = "; ".join(f"line {gap.span.position.line}: {gap.message}" for gap in found[:_GAPS] if gap.span)
+        more = f"; and {len(found) - _GAPS} more" if len(found) > _GAPS else ""
+        subject = "1 value is" if len(found) == 1 else f"{len(found)} values are"
+        lines.append(printable(f"{path}: note: {subject} not known without running it: {first}{more}") + "\n")
+    return "".join(lines)
 
 
 def _describe_not_installed(missing: NotInstalled) -> str:
@@ -40,10 +53,9 @@ def summarise(report: CheckReport, *, nothing: str = "nothing found") -> str:
     warnings = len(report.findings) - report.errors
     counts = [_count(number, word) for number, word in ((report.errors, "error"), (warnings, "warning")) if number]
     hidden = f" ({_count(report.suppressed, 'finding')} hidden by comments)" if report.suppressed else ""
-    left_out = f"; {skipped}" if (skipped := describe_unread(report.not_read)) else ""
     if not report.files:
-        return f"nothing was checked: no launch file, YAML file or program of a package is there{left_out}"
-    return f"{' and '.join(counts) or nothing} in {_count(report.files, 'file')}{hidden}{left_out}"
+        return "nothing was checked: no launch file, YAML file or program of a package is there"
+    return f"{' and '.join(counts) or nothing} in {_count(report.files, 'file')}{hidden}"
 
 
 def _count(number: int, word: str) -> str:
@@ -67,4 +79,5 @@ def shorten_paths(report: CheckReport, folder: str) -> CheckReport:
         message = found.message.replace(prefix, "")
         return replace(found, span=move(found.span), notes=notes, message=message, help=help_)
 
-    return replace(report, findings=tuple(moved(found) for found in report.findings))
+    findings, gaps = tuple(map(moved, report.findings)), tuple(map(moved, report.gaps))
+    return replace(report, findings=findings, gaps=gaps)

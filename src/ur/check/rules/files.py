@@ -64,8 +64,8 @@ def _find_duplicate_keys(view: YamlView) -> Iterable[RuleFinding]:
         return  # bad-yaml speaks of it
     for mapping in (mapping for document in documents for mapping in mappings_in(document)):
         first: dict[str, yaml.Node] = {}
-        for key, _ in mapping.value:
-            if not isinstance(key, yaml.ScalarNode) or key.value == "<<":
+        for key, value in mapping.value:
+            if not isinstance(key, yaml.ScalarNode) or key.value == "<<" or _is_section(value):
                 continue
             name = str(key.value)
             if name in first:
@@ -77,6 +77,11 @@ def _find_duplicate_keys(view: YamlView) -> Iterable[RuleFinding]:
                     (Note(f"the first '{name}' is here", place),),
                 )
             first.setdefault(name, key)
+
+
+def _is_section(value: yaml.Node) -> bool:
+    # The sections of a node in a parameter file of ROS 2 add up.
+    return isinstance(value, yaml.MappingNode) and any(key.value == "ros__parameters" for key, _ in value.value)
 
 
 _YAML_RULES = (
@@ -102,10 +107,14 @@ are left alone.
         severity=Severity.WARNING,
         summary="A mapping in YAML has the same key twice.",
         explanation="""
-YAML readers take the last value without a warning, so a change of the first one has no effect.
+YAML readers take the last value without a warning, so a change of the first one has no effect. Sections of one
+node in a parameter file of ROS 2 add up, and are left alone.
 """,
         bad=(Example({"params/magni.yaml": "speed: 0.3\nradius: 0.1\n«speed»: 0.5\n"}),),
-        good=(Example({"params/magni.yaml": "left: {speed: 0.3}\nright: {speed: 0.5}\n"}),),
+        good=(
+            Example({"params/magni.yaml": "left: {speed: 0.3}\nright: {speed: 0.5}\n"}),
+            Example({"params/a.yaml": "/**:\n  ros__parameters: {a: 1}\n/**:\n  ros__parameters: {b: 2}\n"}),
+        ),
         yaml_file=_find_duplicate_keys,
     ),
 )

@@ -190,7 +190,7 @@ def check_package(path: str, fix: bool) -> int:
     from ur.check.collect import collect_targets
     from ur.check.computer import make_world
     from ur.cli.output import replace_file
-    from ur.launchfile.syntax.parse import describe_unread
+    from ur.launchfile.syntax.parse import count_unread, describe_unread
     from ur.request.environment import add_own_package
     from ur.source.diagnostic import UserError, error
     from ur.source.progress_line import show_progress
@@ -204,7 +204,7 @@ def check_package(path: str, fix: bool) -> int:
     with show_progress("finding launch files") as progress:
         world = make_world([str(folder)], add_own_package(os.environ))
         package, used = find_used_packages(str(folder), world, progress)
-    if unread := describe_unread(collect_targets([str(folder)], world).not_read):
+    if unread := describe_unread(count_unread(collect_targets([str(folder)], world).launch_files)):
         click.echo(f"note: {unread}", err=True)
     manifest, cmake = folder / "package.xml", folder / "CMakeLists.txt"
     texts = {manifest: read_source(manifest).text}

@@ -82,14 +82,11 @@ def _report(repository: DocumentedRepository) -> None:
     import sys
 
     from ur.check.links import describe_left_out
-    from ur.launchfile.syntax.parse import describe_unread
     from ur.source.render import render_human, shows_colour
 
     sys.stderr.write(render_human(repository.findings, colour=shows_colour(sys.stderr)))
     if note := describe_left_out(repository.left_out):
         click.echo(note, err=True)
-    if unread := describe_unread(repository.not_read):
-        click.echo(f"note: {unread}", err=True)
 
 
 def _page(repository: DocumentedRepository, folder: str, progress: Progress) -> str:

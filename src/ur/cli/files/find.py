@@ -55,12 +55,7 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
     elif found:
         _show(found)
     else:
-        from ur.check.collect import collect_targets
-        from ur.launchfile.syntax.parse import describe_unread
-
-        unread = describe_unread(collect_targets(places, world).not_read)
-        where = ", ".join(places) + (f"; {unread}" if unread else "")
-        click.echo(f"no {name!r} in {where}; use * as a wildcard: ur find '*{name}*'", err=True)
+        click.echo(f"no {name!r} in {', '.join(places)}; use * as a wildcard: ur find '*{name}*'", err=True)
     return 0 if found else 1
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -41,7 +42,7 @@ def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
     from ur.check.computer import make_world
     from ur.check.links import describe_left_out
     from ur.check.worlds import CachedWorld
-    from ur.launchfile.syntax.parse import describe_unread
+    from ur.launchfile.syntax.parse import count_unread, describe_unread, is_ros2_name
     from ur.request.environment import add_own_package
     from ur.source.progress_line import show_progress
 
@@ -49,10 +50,14 @@ def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
     world = CachedWorld(make_world(places, add_own_package(os.environ)))
     with show_progress("finding launch files") as progress:
         targets = collect_targets(places, world)
+        named = {world.absolute(each) for each in places}
+        skipped = [each for each in targets.launch_files if is_ros2_name(each) and each not in named]
+        unread = describe_unread(count_unread(skipped))
+        targets = replace(targets, launch_files=tuple(each for each in targets.launch_files if each not in skipped))
         changed, broken = _format_files(targets, world, progress, check=check, diff=diff)
     if note := describe_left_out(targets.left_out):
         click.echo(note, err=True)
-    unread = f"; {text}" if (text := describe_unread(targets.not_read)) else ""
+    unread = f"; {unread}" if unread else ""
     if not (files := len(targets.launch_files)):
         click.echo(f"nothing was formatted: no launch file is there{unread}", err=True)
         return 2 if unread else 0

@@ -90,8 +90,8 @@ def _print_dump(line: CommandLine, options: LaunchOptions) -> int:
     import json
 
     from ur.launchfile.dump import dump_plan, dump_refusal
+    from ur.launchfile.load import load_plan
     from ur.launchfile.plan.commands import refuse_command, run_command
-    from ur.launchfile.plan.load import load_plan
     from ur.request.launch_request import make_request
     from ur.request.plan_files import texts
     from ur.request.questions import make_world

@@ -116,7 +116,7 @@ GROUPS: Mapping[str, tuple[LaunchOption, ...]] = {
     "Where another client drives the robot": LEASE,
     "Answer a question, and start nothing": (
         _flag("--dry-run", help="Print what would be started: command, environment and machine of every node."),
-        _flag("--ros-args", help="Print the arguments of the launch file."),
+        _flag("--ros-args", "--show-args", help="Print the arguments of the launch file."),
         _flag("--nodes", help="Print the names of the nodes."),
         _flag("--files", help="Print the launch files that are read."),
         _value("--find-node", metavar="NODE", help="Print the launch file that defines a node."),

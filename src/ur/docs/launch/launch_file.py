@@ -21,6 +21,7 @@ from ur.docs.documents import (
 )
 from ur.docs.launch.graph import draw_graph
 from ur.docs.launch.nodes import NodeDescriber
+from ur.docs.launch.planned import PlannedFile
 from ur.docs.launch.support import describe_support, list_unreadable
 from ur.docs.launch.tree import TreeMaker
 from ur.docs.links import settle_links
@@ -48,7 +49,16 @@ class LaunchDescriber:
         self.trees = TreeMaker(repository.views, self.outline_of, self.show_path)
         self.packages = {part.package.folder: part.package.name if part.is_package else "" for part in repository.parts}
         self.includers: dict[str, dict[str, None]] = {}
+        self.planned = {
+            path: PlannedFile(view, repository.world)
+            for path, view in repository.views.items()
+            if view.tree.for_other_launcher
+        }
         for path in repository.views:
+            if path in self.planned:
+                for spec in self.planned[path].plan.includes:
+                    self.includers.setdefault(spec.file, {})[path] = None
+                continue
             for outcome in self.resolve(path):
                 for resolution in outcome.resolutions:
                     for include in resolution.plan.includes:
@@ -106,6 +116,10 @@ class LaunchDescriber:
 
     def describe(self, view: LaunchView, started_by: tuple[str, ...]) -> LaunchDoc:
         """Return all documentation of a launch file."""
+        if view.path in self.planned:
+            included_by = tuple(sorted(self.show_path(each) for each in self.includers.get(view.path, ())))
+            words = Words(view, self.packages)
+            return self.planned[view.path].describe(words, self.find_inside, included_by, started_by)
         outcomes = self.resolve(view.path)
         words = Words(view, self.packages)
         outline = self.outline_of(view.path)

@@ -83,11 +83,9 @@ def _write_how_to_run(page: MarkdownPage, package: PackageDoc, level: int) -> No
             f" {arg.name}:={_example_value(arg.name, doc)}" for arg in doc.arguments if arg.kind == "required"
         )
         address = f"{package.name} {doc.name}" if package.is_package else shlex.quote(doc.path)
-        lines += [
-            f"ur launch {address}{given}",
-            f"roslaunch {address}{given}",
-            f"roslaunch --ros-args {address}  # its arguments",
-        ]
+        option = "--ros-args" if doc.launcher == "roslaunch" else "--show-args"
+        lines += [f"ur launch {address}{given}"] if doc.launcher == "roslaunch" else []
+        lines += [f"{doc.launcher} {address}{given}", f"{doc.launcher} {option} {address}  # its arguments"]
     page.code_block(lines, "sh")
 
 

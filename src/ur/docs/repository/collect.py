@@ -8,7 +8,7 @@ import re
 import shlex
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from ur.check.collect import Targets, collect_targets, is_script
 from ur.check.rule import BaseNames, LaunchView, Package, survey_launch_file
@@ -16,7 +16,6 @@ from ur.check.worlds import CachedWorld
 from ur.docs.repository.bases import infer_bases
 from ur.docs.repository.world import RepositoryWorld
 from ur.launchfile.syntax import LaunchFile
-from ur.launchfile.syntax.parse import explain_no_launch_file
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, UserError, error
 from ur.source.file import SourceFile, Span
@@ -48,7 +47,6 @@ class DocumentedRepository:
     world: CachedWorld
     findings: tuple[Diagnostic, ...]
     left_out: tuple[str, ...] = ()  # links that lead out of it
-    not_read: Mapping[str, int] = field(default_factory=dict)  # files by kind
 
 
 def collect_repository(path: str, world: World, progress: Progress = no_progress) -> DocumentedRepository:
@@ -64,7 +62,7 @@ def collect_repository(path: str, world: World, progress: Progress = no_progress
             error(
                 f"{path} holds no launch file, expected a launch repository: a package or a folder of packages",
                 rule="no-launch-files",
-                help=explain_no_launch_file(targets.not_read),
+                help="launch files end in .launch, .launch.xml, .launch.py or .launch.yaml",
                 subject=path,
             )
         )
@@ -83,7 +81,6 @@ def collect_repository(path: str, world: World, progress: Progress = no_progress
         sealed,
         tuple(findings),
         targets.left_out,
-        targets.not_read,
     )
 
 
@@ -127,7 +124,7 @@ def _read(targets: Targets, world: CachedWorld, findings: list[Diagnostic], prog
             place = Span(SourceFile(path, ""), 0, 0)
             findings.append(error(f"{path}: {reason}, expected a readable text", place, rule="unreadable-file"))
             continue
-        findings.extend(view.tree.diagnostics)
+        findings.extend(() if view.tree.for_other_launcher else view.tree.diagnostics)
         yield view
 
 

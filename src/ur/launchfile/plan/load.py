@@ -1,4 +1,4 @@
-"""Loader of launch files: from files and arguments to a Plan."""
+"""Loader of launch files of ROS 1: from files and arguments to a Plan."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ur.source.suggest import did_you_mean
 STANDARD_INPUT = "-"
 
 
-def load_plan(
+def load_ros1(
     files: Sequence[str],
     arguments: Sequence[str],
     world: World,
@@ -32,12 +32,7 @@ def load_plan(
 ) -> Plan:
     """Resolve launch files together, with `NAME:=VALUE` arguments, exactly as roslaunch does.
 
-    Never raises for the content of a file or an argument: the plan's diagnostics have an error for everything that
-    roslaunch would refuse, and warnings for mistakes that it silently accepts. Nothing is executed; see `run_commands`
-    for the parameters that programs print. A `trace` receives the steps by which values resulted, in order. `trees`
-    caches parsed files by absolute path; `parsed` caches them by their paths as written. `computers` are machines
-    without a `<machine>` tag; a file's tag of the same name takes precedence. `budget` limits the computation of
-    expressions; several loads of a file can share one.
+    See `load_plan` for the parameters.
     """
     draft = Draft(world, trace, trees, budget=budget, parsed=parsed)
     try:

@@ -11,6 +11,8 @@ from ur.source.file import Span
 NOT_GIVEN = "not-given"  # a `missing-argument` of the file that is started, not of one that it includes
 SPECIAL = "special"  # a `missing-file` that is there, as a device or a pipe
 NOT_PYTHON = "not-python"  # a `bad-eval` that no argument can make right
+INHERITED = "inherited"  # an `undeclared-argument` that an including file may declare
+TOLERATED = "tolerated"  # the launcher accepts it
 OBSOLETE = "obsolete"  # an `unknown-tag` that had a meaning once
 
 

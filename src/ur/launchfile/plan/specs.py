@@ -74,8 +74,60 @@ class ReadyCondition:
 
 
 @dataclass(frozen=True, slots=True)
+class ParameterFile:
+    """A file with parameters that a node is given."""
+
+    path: str
+    origin: Origin
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterValues:
+    """Parameters that a node is given, in the order of the file. `is_global`: set for all nodes of a scope."""
+
+    values: tuple[tuple[str, ParamValue], ...]
+    origin: Origin
+    is_global: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Trigger:
+    """The event that starts an item: `seconds` have passed, or a node has started, ended, printed, changed its state.
+
+    `node` is the name of that node; empty for all nodes.
+    """
+
+    kind: Literal["timer", "start", "exit", "output", "state"]
+    node: str = ""
+    seconds: float = 0.0
+
+
+def describe_trigger(trigger: Trigger) -> str:
+    """Return when an item starts: "when /driver ends"."""
+    node = trigger.node or "a node"
+    match trigger.kind:
+        case "timer":
+            return f"after {trigger.seconds:g} s"
+        case "start":
+            return f"when {node} has started"
+        case "exit":
+            return f"when {node} ends"
+        case "output":
+            return f"when {node} prints something"
+        case "state":
+            return f"when {node} changes its state"
+
+
+NodeKind = Literal["node", "lifecycle", "container", "component", "program"]
+
+
+@dataclass(frozen=True, slots=True)
 class NodeSpec:
-    """A node to start. `args` is one resolved string; the runner splits it as roslaunch does."""
+    """A node to start. `args` is one resolved string; the runner splits it as roslaunch does.
+
+    A `component` is loaded by the node `container`, and its `type` is a class; a `program` is not a node of ROS. Nodes
+    that are given parameters one by one have them in `sources`, where later ones win; `words` are their arguments.
+    """
 
     name: str  # without namespace
     namespace: str  # with leading and trailing slash
@@ -95,6 +147,12 @@ class NodeSpec:
     terminal: bool = False  # a documentation comment `<!--terminal: ...-->` inside gives it the keyboard and screen
     ready: tuple[ReadyCondition, ...] = ()  # likewise `<!--ready: ...-->`: beyond being registered
     topics: tuple[tuple[str, str], ...] = ()  # likewise `<!--publishes: NAME ...-->`, `<!--subscribes: NAME ...-->`
+    kind: NodeKind = "node"
+    words: tuple[str, ...] = ()
+    sources: tuple[ParameterFile | ParameterValues, ...] = ()
+    container: str = ""
+    trigger: Trigger | None = None
+    is_named: bool = True  # False: the program chooses its name, and `name` is that of the program
 
     @property
     def full_name(self) -> str:
@@ -133,7 +191,7 @@ class ArgumentStep:
 
     `passed_to` is the `<include>` that contains it; without one it declares the argument. `written` is the text of
     `value=` or `default=`; `value` the argument's value after this tag, None without one. `handed_over`: an including
-    file passed it.
+    file passed it. `doc` is its description, if that belongs to the language; `choices`: the values that it may have.
     """
 
     name: str
@@ -143,6 +201,8 @@ class ArgumentStep:
     origin: Origin
     handed_over: bool = False
     passed_to: Span | None = None
+    doc: str = ""
+    choices: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,6 +220,22 @@ LOCAL_ADDRESSES = frozenset({"localhost", "127.0.0.1", "::1"})
 TraceStep = ArgumentStep | RemapStep | ParamSpec  # a parameter each time it is set, also when a later one replaces it
 
 
+GapKind = Literal["", "command", "argument", "package"]
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """Something that reading a file does not find out. `reason` follows "is not known: " in messages.
+
+    `kind` tells what the file is not responsible for: the output of a command, an argument that is not
+    given, a package that is not installed.
+    """
+
+    reason: str
+    origin: Origin | None = None
+    kind: GapKind = ""
+
+
 @dataclass(frozen=True, slots=True)
 class Plan:
     """Everything a launch file defines. Complete only if `diagnostics` has no error."""
@@ -174,6 +250,9 @@ class Plan:
     commands: tuple[ParamCommand, ...] = field(default=())  # in document order
     programs: tuple[ParamSpec, ...] = field(default=())  # every <param command=>, overridden ones too
     includes: tuple[IncludeSpec, ...] = field(default=())  # in document order, each time one is included
+    gaps: tuple[Gap, ...] = field(default=())
+    launcher: Literal["roslaunch", "ros2 launch"] = "roslaunch"  # whose file it is
+    environment: tuple[tuple[str, str], ...] = field(default=())  # set for all that follows, beyond that of the start
 
     def all_nodes(self) -> tuple[NodeSpec, ...]:
         """Return the nodes, then those of the tests."""

@@ -5,26 +5,32 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ur.launchfile.load import is_for_ros2, load_plan
 from ur.launchfile.plan.draft import Draft
 from ur.launchfile.plan.names import initial_namespace, read_assignments
-from ur.launchfile.plan.problems import TagRefused
+from ur.launchfile.plan.problems import NOT_GIVEN, TagRefused
 from ur.launchfile.plan.scope import Scope
+from ur.launchfile.plan.specs import ArgumentStep, TraceStep
 from ur.launchfile.plan.tags.arguments import resolve_arg
 from ur.launchfile.plan.tags.attributes import is_wanted
 from ur.launchfile.syntax import Comment, Element, LaunchFile
 from ur.launchfile.world.protocol import World
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import Severity, UserError, error_about
 from ur.source.file import Span
 
 
 @dataclass(frozen=True, slots=True)
 class ArgumentSpec:
-    """An argument that may be given. `default` is None if it is required; `doc` is empty without a comment."""
+    """An argument that may be given. `default` is None if it is required; `doc` is empty without a comment.
+
+    `choices`: the values that it may have; empty for any.
+    """
 
     name: str
     default: str | None
     doc: str
     span: Span
+    choices: tuple[str, ...] = ()
 
 
 def read_arguments(
@@ -36,6 +42,9 @@ def read_arguments(
     follows. `parsed` is that of `load_plan`. Raises UserError when the file cannot be read or an argument cannot be
     resolved.
     """
+    parsed = {} if parsed is None else parsed
+    if is_for_ros2(path, world, parsed=parsed):
+        return _read_traced(path, arguments, world, parsed)
     draft = Draft(world, parsed=parsed)
     try:
         tree = draft.parse(path)
@@ -58,6 +67,23 @@ def read_arguments(
     return tuple(found.values())
 
 
+def _read_traced(
+    path: str, arguments: Sequence[str], world: World, parsed: dict[str, LaunchFile]
+) -> tuple[ArgumentSpec, ...]:
+    # What a file that is included declares can be given, too, unless its value is passed.
+    trace: list[TraceStep] = []
+    plan = load_plan([path], arguments, world, trace, parsed=parsed)
+    found: dict[str, ArgumentSpec] = {}
+    for step in trace:
+        if isinstance(step, ArgumentStep) and not (step.handed_over and step.origin.includes):
+            default = None if step.kind == "required" else step.written if step.value is None else step.value
+            found.setdefault(step.name, ArgumentSpec(step.name, default, step.doc, step.origin.span, step.choices))
+    errors = [each for each in plan.diagnostics if each.severity is Severity.ERROR and each.kind != NOT_GIVEN]
+    if errors and not found:
+        raise UserError(*errors)
+    return tuple(found.values())
+
+
 def format_arguments(arguments: Sequence[ArgumentSpec]) -> str:
     """Return the output of `roslaunch --ros-args`; unlike there, an empty default counts as optional."""
     if not arguments:
@@ -68,14 +94,16 @@ def format_arguments(arguments: Sequence[ArgumentSpec]) -> str:
     optional = [argument for argument in ordered if argument.default is not None]
     if required:
         lines.append("Required Arguments:")
-        lines += [f"  {argument.name}: {argument.doc or 'undocumented'}" for argument in required]
+        lines += [f"  {argument.name}: {_describe(argument)}" for argument in required]
     if optional:
         lines.append("Optional Arguments:")
-        lines += [
-            f'  {argument.name} (default "{argument.default}"): {argument.doc or "undocumented"}'
-            for argument in optional
-        ]
+        lines += [f'  {argument.name} (default "{argument.default}"): {_describe(argument)}' for argument in optional]
     return "\n".join(lines) + "\n"
+
+
+def _describe(argument: ArgumentSpec) -> str:
+    choices = f" (one of {', '.join(argument.choices)})" if argument.choices else ""
+    return f"{argument.doc or 'undocumented'}{choices}"
 
 
 def _read_argument(

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.names import canonical_name, read_assignments
 from ur.launchfile.plan.specs import ArgumentStep, NodeSpec, Origin, ParamSpec, Plan, RemapStep, TraceStep
 from ur.launchfile.syntax import (

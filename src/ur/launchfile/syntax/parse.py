@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from xml.parsers import expat
 
-from ur.launchfile.syntax.tree import Comment, Element, LaunchFile
+from ur.launchfile.syntax.tree import WRONG_LAUNCHER, Comment, Element, LaunchFile
 from ur.source.diagnostic import Diagnostic, Note, error
 from ur.source.file import SourceFile, Span
 
@@ -101,8 +101,9 @@ def parse_launch_file(path: str, data: bytes) -> LaunchFile:
     builder.run(data)
     launches = builder.launches
     ros2 = find_ros2(builder.source, builder.root)
-    if ros2 is not None:  # no other finding about it would help
-        return LaunchFile(builder.source, builder.root, None, tuple(builder.outer_comments), (ros2,))
+    if ros2 is not None:
+        found = () if is_ros2_name(path) else builder.diagnostics
+        return LaunchFile(builder.source, builder.root, None, tuple(builder.outer_comments), (ros2, *found))
     if not builder.diagnostics and len(launches) != 1:
         builder.diagnostics.append(_not_one_launch(builder.source, builder.root, launches))
     return LaunchFile(
@@ -350,9 +351,10 @@ def _not_one_launch(source: SourceFile, root: Element | None, launches: list[Ele
     )
 
 
-ROS2_SUFFIXES = (".launch.py", ".launch.yaml", ".launch.yml", "_launch.py", "_launch.yaml", "_launch.yml")
+ROS2_SUFFIXES = (".py", ".launch.yaml", ".launch.yml", "_launch.yaml", "_launch.yml")
+_PYTHON = (".launch.py", "_launch.py")
 _SUBSTITUTIONS = ("$(find-pkg-share", "$(find-pkg-prefix", "$(exec-in-pkg", "$(var ")
-_HELP = "start it with ROS 2: ros2 launch PACKAGE FILE; for ROS 1 a file of the package's ROS 1 branch is needed"
+_HELP = "'ros2 launch' starts it; roslaunch needs a file of the package's branch for ROS 1"
 
 
 def is_ros2_name(path: str) -> bool:
@@ -360,9 +362,15 @@ def is_ros2_name(path: str) -> bool:
     return path.endswith(ROS2_SUFFIXES)
 
 
+def is_ros2_tree(tree: LaunchFile) -> bool:
+    """Return whether a parsed file is written for ROS 2."""
+    return tree.for_other_launcher
+
+
 def count_unread(paths: Iterable[str]) -> dict[str, int]:
-    """Count the launch files of ROS 2 that no command reads, by kind."""
-    kinds = Counter("Python" if path.endswith(".py") else "YAML" for path in paths if is_ros2_name(path))
+    """Count the launch files of ROS 2 that a command for those of ROS 1 does not read, by kind."""
+    names = (path for path in paths if path.endswith((*_PYTHON, *ROS2_SUFFIXES[1:])))
+    kinds = Counter("Python" if path.endswith(".py") else "YAML" for path in names)
     return {f"{kind} launch file of ROS 2": number for kind, number in sorted(kinds.items())}
 
 
@@ -416,4 +424,4 @@ def _find_sign(element: Element) -> str:
 
 def _explain(sign: str, span: Span) -> Diagnostic:
     message = f"this is a launch file for ROS 2 ({sign}), expected one for ROS 1"
-    return error(message, span, rule="wrong-ros-version", help=_HELP)
+    return error(message, span, rule=WRONG_LAUNCHER, help=_HELP)

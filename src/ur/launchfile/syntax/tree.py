@@ -14,6 +14,7 @@ from typing import NamedTuple
 from ur.source.diagnostic import Diagnostic
 from ur.source.file import SourceFile, Span
 
+WRONG_LAUNCHER = "wrong-ros-version"
 _ATTRIBUTE = re.compile(r"""\s+([^\s=>/"']+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
 _REFERENCE = re.compile(r"&[^;]{0,60};|\r\n")
 _TEXT_PART = re.compile(
@@ -189,3 +190,8 @@ class LaunchFile:
     launch: Element | None
     comments: tuple[Comment, ...]  # those outside of the root element
     diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def for_other_launcher(self) -> bool:
+        """True if the file is written for another launcher than roslaunch."""
+        return any(found.rule == WRONG_LAUNCHER for found in self.diagnostics)

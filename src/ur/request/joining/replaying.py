@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur.launchfile.plan.load import load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.world.protocol import World
 from ur.request.launch_request import make_request
 from ur.request.plan_files import complete_arguments, describe_computer, texts

@@ -264,7 +264,7 @@ def _check_arguments(loaded: LoadedPlan, decision: Decision, uri: str) -> None:
 
 
 def _list_misfits(loaded: LoadedPlan, decision: Decision, uri: str) -> list[tuple[str, str, str]]:
-    from ur.launchfile.plan.load import load_plan
+    from ur.launchfile.load import load_plan
     from ur.request.bases.robot_facts import read_facts
     from ur.request.plan_files import texts
     from ur.run.join.decision import find_misfits

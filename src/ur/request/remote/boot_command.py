@@ -160,7 +160,7 @@ def _facts(launch: RobotLaunch) -> dict[str, str]:
 def _refuse_terminal(request: BootRequest, arguments: Sequence[str]) -> None:
     """Refuse programs that need a terminal, if this computer has the file: a booting robot has none."""
     from ur.launchfile.address import resolve_addresses
-    from ur.launchfile.plan.load import load_plan
+    from ur.launchfile.load import load_plan
     from ur.launchfile.world.system import SystemWorld
 
     world = SystemWorld(add_own_package(os.environ))

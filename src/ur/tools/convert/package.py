@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ur.check.collect import Targets, collect_targets
-from ur.launchfile.syntax.parse import explain_no_launch_file
+from ur.launchfile.syntax.parse import count_unread, explain_no_launch_file, is_ros2_name
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, Severity, UserError, error_about
 from ur.source.progress import Progress, counted
@@ -36,8 +36,10 @@ class ConvertedFiles:
 def convert_all(path: str, world: World, progress: Progress, *, whole: bool = False) -> ConvertedFiles:
     """Convert a launch file or all of a package or folder; `whole`: packages only. Raises UserError."""
     targets = collect_targets([path], world)
+    unread = count_unread(targets.launch_files)
+    targets = replace(targets, launch_files=tuple(each for each in targets.launch_files if not is_ros2_name(each)))
     if not targets.launch_files:
-        reason, help_ = "no launch file in it, expected one to convert", explain_no_launch_file(targets.not_read)
+        reason, help_ = "no launch file in it, expected one to convert", explain_no_launch_file(unread)
         raise UserError(error_about(path, reason, rule="missing-file", help=help_))
     made: list[Converted] = []
     findings: list[Diagnostic] = []

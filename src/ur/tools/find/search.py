@@ -11,8 +11,7 @@ from ur.check.collect import Targets, collect_targets
 from ur.check.rule import LaunchView, survey_launch_file
 from ur.check.survey import find_uses, walk_elements
 from ur.check.worlds import CachedWorld, has_marker
-from ur.launchfile.plan.specs import NodeSpec, Origin, ParamSpec, RemapStep, TraceStep
-from ur.launchfile.syntax.parse import explain_no_launch_file
+from ur.launchfile.plan.specs import ArgumentStep, NodeSpec, Origin, ParamSpec, RemapStep, TraceStep
 from ur.launchfile.world import World
 from ur.source.diagnostic import UserError, error
 from ur.source.file import SourceFile, Span
@@ -37,24 +36,16 @@ def find_name(
     """
     cached = CachedWorld(world)
     targets = collect_targets(paths, cached)
-    _refuse_ros2(paths, targets, cached)
     if not (targets.launch_files or targets.yaml_files or targets.programs):
         message = f"no launch file, YAML file or program of a package in {', '.join(paths)}, expected one to search"
-        raise UserError(error(message, rule="no-launch-files", help=explain_no_launch_file(targets.not_read)))
+        help_ = "launch files end in .launch, .launch.xml, .launch.py or .launch.yaml"
+        raise UserError(error(message, rule="no-launch-files", help=help_))
     wanted = WantedName(name)
     found: dict[tuple[object, ...], Occurrence] = {}
     for each in _everything(targets, cached, frozenset(kinds), wanted, progress):
         if wanted.matches(each.name) and not has_marker(each.name):
             found.setdefault((each.kind, each.name, each.defines, str(each.span)), each)
     return tuple(sorted(found.values(), key=_rank))
-
-
-def _refuse_ros2(paths: Sequence[str], targets: Targets, world: CachedWorld) -> None:
-    for path in {world.absolute(path) for path in paths} & {*targets.launch_files}:
-        with suppress(OSError):
-            found = survey_launch_file(path, targets.package_of(path), world).tree.diagnostics
-            if any(each.rule == "wrong-ros-version" for each in found):
-                raise UserError(*found)
 
 
 def _rank(each: Occurrence) -> tuple[object, ...]:
@@ -74,7 +65,7 @@ def _everything(
     for view in counted(views, "searching", "launch files", progress):
         if "arg" in kinds:
             yield from _arguments(view)
-        if kinds & {"node", "topic", "param"}:
+        if kinds & {"node", "topic", "param"} or (view.tree.launch is None and "arg" in kinds):
             yield from find_resolved(view, world, kinds)
     if "arg" in kinds:
         for path in targets.programs:
@@ -142,6 +133,8 @@ def _resolved(view: LaunchView, world: CachedWorld, kinds: frozenset[Kind]) -> I
         origin, span = step.origin, step.origin.span
         if isinstance(step, ParamSpec) and "param" in kinds:
             yield Occurrence("param", step.name, True, span), origin
+        elif isinstance(step, ArgumentStep) and view.tree.launch is None and "arg" in kinds:
+            yield Occurrence("arg", step.name, True, span), origin
         elif isinstance(step, RemapStep) and "topic" in kinds:
             yield Occurrence("topic", step.target, True, span, f"remapped from {step.source}"), origin
             yield Occurrence("topic", step.source, False, span, f"remapped to {step.target}"), origin

@@ -120,12 +120,17 @@ keeps `ur` from hanging, so there is no example here.
         id="wrong-ros-version",
         group=RuleGroup.XML,
         severity=Severity.ERROR,
-        summary="The file is a launch file for ROS 2.",
+        summary="A launch file for ROS 1 includes one for ROS 2.",
         explanation="""
 `<let>`, `<node exec=...>` and `$(find-pkg-share ...)` belong to the launch language of ROS 2, which roslaunch does not
-read. Nothing else is reported about such a file. Files named `*.launch.py` and `*.launch.yaml` are for ROS 2, too.
+read; files named `*.launch.py` and `*.launch.yaml` are for ROS 2, too. Each is checked alone as ROS 2 reads it.
 """,
-        bad=launch_examples(make_launch('«<let» name="speed" value="0.3"/>')),
-        good=launch_examples(make_launch('<param name="speed" value="0.3"/>')),
+        bad=(
+            launch_example(
+                '<launch>\n  <include file="$(find my_robot)/launch/part.launch.xml"/>\n</launch>\n',
+                {"launch/part.launch.xml": '<launch>\n  «<let» name="speed" value="0.3"/>\n</launch>\n'},
+            ),
+        ),
+        good=launch_examples(make_launch('<let name="speed" value="0.3"/>')),
     ),
 )

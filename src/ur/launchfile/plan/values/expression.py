@@ -54,7 +54,7 @@ def evaluate_expression(
     except (ValueError, RecursionError, MemoryError) as problem:
         message = f"not a Python expression: {problem or 'nested too deep'}"
         raise ExpressionProblem(message, kind=NOT_PYTHON) from None
-    evaluator = _Evaluator(stripped, shift, commands, look_up, known, budget or Budget())
+    evaluator = Evaluator(stripped, shift, commands, look_up, known, budget or Budget())
     evaluator.budget.begin()
     try:
         value = evaluator.visit(tree.body)
@@ -74,7 +74,9 @@ def evaluate_expression(
         raise evaluator.problem(f"{problem} ({type(problem).__name__})", evaluator.at or tree.body) from None
 
 
-class _Evaluator(Operations):
+class Evaluator(Operations):
+    """Evaluates an expression."""
+
     def visit_Lambda(self, node: ast.Lambda) -> object:  # noqa: N802
         names = [argument.arg for argument in node.args.args]
         rest = (node.args.vararg, node.args.kwarg, *node.args.kwonlyargs, *node.args.posonlyargs, *node.args.defaults)
@@ -113,11 +115,12 @@ class _Evaluator(Operations):
         first = self.visit(generators[0].iter)
         hides = not (inlined and _INLINED_COMPREHENSIONS)
         self.inside += hides
-        self.variables.append({})
+        variables = self.variables  # a function that is called has others
+        variables.append({})
         try:
             yield from self._loop_over(generators, 0, first)
         finally:
-            self.variables.pop()
+            variables.pop()
             self.inside -= hides
 
     def _loop_over(self, generators: list[ast.comprehension], level: int, items: Any) -> Iterator[None]:

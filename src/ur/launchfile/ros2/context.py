@@ -1,0 +1,211 @@
+"""The state in which a description is carried out: configurations, environment, the file, and what was found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import Any
+
+from ur.launchfile.plan.values.budget import Budget
+from ur.launchfile.ros2.model import DescriptionProblem, Unknown
+from ur.launchfile.world.protocol import PackageNotFound, World
+from ur.source.file import Span
+from ur.source.suggest import did_you_mean
+
+MOST_INCLUDES = 2_000
+MOST_FILES = 5_000
+DEEPEST = 50
+
+
+class Environment(dict[str, str]):
+    """The environment variables, as `os.environ`."""
+
+    def __init__(self, start: Mapping[str, str]) -> None:
+        super().__init__(start)
+        self._start = start
+
+    def __getitem__(self, name: str) -> str:
+        if name in self._start:
+            self._start[name]  # which records that the variable is used
+        return super().__getitem__(name)
+
+    def __missing__(self, name: str) -> str:
+        with suppress(KeyError):
+            if name not in self._start:
+                return self._start[name]  # also one that only the computer has on which the file is used
+        help_ = (
+            "set it, or give a default: the second argument of os.environ.get, default_value= of EnvironmentVariable"
+        )
+        message = f"environment variable '{name}' is not set, expected a value"
+        raise DescriptionProblem(message, "unset-variable", None, help_, name)
+
+    def get(self, key: str, default: Any = None) -> Any:
+        """Return a variable. See os.environ."""
+        known = self._start.get(key, default)
+        if key in self or key in self._start:
+            return dict.get(self, key, default)
+        if known is None:
+            with suppress(KeyError):
+                return self._start[key]  # as above
+        return known
+
+
+class Context:
+    """As upstream's LaunchContext: it changes while the entities are visited, one after the other.
+
+    `configurations` are texts by name; `remaps`, `global_parameters` and `namespace` belong to their scope, too. `file`
+    is the launch file that is being visited, reached through the includes of `chain`.
+    """
+
+    def __init__(self, world: World, budget: Budget, arguments: Mapping[str, str]) -> None:
+        self.world, self.budget = world, budget
+        self.configurations: dict[str, object] = dict(arguments)
+        self.environment: dict[str, str] = Environment(world.environment)
+        self.namespace: str | None = None
+        self.global_parameters: tuple[object, ...] = ()
+        self.remaps: tuple[tuple[str, str], ...] = ()
+        self.variables: dict[str, object] = {}  # of loops
+        self.file = ""
+        self.chain: tuple[Span, ...] = ()
+        self.on_problem: Callable[[DescriptionProblem, tuple[Span, ...]], None] = lambda *_: None
+        self.on_gap: Callable[[Unknown, tuple[Span, ...]], None] = lambda *_: None
+        self._scopes: list[tuple[dict[str, object], str | None, tuple[object, ...], tuple[tuple[str, str], ...]]] = []
+        self._environments: list[dict[str, str]] = []
+        self._missing: set[str] = set()
+        self.modules: dict[str, object] = {}  # of Python, by their files
+        self._listed: dict[str, list[tuple[str, ...]]] = {}
+        self._shares: dict[str, str] = {}  # folders of packages, and their names
+        self.rewritten: dict[str, object] = {}
+        """The contents of parameter files that are rewritten when the launch starts, by their paths here."""
+
+    @property
+    def folder(self) -> str:
+        """The folder of the launch file."""
+        return self.file.rpartition("/")[0] or "/"
+
+    def report(self, problem: DescriptionProblem) -> None:
+        """Report a problem in the present file."""
+        self.on_problem(problem, self.chain)
+
+    def add_gap(self, unknown: Unknown) -> None:
+        """Report a value that is not known."""
+        self.on_gap(unknown, self.chain)
+
+    def push_scope(self) -> None:
+        """Begin a scope of configurations."""
+        self._scopes.append((dict(self.configurations), self.namespace, self.global_parameters, self.remaps))
+
+    def pop_scope(self) -> None:
+        """End the last scope of configurations."""
+        if self._scopes:
+            known, self.namespace, self.global_parameters, self.remaps = self._scopes.pop()
+            self.configurations.clear()
+            self.configurations.update(known)
+
+    def reset_scope(self) -> None:
+        """Forget all configurations, and what else belongs to the scope."""
+        self.configurations.clear()
+        self.namespace, self.global_parameters, self.remaps = None, (), ()
+
+    def push_environment(self) -> None:
+        """Begin a scope of environment variables."""
+        self._environments.append(dict(self.environment))
+
+    def pop_environment(self) -> None:
+        """End the last scope of environment variables."""
+        if self._environments:
+            known = self._environments.pop()
+            self.environment.clear()
+            self.environment.update(known)
+
+    def reset_environment(self) -> None:
+        """Set the variables that the launch was started with."""
+        self.environment.clear()
+        self.environment.update(self.world.environment)
+
+    def find_share(self, package: object, span: Span | None) -> str | Unknown:
+        """Return the share folder of a package. One that is missing is reported, once."""
+        if isinstance(package, Unknown):
+            return package
+        name = str(package)
+        try:
+            folder = self.world.find_package(name)
+            self._shares[folder] = name
+            return folder
+        except (PackageNotFound, OSError, ValueError):
+            pass
+        if name not in self._missing:
+            self._missing.add(name)
+            near = did_you_mean(name, self.world.package_names())
+            help_ = (
+                f"did you mean {near}?"
+                if near and near[0] == name[0]
+                else f"install it, or build its workspace: ur get {name}"
+            )
+            message = f"package '{name}' is not found, expected a package of this computer"
+            self.report(DescriptionProblem(message, "unknown-package", span, help_, name))
+        return Unknown(f"package {name} is not installed", span, "package")
+
+    def find_prefix(self, package: object, span: Span | None) -> str | Unknown:
+        """Return the folder into which a package is installed."""
+        share = self.find_share(package, span)
+        if isinstance(share, Unknown):
+            return share
+        return share.removesuffix(f"/share/{package}")
+
+    def keep_rewritten(self, path: str, content: object) -> str:
+        """Keep the content of a rewritten file, and return its path."""
+        self.rewritten[path] = content
+        return path
+
+    def near_file(self, path: str) -> str | None:
+        """Return help for a file that is missing: one with nearly its name."""
+        folder, _, name = path.rpartition("/")
+        near = did_you_mean(name, self.world.list_folder(folder or "/"))
+        return f"did you mean {folder}/{near}?" if near else None
+
+    def find_file(self, path: str) -> str:
+        """Return where a file of a share folder is.
+
+        A source tree is no share folder: its build rules decide where a file is installed. There, a file of the same
+        name counts, also as a template (`.in`); of several that whose path agrees most.
+        """
+        if self.world.is_file(path):
+            return path
+        folder = next((each for each in self._shares if path.startswith(f"{each}/")), None)
+        if folder is None or not {"CMakeLists.txt", "setup.py"} & set(self.world.list_folder(folder)):
+            return path
+        wanted = path[len(folder) + 1 :].split("/")
+        names = (wanted[-1], f"{wanted[-1]}.in")
+        found = [parts for parts in self._files_of(folder) if parts[-1] in names]
+        if not found:
+            return path
+        return "/".join((folder, *max(found, key=lambda parts: len(set(parts) & set(wanted)))))
+
+    def _files_of(self, folder: str) -> list[tuple[str, ...]]:
+        if folder not in self._listed:
+            self._listed[folder] = []
+            waiting: list[tuple[str, ...]] = [()]
+            while waiting and len(self._listed[folder]) < MOST_FILES:
+                parts = waiting.pop()
+                for name in self.world.list_folder("/".join((folder, *parts))):
+                    if name.startswith("."):
+                        continue
+                    inner = (*parts, name)
+                    if self.world.is_file("/".join((folder, *inner))):
+                        self._listed[folder].append(inner)
+                    else:
+                        waiting.append(inner)
+        return self._listed[folder]
+
+    def module_paths(self, name: str, beside: str) -> list[str]:
+        """Return the files that a Python module could be: in the package of its name, or beside a file."""
+        first, *rest = name.strip(".").split(".")
+        folders = [beside.rpartition("/")[0]]
+        with suppress(PackageNotFound, OSError, ValueError):
+            folders.append(self.world.find_package(first))
+        paths = []
+        for folder in folders:
+            whole = "/".join((folder, first, *rest))
+            paths += [f"{whole}.py", f"{whole}/__init__.py"]
+        return [path for path in paths if self.world.is_file(path)]

@@ -1,0 +1,92 @@
+"""Loader of launch files of ROS 2: from a file and arguments to a Plan."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ur.launchfile.plan.draft import Draft, TooMuch
+from ur.launchfile.plan.specs import Plan, TraceStep
+from ur.launchfile.plan.values.budget import Budget, TooLong
+from ur.launchfile.ros2.context import Context
+from ur.launchfile.ros2.model import Description, DescriptionProblem, Unknown
+from ur.launchfile.ros2.python import one_expression as one_expression  # which adds itself to the substitutions
+from ur.launchfile.ros2.python.reader import read_python
+from ur.launchfile.ros2.visit import Visitor
+from ur.launchfile.world.protocol import World
+from ur.source.diagnostic import error, error_about
+from ur.source.file import SourceFile, Span
+from ur.source.suggest import did_you_mean
+
+PER_LAUNCH = 20_000_000  # units of work for a file with all that it includes
+
+
+def load_ros2(
+    path: str,
+    arguments: Sequence[str],
+    world: World,
+    trace: list[TraceStep] | None = None,
+    budget: Budget | None = None,
+) -> Plan:
+    """Resolve a launch file of ROS 2, with `NAME:=VALUE` arguments, as `ros2 launch` does. Nothing of it is executed.
+
+    Never raises for its content: the plan's diagnostics have what upstream refuses, its gaps what reading alone does
+    not find out.
+    """
+    pairs = [argument.partition(":=") for argument in arguments]
+    values = {name: value for name, _, value in pairs if name and value}
+    malformed = [name + sign + value for name, sign, value in pairs if not name or not value]
+    draft = Draft(world, trace)
+    context = Context(world, budget or Budget(PER_LAUNCH), values)
+    visitor = Visitor(context, draft, read_description)
+    context.file = world.absolute(path)
+    draft.files[context.file] = None
+    try:
+        visitor.start(read_description(context.file, context))
+        _check_arguments(values, malformed, visitor, draft)
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        help_ = context.near_file(context.file) or "give the path of a launch file that you may read"
+        draft.add_diagnostic(
+            error_about(path, f"{reason}, expected a launch file", rule="missing-file", help=help_), ()
+        )
+    except TooMuch:
+        pass
+    except TooLong as problem:
+        visitor.finish()
+        context.add_gap(Unknown(f"the file {problem}"))
+    except RecursionError:
+        draft.diagnostics.append(error("nested too deep", rule="nested-too-deep", help="nest groups and includes less"))
+    return visitor.finish()
+
+
+def read_description(path: str, context: Context) -> Description:
+    """Read a launch file in the language that its name tells. Raises OSError."""
+    data = context.world.read_bytes(path)
+    context.budget.charge(len(data))
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return Description(path, None, (_not_text(path),))
+    if path.endswith((".py", ".py.in")):
+        return read_python(path, text, context)
+    from ur.launchfile.ros2.entities import read_entities
+
+    return read_entities(path, text)
+
+
+def _not_text(path: str) -> DescriptionProblem:
+    span = Span(SourceFile(path, ""), 0, 0)
+    return DescriptionProblem(f"{path}: not UTF-8, expected a text", "unreadable-file", span, "save it as UTF-8", path)
+
+
+def _check_arguments(values: dict[str, str], malformed: list[str], visitor: Visitor, draft: Draft) -> None:
+    for name in values:
+        if name not in visitor.declared and not draft.diagnostics:
+            near = did_you_mean(name, visitor.declared)
+            known = ", ".join(sorted(visitor.declared)) or "none"
+            draft.warn(
+                f"argument '{name}' is given, but the launch file does not declare it", None, None, "unknown-argument",
+                f"did you mean {near}:=...?" if near else f"declared: {known}",
+            )  # fmt: skip
+    for argument in malformed:
+        draft.add_diagnostic(error(f"'{argument}' is malformed, expected NAME:=VALUE", rule="bad-argument"), ())

@@ -1,0 +1,325 @@
+"""Nodes, programs and components: from what a launch file writes to the values of the plan."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from pathlib import PurePosixPath
+from typing import Any, cast
+
+from ur.launchfile.plan.draft import Draft
+from ur.launchfile.plan.specs import (
+    NodeKind,
+    NodeSpec,
+    ParameterFile,
+    ParameterValues,
+    ParamSpec,
+    ParamValue,
+    RemapStep,
+    TraceStep,
+    Trigger,
+)
+from ur.launchfile.ros2.collector import Collector
+from ur.launchfile.ros2.context import Context
+from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
+from ur.launchfile.ros2.nav2 import fill_file, read_content
+from ur.launchfile.ros2.parameters import ParameterSections, read_value, read_values
+from ur.launchfile.ros2.substitutions import is_wanted, perform, perform_flag, split_command
+from ur.source.diagnostic import Diagnostic, Severity
+from ur.source.file import Span
+
+_NODE_NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
+
+
+class Nodes(Collector):
+    """Makes the nodes of the plan."""
+
+    def __init__(self, context: Context, draft: Draft) -> None:
+        super().__init__(context, draft)
+        self._later: list[tuple[list[object], Trigger, str, tuple[Span, ...]]] = []
+        self._trigger: Trigger | None = None
+        self._names: dict[str, Span] = {}
+        self._literal: set[str] = set()  # containers whose names no argument changes
+        self._components: list[tuple[NodeSpec, Span]] = []
+        self._sections: dict[str, ParameterSections | None] = {}
+        self._made: dict[int, NodeSpec] = {}  # by the id of what made them, which `_kept` keeps
+        self._kept: list[Made] = []
+
+    def _execute(self, made: Made) -> None:
+        command = made.get("cmd")
+        items = command if isinstance(command, (list, tuple)) else [command]
+        words = tuple(self._text(item, made.span) for item in items)
+        shell = perform_flag(made.get("shell", False), self._context, made, "shell") is True
+        if shell:
+            words = ("sh", "-c", " ".join(words))
+        program = words[0] if words else ""
+        name = self._text(made.get("name"), made.span) if made.get("name") is not None else program.rpartition("/")[2]
+        self._add(made, self._spec(made, "program", name or "program", "/", "", program, words[1:]))
+
+    def _node(self, made: Made) -> None:
+        node = self._make_node(made)
+        self._add(made, node)
+        if node.kind == "container":
+            self._load(made, node.full_name)
+
+    def _make_node(self, made: Made) -> NodeSpec:
+        package = self._text(made.get("package"), made.span) if made.get("package") is not None else ""
+        executable = self._text(made.get("executable", ""), made.span)
+        given = self._text(made.get("name"), made.span) if made.get("name") is not None else ""
+        if given and "<" not in given and not _NODE_NAME.fullmatch(given):
+            raise DescriptionProblem(
+                f"the name of the node is '{given}', expected letters, digits and '_'", "bad-name", made.place("name"),
+                "a namespace has its own argument", given,
+            )  # fmt: skip
+        written = self._text(made.get("namespace"), made.span) if made.get("namespace") is not None else None
+        namespace = self._absolute(written, made.place("namespace")) or "/"
+        name = given or executable.rpartition("/")[2].removesuffix(".py")
+        is_container = made.kind == "ComposableNodeContainer" or executable.startswith("component_container")
+        kind: NodeKind = "container" if is_container else "lifecycle" if made.kind == "LifecycleNode" else "node"
+        words = self._words(made.get("arguments"), made)
+        ros_words = self._words(made.get("ros_arguments"), made)
+        if ros_words:
+            words = (*words, "--ros-args", *ros_words)
+        node = self._spec(made, kind, name, namespace, package, executable, words)
+        node = replace(node, is_named=bool(given), remaps=(*self._context.remaps, *self._remaps(made)))
+        return replace(node, sources=self._sources(made, "parameters", node))
+
+    def _words(self, given: object, made: Made) -> tuple[str, ...]:
+        if given is None:
+            return ()
+        if isinstance(given, str):
+            return split_command(given)
+        items = given if isinstance(given, (list, tuple)) else [given]
+        return tuple(self._text(item, made.place("arguments")) for item in items)
+
+    def _remaps(self, made: Made) -> tuple[tuple[str, str], ...]:
+        given = made.get("remappings") or ()
+        if isinstance(given, Unknown):
+            self._on_gap(given, self._context.chain)
+            return ()
+        found = []
+        for pair in cast("Iterable[object]", given):
+            if isinstance(pair, Unknown):
+                self._on_gap(pair, self._context.chain)
+            elif isinstance(pair, (list, tuple)) and len(pair) == 2:
+                found.append((self._text(pair[0], made.span), self._text(pair[1], made.span)))
+            else:
+                raise DescriptionProblem(
+                    "remappings has an item that is no pair, expected ('from', 'to')",
+                    "launch-value",
+                    made.place("remappings"),
+                    "write remappings=[('from', 'to')]",
+                )
+        return tuple(found)
+
+    def _spec(
+        self, made: Made, kind: NodeKind, name: str, namespace: str, package: str, type_: str, words: tuple[str, ...]
+    ) -> NodeSpec:
+        context = self._context
+        respawn = perform_flag(made.get("respawn", False), context, made, "respawn")
+        delay = made.get("respawn_delay")
+        seconds = self._text(delay, made.span) if delay is not None else "0"
+        output = made.get("output", "log")
+        shown = self._text(output, made.span) if not isinstance(output, dict) else " ".join(map(str, output.values()))
+        prefix = made.get("prefix")
+        start = context.world.environment
+        changes = {key: value for key, value in context.environment.items() if start.get(key) != value}
+        changes.update({key: "" for key in start if key not in context.environment})
+        for keyword in ("env", "additional_env"):
+            given: Any = made.get(keyword) or {}
+            if isinstance(given, Unknown):
+                self._on_gap(given, context.chain)
+            elif isinstance(given, Mapping):
+                changes.update(
+                    {self._text(key, made.span): self._text(value, made.span) for key, value in given.items()}
+                )
+        on_exit = made.get("on_exit")
+        ends: list[Any] = list(on_exit) if isinstance(on_exit, (list, tuple)) else [on_exit]
+        required = any(
+            isinstance(each, Made)
+            and (
+                each.kind == "Shutdown"
+                or (each.kind == "EmitEvent" and getattr(each.get("event"), "kind", "") == "ShutdownEvent")
+            )
+            for each in ends
+        )
+        others: list[object] = [
+            each for each in ends if isinstance(each, Made) and each.kind not in ("Shutdown", "EmitEvent")
+        ]
+        full = namespace.rstrip("/") + "/" + name
+        if others:
+            self._later.append((others, Trigger("exit", full), context.file, context.chain))
+        return NodeSpec(
+            name=name,
+            namespace=namespace.rstrip("/") + "/",
+            package=package,
+            type=type_,
+            args=" ".join(words),
+            machine=None,
+            respawn=respawn is True,
+            respawn_delay=float(seconds) if re.fullmatch(r"\d+(\.\d*)?", seconds) else 0.0,
+            required=required,
+            output="screen" if re.search(r"screen|both|tty", shown) else "log",
+            cwd=self._text(made.get("cwd"), made.span) if made.get("cwd") is not None else None,
+            launch_prefix=self._text(prefix, made.span) if prefix is not None else None,
+            remaps=(),
+            env=tuple(sorted(changes.items())),
+            origin=self._origin(made.span),
+            kind=kind,
+            words=words,
+            trigger=self._trigger,
+        )
+
+    def _add(self, made: Made, node: NodeSpec) -> None:
+        self._made[id(made)] = node
+        self._kept.append(made)
+        if node.is_named and node.kind != "program" and node.trigger is None and "<" not in node.full_name:
+            first = self._names.setdefault(node.full_name, made.span)
+            if first is not made.span:
+                message = f"a second node is named {node.full_name}, expected names to differ"
+                help_ = "rename one of them, or give one a namespace"
+                self._warn(message, "duplicate-node", made.place("name"), help_, node.full_name)
+        self._draft.nodes.append(node)
+        for old, new in node.remaps:
+            self._trace(RemapStep(old, new, node.origin))
+        if node.kind == "program":
+            return
+        for source in node.sources:
+            self._add_params(node, source)
+
+    def _trace(self, step: TraceStep) -> None:
+        if self._draft.trace is not None:
+            self._draft.trace.append(step)
+
+    def _add_params(self, node: NodeSpec, source: ParameterFile | ParameterValues) -> None:
+        params, full = self._draft.params, node.full_name
+        values: Iterable[tuple[str, object]] = ()
+        if isinstance(source, ParameterValues):
+            values = source.values
+        elif (sections := self._read_sections(source)) is not None:
+            values = sections.matching(full)
+        for name, value in values:
+            param = params[f"{full}/{name}"] = ParamSpec(f"{full}/{name}", cast("ParamValue", value), source.origin)
+            self._trace(param)
+
+    def _read_sections(self, source: ParameterFile) -> ParameterSections | None:
+        if source.path not in self._sections:
+            try:
+                content = read_content(source.path, self._context, source.origin.span)
+                self._sections[source.path] = ParameterSections(content)
+            except DescriptionProblem as problem:
+                self._context.report(problem)
+                self._sections[source.path] = None
+        return self._sections[source.path]
+
+    def _sources(self, made: Made, keyword: str, node: NodeSpec) -> tuple[ParameterFile | ParameterValues, ...]:
+        context = self._context
+        found = [cast("ParameterFile | ParameterValues", each) for each in context.global_parameters]
+        given = made.get(keyword) or ()
+        if isinstance(given, Unknown):
+            self._on_gap(given, context.chain)
+            return tuple(found)
+        if isinstance(given, str) or not isinstance(given, (list, tuple)):
+            raise DescriptionProblem(
+                f"parameters of {node.name} are no list, expected a list of files and dicts", "launch-value",
+                made.place(keyword), "write parameters=[...]",
+            )  # fmt: skip
+        place = made.place(keyword)
+        for item in given:
+            source = self._source(item, place)
+            if source is not None:
+                found.append(source)
+        return tuple(found)
+
+    def _source(self, item: object, place: Span) -> ParameterFile | ParameterValues | None:
+        context = self._context
+        if isinstance(item, Unknown):
+            self._on_gap(item, context.chain)
+            return None
+        if isinstance(item, Mapping):
+            pairs = list(read_values(item, place, context))
+            shown = tuple((name, self._show(v, place) if isinstance(v, Unknown) else v) for name, v in pairs)
+            return ParameterValues(shown, self._origin(place))
+        if isinstance(item, Made) and item.kind == "Parameter":
+            name = self._text(item.get("name", ""), item.span)
+            value = read_value(item.get("value"), name, item.span, context)
+            known = self._show(value, place) if isinstance(value, Unknown) else value
+            return ParameterValues(((name, known),), self._origin(item.span))
+        filled = False
+        if isinstance(item, Made) and item.kind == "ParameterFile":
+            filled = perform_flag(item.get("allow_substs", False), context, item, "allow_substs") is True
+            place, item = item.place("param_file"), item.get("param_file")
+        if not isinstance(item, (str, Made, PurePosixPath, list, tuple)) and not hasattr(item, "perform"):
+            raise DescriptionProblem("parameters has an item that is neither file nor dict", "launch-value", place)
+        path = perform(item, context)
+        if isinstance(path, Unknown):
+            self._on_gap(replace(path, span=path.span or place), context.chain)
+            return None
+        span = item.span if isinstance(item, Made) else place
+        if filled:
+            text = fill_file(context.find_file(path), context, span)
+            if isinstance(text, Unknown):
+                self._on_gap(Unknown(text.reason, text.span or span), context.chain)
+                return None
+            path = text
+        return self._parameter_file(path, span)
+
+    def _parameter_file(self, path: str, span: Span) -> ParameterFile | None:
+        context = self._context
+        if path in context.rewritten:
+            return ParameterFile(path, self._origin(span))
+        known = context.find_file(path)
+        if "<" in path or not path:
+            return None
+        if not context.world.is_file(known):
+            found = Diagnostic(
+                Severity.ERROR, f"{path}: no such file, expected a parameter file: the node starts without it",
+                "missing-file", span, (), context.near_file(known), path,
+            )  # fmt: skip
+            self._draft.add_diagnostic(found, context.chain)
+            return None
+        return ParameterFile(context.world.absolute(known), self._origin(span))
+
+    def _load(self, made: Made, container: str) -> None:
+        given = made.get("composable_node_descriptions") or ()
+        if isinstance(given, Unknown):
+            self._on_gap(given, self._context.chain)
+            return
+        for item in cast("Iterable[object]", given):
+            if isinstance(item, Unknown):
+                self._on_gap(item, self._context.chain)
+                continue
+            if not isinstance(item, Made):
+                raise DescriptionProblem("an item is no ComposableNode, expected one", "launch-value", made.span)
+            wanted = is_wanted(item.get("condition"), self._context)
+            if isinstance(wanted, Unknown):
+                self._on_gap(replace(wanted, span=wanted.span or item.span), self._context.chain)
+            elif wanted:
+                self._component(item, container)
+
+    def _component(self, item: Made, container: str) -> None:
+        package, plugin = self._text(item.get("package", ""), item.span), self._text(item.get("plugin", ""), item.span)
+        given = self._text(item.get("name"), item.span) if item.get("name") is not None else ""
+        written = self._text(item.get("namespace"), item.span) if item.get("namespace") is not None else None
+        namespace = self._absolute(written, item.place("namespace")) or "/"
+        name = given or re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", plugin.rpartition("::")[2]).lower()
+        node = self._spec(item, "component", name, namespace, package, plugin, ())
+        node = replace(
+            node, container=container, is_named=bool(given), remaps=(*self._context.remaps, *self._remaps(item))
+        )
+        node = replace(node, sources=self._sources(item, "parameters", node))
+        self._components.append((node, item.span))
+        self._add(item, node)
+
+    def _load_components(self, made: Made) -> None:
+        target = made.get("target_container")
+        if isinstance(target, Made) and target.kind == "ComposableNodeContainer":
+            known = self._made.get(id(target))
+            container = known.full_name if known is not None else ""
+        else:
+            text = self._text(target, made.place("target_container"))
+            container = text if text.startswith("/") else f"/{text}"  # the scope's namespace is not added
+            if isinstance(target, str):
+                self._literal.add(container)
+        self._load(made, container)

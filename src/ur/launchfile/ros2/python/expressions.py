@@ -1,0 +1,338 @@
+# ruff: noqa: N802 - methods have the names of the nodes of the syntax tree
+"""Expressions of Python launch files, computed without Python's eval, each charged to a budget.
+
+They are those of `$(eval ...)`, and more: names of the file, objects of the launch API, paths, calls of the file's own
+functions. What cannot be computed is `Unknown`, and so is all that depends on it.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import PurePosixPath
+from typing import Any
+
+from ur.launchfile.plan.values import expression_functions as functions
+from ur.launchfile.plan.values.budget import Budget, ExpressionProblem
+from ur.launchfile.plan.values.expression import Evaluator
+from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
+from ur.launchfile.ros2.python.objects import (
+    ApiClass,
+    CallFunction,
+    Frame,
+    Function,
+    Module,
+    Opened,
+    UserClass,
+    attribute_of,
+)
+from ur.source.file import SourceFile, Span
+from ur.source.suggest import did_you_mean
+
+_TYPES: Mapping[str, type] = {"str": str, "int": int, "float": float, "bool": bool, "list": list, "dict": dict}
+
+
+class Expressions(Evaluator):
+    """Evaluates the expressions of one file. `frame` has the names that are known at a place."""
+
+    def __init__(self, source: SourceFile, budget: Budget, frame: Frame) -> None:
+        super().__init__(source.text, 0, {}, self._find_name, (), budget)
+        self.source, self.frame = source, frame
+        self.tries = 0  # how many `try` of the file are around this place
+        self.call_function: CallFunction = _not_called
+        self.find_share: Callable[[str], object] = str
+        self.find_prefix: Callable[[str], object] = str
+        self.report: Callable[[DescriptionProblem], None] = lambda _: None
+
+    def span(self, node: ast.AST) -> Span:
+        """Return the span of a part of the file."""
+        start = self._offset(getattr(node, "lineno", 1), getattr(node, "col_offset", 0))
+        end = self._offset(getattr(node, "end_lineno", 1) or 1, getattr(node, "end_col_offset", 0) or 0)
+        return Span(self.source, start, max(start, end))
+
+    def _offset(self, line: int, column: int) -> int:
+        text = self.source.line(line)
+        shift = column if text.isascii() else len(text.encode()[:column].decode(errors="replace"))
+        return self.source.offset_of_line(line) + shift
+
+    def problem(self, message: str, node: ast.expr, *_: object) -> Any:
+        """Return a problem at the position of a node."""
+        return NotRead(message, self.span(node))
+
+    def unknown(self, reason: str, node: ast.AST) -> Unknown:
+        """Return a value that is not known, for a reason at a node."""
+        return Unknown(reason, self.span(node))
+
+    def _find_name(self, name: str) -> object:
+        return self.frame.find(name)
+
+    def visit_Name(self, node: ast.Name) -> object:
+        for variables in reversed(self.variables):
+            if node.id in variables:
+                return variables[node.id]
+        try:
+            return self.frame.find(node.id)
+        except KeyError:
+            pass
+        if node.id in functions.BUILTINS:
+            found = functions.BUILTINS[node.id]
+            return self.charged(node.id, found) if callable(found) and node.id not in _TYPES else found
+        if node.id in _TYPES:
+            return _TYPES[node.id]
+        if node.id in BUILTINS:
+            return self.unknown(f"'{node.id}' is not computed while reading", node)
+        near = did_you_mean(node.id, self.frame.names())
+        raise DescriptionProblem(
+            f"'{node.id}' is not defined, expected a name that is imported or assigned before",
+            "undefined-name",
+            self.span(node),
+            f"did you mean {near}?" if near else "import it, or assign it",
+            node.id,
+        )
+
+    def visit_Lambda(self, node: ast.Lambda) -> object:
+        defaults = tuple(self.visit(each) for each in node.args.defaults)
+        frame = self.frame
+        for variables in self.variables:
+            frame = Frame(frame, dict(variables))
+        return Function("lambda", node, self.call_function, frame, defaults)
+
+    def _loop_over(self, generators: list[ast.comprehension], level: int, items: Any) -> Iterator[None]:
+        if isinstance(items, Unknown):
+            raise NotRead(items.reason, items.span or self.span(generators[level].iter))
+        yield from super()._loop_over(generators, level, items)
+
+    def visit_UnaryOp(self, node: ast.UnaryOp) -> object:
+        value = self.visit(node.operand)
+        return value if isinstance(value, Unknown) else functions.UNARY[type(node.op)](value)
+
+    def visit_BinOp(self, node: ast.BinOp) -> object:
+        left, right = self.visit(node.left), self.visit(node.right)
+        if not _is_list_sum(left, right) and (unknown := self._first_unknown([left, right])) is not None:
+            return unknown
+        if isinstance(node.op, ast.Div) and isinstance(left, PurePosixPath):
+            return left / str(right)
+        if isinstance(node.op, ast.Div) and isinstance(left, Made) and left.kind.startswith("Path"):
+            return Made("PathJoinSubstitution", {"substitutions": [left, right]}, self.span(node))
+        if isinstance(left, Made) or isinstance(right, Made):
+            return self.unknown("an operator is applied to an object of the launch API", node)
+        return super().visit_BinOp(ast.copy_location(ast.BinOp(Known(left), node.op, Known(right)), node))
+
+    def visit_Known(self, node: Known) -> object:
+        """Return the value that has been computed."""
+        return node.value
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> object:
+        value: object = None
+        for operand in node.values:
+            value = self.visit(operand)
+            if isinstance(value, Unknown) or bool(value) == isinstance(node.op, ast.Or):
+                break
+        return value
+
+    def visit_Compare(self, node: ast.Compare) -> object:
+        values = [self.visit(each) for each in (node.left, *node.comparators)]
+        if (unknown := self._first_unknown(values)) is not None:
+            return unknown
+        known: list[ast.expr] = [Known(value) for value in values]
+        return super().visit_Compare(ast.copy_location(ast.Compare(known[0], node.ops, known[1:]), node))
+
+    def visit_IfExp(self, node: ast.IfExp) -> object:
+        test = self.visit(node.test)
+        return test if isinstance(test, Unknown) else self.visit(node.body if test else node.orelse)
+
+    def visit_List(self, node: ast.List) -> object:
+        return list(self._items(node.elts))
+
+    def visit_Tuple(self, node: ast.Tuple) -> object:
+        return tuple(self._items(node.elts))
+
+    def _part(self, node: ast.expr) -> object:
+        """Return the value of an item or argument: what is wrong there does not concern the others."""
+        if self.tries:
+            return self.visit(node)
+        try:
+            return self.visit(node)
+        except NotRead as problem:
+            return Unknown(problem.reason, problem.span)
+        except DescriptionProblem as problem:
+            self.report(problem)
+            return Unknown(problem.message.partition(",")[0], problem.span)
+        except (ExpressionProblem, KeyError, TypeError, ValueError, AttributeError, LookupError, OSError) as problem:
+            text = f"{type(problem).__name__}: {problem}".rstrip(": ")
+            return self.unknown(f"it raises {text}", self.at or node)
+
+    def _items(self, nodes: list[ast.expr]) -> Iterator[object]:
+        for item in nodes:
+            if not isinstance(item, ast.Starred):
+                yield self._part(item)
+                continue
+            values: Any = self._part(item.value)
+            if isinstance(values, Unknown):
+                yield values
+            else:
+                self.budget.weigh(values)
+                yield from values
+
+    def visit_Dict(self, node: ast.Dict) -> object:
+        found: dict[object, object] = {}
+        for key, value in zip(node.keys, node.values, strict=True):
+            made: Any = self._part(value)
+            if key is not None:
+                name = self._part(key)
+                if isinstance(name, list):
+                    name = tuple(name)
+                self.budget.weigh(name)
+                found[name] = made
+            elif isinstance(made, dict):
+                self.budget.weigh(made)
+                found.update(made)
+            else:
+                found[Unknown("its names are not known")] = made
+        return found
+
+    def visit_Subscript(self, node: ast.Subscript) -> object:
+        value, index = self.visit(node.value), self.visit(node.slice)
+        for each in (value, index):
+            if isinstance(each, Unknown):
+                return each
+        if isinstance(value, Mapping) and not isinstance(value, dict):
+            return value[index]
+        if value is list and index in (bool, int, float, str):
+            return list[index]  # type: ignore[valid-type]
+        if isinstance(value, ApiClass | type) or value is None:
+            return self.unknown("a type is not computed while reading", node)
+        known = ast.copy_location(ast.Subscript(Known(value), Known(index), ast.Load()), node)
+        return super().visit_Subscript(known)
+
+    def visit_JoinedStr(self, node: ast.JoinedStr) -> object:
+        parts = [self.visit(part) for part in node.values]
+        for part in parts:
+            if isinstance(part, Unknown):
+                return part
+        return "".join(str(self.made(str(part))) for part in parts)
+
+    def visit_FormattedValue(self, node: ast.FormattedValue) -> object:
+        value = self.visit(node.value)
+        if (unknown := self._first_unknown(value)) is not None:
+            return unknown
+        if isinstance(value, Made):
+            return self.unknown("an object of the launch API is made a text before its value is known", node)
+        if isinstance(value, PurePosixPath):
+            value = str(value)
+        known = ast.copy_location(ast.FormattedValue(Known(value), node.conversion, node.format_spec), node)
+        return super().visit_FormattedValue(known)
+
+    def visit_Attribute(self, node: ast.Attribute) -> object:
+        value = self.visit(node.value)
+        if isinstance(value, Unknown):
+            return value
+        if isinstance(value, Made) and node.attr == "find" and value.kind.startswith("FindPackage"):
+            return self.find_share if value.kind.endswith("Share") else self.find_prefix
+        own, found = attribute_of(value, node.attr, self.span(node))
+        if own:
+            return found
+        self.at = node
+        try:
+            found = functions.find_method(value, node.attr)
+        except AttributeError:
+            return self.unknown(f"'.{node.attr}' of a value of type {type(value).__name__} is not computed", node)
+        return self.charged(node.attr, found, value) if callable(found) else found
+
+    def visit_Call(self, node: ast.Call) -> object:
+        function: Any = self.visit(node.func)
+        if isinstance(function, Unknown):
+            if self.tries:  # it could raise what the file handles
+                raise NotRead(function.reason, function.span or self.span(node))
+            return function
+        arguments = list(self._items(node.args))
+        keywords = self._keywords(node)
+        if isinstance(keywords, Unknown):
+            return keywords
+        self.at = node
+        if isinstance(function, ApiClass):
+            written = [keyword for keyword in node.keywords if keyword.arg is not None]
+            places = {str(keyword.arg): self.span(keyword.value) for keyword in written}
+            names = {str(keyword.arg): self._name_span(keyword) for keyword in written}
+            spans = [self.span(argument) for argument in node.args]
+            return function.make(arguments, keywords, self.span(node.func), spans, places, names)
+        if isinstance(function, Function):
+            return function.run(arguments, keywords)
+        if isinstance(function, UserClass):
+            return function.make(arguments, keywords)
+        return self._call_native(function, arguments, keywords, node)
+
+    def _keywords(self, node: ast.Call) -> dict[str, object] | Unknown:
+        found: dict[str, object] = {}
+        for keyword in node.keywords:
+            value = self._part(keyword.value)
+            if keyword.arg is not None:
+                found[keyword.arg] = value
+            elif isinstance(value, dict):
+                found.update({str(name): each for name, each in value.items()})
+            else:
+                return value if isinstance(value, Unknown) else self.unknown("'**' of no dict", node)
+        return found
+
+    def _call_native(self, function: Any, arguments: list[Any], keywords: dict[str, object], node: ast.Call) -> object:
+        if getattr(function, "takes_unknown", False):
+            self.budget.weigh(arguments)
+            return function(*arguments, **keywords)
+        if (unknown := self._first_unknown([*arguments, *keywords.values()])) is not None:
+            return unknown
+        if not callable(function) or isinstance(function, Module | Opened):
+            return self.unknown(f"a call of {type(function).__name__} is not computed", node)
+        if function in (str, int, float, bool) and any(isinstance(each, Made) for each in arguments):
+            return self.unknown("an object of the launch API is converted before its value is known", node)
+        return function(*arguments, **keywords)
+
+    def _first_unknown(self, value: object) -> Unknown | None:
+        self.budget.weigh(value)
+        return first_unknown(value)
+
+    def _name_span(self, keyword: ast.keyword) -> Span:
+        start = self._offset(keyword.lineno, keyword.col_offset)
+        return Span(self.source, start, start + len(keyword.arg or ""))
+
+
+class NotRead(Exception):  # noqa: N818 - the reason why a value is Unknown
+    """A part of a file that is not computed while reading."""
+
+    def __init__(self, reason: str, span: Span) -> None:
+        super().__init__(reason)
+        self.reason, self.span = reason, span
+
+
+class Known(ast.expr):
+    """A value that has been computed, in the place of an expression."""
+
+    def __init__(self, value: object) -> None:
+        super().__init__()
+        self.value = value
+        self.lineno = self.end_lineno = 1
+        self.col_offset = self.end_col_offset = 0
+
+
+def first_unknown(value: object) -> Unknown | None:
+    """Return the first Unknown in a value, its items included; None if all is known."""
+    if isinstance(value, Unknown):
+        return value
+    if isinstance(value, (list, tuple)):
+        for item in value:
+            if (found := first_unknown(item)) is not None:
+                return found
+    if isinstance(value, dict):
+        return first_unknown([*value, *value.values()])
+    return None
+
+
+def _is_list_sum(left: object, right: object) -> bool:
+    return isinstance(left, (list, tuple)) and isinstance(right, (list, tuple))
+
+
+BUILTINS: Mapping[str, object] = vars(builtins)
+
+
+def _not_called(*_: object) -> object:
+    raise TypeError("functions are called by a reader")

@@ -1,0 +1,305 @@
+"""Modules that launch files import, as far as they compute: os, pathlib, yaml, xacro, and the launch API.
+
+Files are read through the World, with its limits; nothing is written, started or sent.
+"""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from collections.abc import Callable
+from pathlib import PurePosixPath
+from typing import Any
+
+from ur.launchfile.plan.values import expression_functions as functions
+from ur.launchfile.ros2.api import modules
+from ur.launchfile.ros2.context import Context
+from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
+from ur.launchfile.ros2.python.objects import (
+    ApiClass,
+    ContextObject,
+    Instance,
+    Module,
+    Opened,
+    UserClass,
+    taking_unknown,
+)
+from ur.launchfile.world.protocol import PackageNotFound
+from ur.source.file import Span
+from ur.source.foreign.yaml_text import load_yaml
+from ur.source.suggest import did_you_mean
+
+_TRANSITIONS = (
+    *("CREATE", "CONFIGURE", "CLEANUP", "ACTIVATE", "DEACTIVATE", "UNCONFIGURED_SHUTDOWN", "INACTIVE_SHUTDOWN"),
+    *("ACTIVE_SHUTDOWN", "DESTROY"),
+)
+_IGNORED = frozenset(
+    {
+        *("__future__", "abc", "argparse", "collections", "copy", "dataclasses", "datetime", "enum", "functools"),
+        *("getpass", "glob", "importlib", "inspect", "itertools", "logging", "multiprocessing", "platform", "random"),
+        *("re", "shutil", "socket", "subprocess", "tempfile", "time", "uuid", "warnings"),
+    }
+)
+
+
+class PackageNotFoundError(KeyError):
+    """The exception of ament_index_python, as files handle it by its name."""
+
+
+class Library:
+    """The modules of one launch file in its context. `report` is called with what is wrong about a call."""
+
+    def __init__(self, context: Context, path: str, report: Callable[[DescriptionProblem], None]) -> None:
+        self._context, self._world, self._path, self._report = context, context.world, path, report
+        self._own: dict[str, Callable[[], Module]] = {
+            "os": self._os,
+            "os.path": self._os_path,
+            "math": lambda: Module("math", functions.MATH),
+            "typing": lambda: Module("typing", {"List": list, "Dict": dict, "TYPE_CHECKING": False}),
+            "pathlib": lambda: Module("pathlib", {"Path": self._make_path, "PurePath": self._make_path}),
+            "yaml": self._yaml,
+            "json": lambda: Module("json", {"loads": self._load_text, "load": self._load_text}),
+            "xacro": lambda: Module(
+                "xacro",
+                {
+                    "process_file": taking_unknown(self._expand),
+                    "process": taking_unknown(self._expand_text),
+                },
+            ),
+            "sys": lambda: Module(
+                "sys", {"path": [], "argv": ["ros2", "launch"], "executable": "/usr/bin/python3", "platform": "linux"}
+            ),
+            "ament_index_python": self._index,
+            "ament_index_python.packages": self._index,
+            "lifecycle_msgs.msg": self._lifecycle,
+            "launch_ros.events": lambda: Module(
+                "launch_ros.events", {"lifecycle": self.find("launch_ros.events.lifecycle")}
+            ),
+        }
+        self._at: Span | None = None
+        self.is_tried: Callable[[], bool] = lambda: False
+        """Whether a `try` of the file is around the present place."""
+
+    def find(self, name: str) -> Module | None:
+        """Return a module; None if it is none of those here."""
+        if name in self._own:
+            return self._own[name]()
+        found = modules().get(name)
+        if found is None and not any(known.startswith(name + ".") for known in (*modules(), *self._own)):
+            return Module(name, {}) if name.partition(".")[0] in _IGNORED else None
+        members: dict[str, object] = {
+            each: ApiClass(signature, self._report) for each, signature in (found or {}).items()
+        }
+        for known in (*modules(), *self._own):
+            parent, _, last = known.rpartition(".")
+            if parent == name and (inner := self.find(known)) is not None:
+                members.setdefault(last, inner)
+        if name in ("launch", "launch.launch_context"):
+            members["LaunchContext"] = lambda *_, **__: ContextObject(Context(self._world, self._context.budget, {}))
+        if name in ("launch.events", "launch.actions", "launch.event_handlers", "launch_ros.events"):
+            for helper in ("matches_action", "matches_node_name", "matches_pid"):
+                members[helper] = taking_unknown(_matcher)
+        if name == "launch_ros.events.lifecycle":
+            members["matches_node_name"] = taking_unknown(_matcher)
+        return Module(name, members)
+
+    def builtins(self) -> dict[str, object]:
+        """Return the names that every file has."""
+        return {
+            "__file__": self._path,
+            "__name__": "launch_file",
+            "open": self._open,
+            "print": taking_unknown(lambda *_, **__: None),
+            "isinstance": _is_instance,
+            "hasattr": lambda value, name: name in getattr(value, "values", ()),
+            "super": lambda *_: Module("super()", {"__init__": taking_unknown(lambda *_, **__: None)}),
+        }
+
+    def at(self, span: Span) -> None:
+        """Set the place of the statement that is being read, for messages."""
+        self._at = span
+
+    def find_share(self, package: str) -> str | Unknown:
+        """Return the share folder of a package; a package that is missing is reported once.
+
+        Where the file itself handles this, PackageNotFoundError is raised.
+        """
+        if self.is_tried():
+            try:
+                self._world.find_package(package)
+            except (PackageNotFound, OSError, ValueError):
+                raise PackageNotFoundError(package) from None
+        return self._context.find_share(package, self._at)
+
+    def find_prefix(self, package: str) -> str | Unknown:
+        """Return the folder into which a package is installed, likewise."""
+        share = self.find_share(package)
+        return share if isinstance(share, Unknown) else share.removesuffix(f"/share/{package}")
+
+    # -- modules
+
+    def _index(self) -> Module:
+        members: dict[str, object] = {
+            "get_package_share_directory": lambda name, *_, **__: self.find_share(name),
+            "get_package_share_path": lambda name, *_, **__: self._as_path(self.find_share(name)),
+            "get_package_prefix": self.find_prefix,
+            "PackageNotFoundError": PackageNotFoundError,
+        }
+        return Module(
+            "ament_index_python.packages", {**members, "packages": Module("ament_index_python.packages", members)}
+        )
+
+    def _lifecycle(self) -> Module:
+        states = {f"TRANSITION_{name}": number for number, name in enumerate(_TRANSITIONS)}
+        primary = {
+            f"PRIMARY_STATE_{name}": number
+            for number, name in enumerate(("UNKNOWN", "UNCONFIGURED", "INACTIVE", "ACTIVE", "FINALIZED"))
+        }
+        return Module(
+            "lifecycle_msgs.msg", {"Transition": Module("Transition", states), "State": Module("State", primary)}
+        )
+
+    def _os(self) -> Module:
+        environment = self._context.environment
+        return Module(
+            "os",
+            {
+                "path": self._os_path(),
+                "environ": environment,
+                "getenv": environment.get,
+                "sep": "/",
+                "pathsep": ":",
+                "linesep": "\n",
+                "name": "posix",
+                "getcwd": lambda: self._world.absolute("."),
+                "listdir": lambda path=".": list(self._world.list_folder(str(path))),
+                "PathLike": PurePosixPath,
+            },
+        )
+
+    def _os_path(self) -> Module:
+        world = self._world
+
+        def absolute(path: object) -> str:
+            return world.absolute(str(path))
+
+        def expand(path: object) -> str:
+            text, home = str(path), self._context.environment.get("HOME", "")
+            return home + text[1:] if text == "~" or text.startswith("~/") else text
+
+        def fill(path: object) -> str:
+            known = self._context.environment
+            return re.sub(r"\$(\w+)|\$\{(\w+)\}", lambda found: known.get(found[1] or found[2], found[0]), str(path))
+
+        pure = {
+            name: _on_texts(getattr(posixpath, name)) for name in ("join", "dirname", "basename", "normpath", "split")
+        }
+        pure |= {name: _on_texts(getattr(posixpath, name)) for name in ("splitext", "isabs", "relpath", "commonpath")}
+        return Module(
+            "os.path",
+            {
+                **pure,
+                "sep": "/",
+                "abspath": absolute,
+                "realpath": absolute,
+                "expanduser": expand,
+                "expandvars": fill,
+                "exists": lambda path: world.is_file(str(path)) or bool(world.list_folder(str(path))),
+                "isfile": lambda path: world.is_file(str(path)),
+                "isdir": lambda path: bool(world.list_folder(str(path))),
+            },
+        )
+
+    def _yaml(self) -> Module:
+        loads = dict.fromkeys(("safe_load", "load", "full_load", "unsafe_load"), self._load_text)
+        types = dict.fromkeys(("SafeLoader", "FullLoader", "Loader", "CSafeLoader"), None)
+        return Module("yaml", {**loads, **types, "YAMLError": ValueError})
+
+    # -- functions
+
+    def _as_path(self, value: str | Unknown) -> PurePosixPath | Unknown:
+        return value if isinstance(value, Unknown) else PurePosixPath(value)
+
+    def _make_path(self, *parts: object) -> PurePosixPath:
+        return PurePosixPath(*(str(part) for part in parts))
+
+    def _open(self, path: object, mode: str = "r", *_: object, **__: object) -> object:
+        if set(mode) - set("rtb"):
+            return Unknown("the file writes a file", self._at)
+        try:
+            text = self._world.read_bytes(str(path)).decode(errors="replace")
+            return Opened(str(path), text.replace("\r\n", "\n"))
+        except OSError as problem:
+            reason = (problem.strerror or str(problem)).lower()
+            raise FileNotFoundError(f"{path}: {reason}") from None
+
+    def _load_text(self, value: object, *_: object, **__: object) -> object:
+        text = value.text if isinstance(value, Opened) else value
+        if not isinstance(text, str):
+            return Unknown("what it reads is not a text", self._at)
+        self._context.budget.charge(len(text))
+        return load_yaml(text)
+
+    def _expand_text(self, *arguments: Any, **keywords: Any) -> object:
+        text: Any = self._expand(*arguments, **keywords).members["toxml"]
+        return text()
+
+    def _expand(self, path: object, *_: object, mappings: object = None, **__: object) -> Module:
+        words: list[object] = ["xacro ", path]
+        if isinstance(mappings, dict):
+            for name, value in mappings.items():
+                words += [" ", name, ":=", value]
+        made = Made("Command", {"command": words}, self._at) if self._at is not None else None
+        text = taking_unknown(lambda *_, **__: made)
+        return Module(
+            "the expanded file", {"toxml": text, "toprettyxml": text, "documentElement": Unknown("xacro", self._at)}
+        )
+
+
+def _on_texts(function: Callable[..., object]) -> Callable[..., object]:
+    def call(*paths: Any) -> object:
+        for path in paths:
+            if isinstance(path, Made):
+                raise TypeError(f"a path is {path.kind}, expected a text: use PathJoinSubstitution")
+        return function(*(path if isinstance(path, list) else str(path) for path in paths))
+
+    return call
+
+
+def _is_instance(value: object, kind: object) -> object:
+    kinds = kind if isinstance(kind, tuple) else (kind,)
+    for each in kinds:
+        if isinstance(each, type) and isinstance(value, each):
+            return True
+        if isinstance(each, UserClass) and isinstance(value, Instance) and value.of is each:
+            return True
+        if isinstance(each, ApiClass) and (
+            (isinstance(value, Made) and each.signature.kind in (value.kind, "Action", "Substitution"))
+            or (isinstance(value, Instance) and each.signature.kind == "Substitution")
+        ):
+            return True
+    return False
+
+
+def _matcher(*values: object, **keywords: object) -> object:
+    return ("matches", *values, *keywords.values())
+
+
+def missing_member(module: Module, name: str, span: Span) -> DescriptionProblem:
+    """Return the problem that a module of the launch API has no such name."""
+    near = did_you_mean(name, module.members)
+    places = [known for known, classes in modules().items() if name in classes]
+    if places:
+        help_ = f"import it from {places[0]}"
+    elif near:
+        help_ = f"did you mean {near}?"
+    else:
+        help_ = "see the documentation of this module"
+    return DescriptionProblem(
+        f"{module.name} has no {name}, expected a name that it has", "launch-import", span, help_, name
+    )
+
+
+def is_api(name: str) -> bool:
+    """Return whether a module belongs to the launch API, all of whose names are known."""
+    return name in modules() and not name.startswith("nav2_common")

@@ -1,0 +1,362 @@
+"""Objects that a Python launch file works with while it is read: names, functions, modules, classes, opened files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import PurePosixPath
+from typing import TYPE_CHECKING, Any, cast
+
+from ur.launchfile.ros2.api import Signature
+from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
+from ur.source.file import Span
+from ur.source.suggest import did_you_mean
+
+if TYPE_CHECKING:
+    import ast
+
+    from ur.launchfile.ros2.context import Context
+
+
+class Frame:
+    """The names of a module or of a call, and those around it."""
+
+    __slots__ = ("names_here", "outer")
+
+    def __init__(self, outer: Frame | None = None, names: dict[str, object] | None = None) -> None:
+        self.outer = outer
+        self.names_here: dict[str, object] = names or {}
+
+    def find(self, name: str) -> object:
+        """Return the value of a name. Raises KeyError."""
+        frame: Frame | None = self
+        while frame is not None:
+            if name in frame.names_here:
+                return frame.names_here[name]
+            frame = frame.outer
+        raise KeyError(name)
+
+    def names(self) -> list[str]:
+        """Return all names."""
+        return [*self.names_here, *(self.outer.names() if self.outer else ())]
+
+    @property
+    def module(self) -> Frame:
+        """The frame of the module."""
+        return self if self.outer is None else self.outer.module
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """A function of a file, and what it does when it is called."""
+
+    name: str
+    node: ast.FunctionDef | ast.Lambda
+    call_function: CallFunction
+    frame: Frame
+    defaults: tuple[object, ...] = ()
+    named_defaults: Mapping[str, object] | None = None
+
+    def run(self, arguments: list[object], keywords: dict[str, object]) -> object:
+        """Return the result of a call."""
+        return self.call_function(self, arguments, keywords)
+
+    def __call__(self, *arguments: object, **keywords: object) -> object:
+        """Return the result of a call by a function of Python, such as `map`."""
+        return self.run(list(arguments), keywords)
+
+    def call(self, context: Context, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> object:
+        """Return the result of a call by an action."""
+        return self.run([ContextObject(context), *arguments], dict(keywords))
+
+
+CallFunction = Callable[[Function, "list[object]", "dict[str, object]"], object]
+
+
+@dataclass(frozen=True, slots=True)
+class StaticFunction:
+    """A static method of a class of a file."""
+
+    function: Function
+
+
+@dataclass(frozen=True, slots=True)
+class UserClass:
+    """A class of a file, without what it inherits."""
+
+    name: str
+    members: Mapping[str, object]
+
+    def find(self, name: str, span: Span | None) -> object:
+        """Return a member; a method takes its object as an argument."""
+        found = self.members.get(name, Unknown(f"{self.name}.{name} is not computed while reading", span))
+        return found.function if isinstance(found, StaticFunction) else found
+
+    def make(self, arguments: list[object], keywords: dict[str, object]) -> Instance:
+        """Return an object."""
+        made = Instance(self, {})
+        begin = self.members.get("__init__")
+        if isinstance(begin, Function):
+            begin.run([made, *arguments], keywords)
+        return made
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Instance:
+    """An object of a class of a file."""
+
+    of: UserClass
+    attributes: dict[str, object]
+
+    def find(self, name: str, span: Span | None) -> object:
+        """Return an attribute or a method."""
+        if name in self.attributes:
+            return self.attributes[name]
+        found = self.of.find(name, span)
+        is_method = isinstance(self.of.members.get(name), Function)
+        return taking_unknown(partial(cast("Function", found), self)) if is_method else found
+
+    def perform(self, context: Context) -> object:
+        """Return the text of a substitution of the file's own."""
+        found = self.of.members.get("perform")
+        if isinstance(found, Function):
+            return found.run([self, ContextObject(context)], {})
+        return Unknown(f"{self.of.name} has no perform()")
+
+
+@dataclass(frozen=True, slots=True)
+class Module:
+    """A module with its members; what is not there is Unknown."""
+
+    name: str
+    members: Mapping[str, object]
+
+
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """A file that was opened for reading."""
+
+    path: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class ContextObject:
+    """The launch context, as functions of OpaqueFunction get it."""
+
+    context: Context
+
+
+@dataclass(frozen=True, slots=True)
+class ApiClass:
+    """A class of the launch API."""
+
+    signature: Signature
+    report: Callable[[DescriptionProblem], None]
+
+    def make(
+        self,
+        arguments: list[object],
+        keywords: dict[str, object],
+        span: Span,
+        spans: list[Span],
+        places: dict[str, Span],
+        names: dict[str, Span],
+    ) -> Made:
+        """Return an object; wrong arguments are reported, and left out."""
+        signature = self.signature
+        values, kind = dict(keywords), signature.kind
+        positional = signature.positional
+        if positional and positional[0].startswith("*"):
+            values[positional[0][1:]], arguments = list(arguments), []
+        for index, value in enumerate(arguments):
+            if index >= len(positional):
+                few = f"at most {len(positional)}" if positional else "none"
+                self._report(
+                    f"{kind} has {len(arguments)} arguments without a name, expected {few}", spans[index], kind
+                )
+                break
+            values[positional[index]] = value
+            places[positional[index]] = spans[index]
+        for name in keywords:
+            if name not in signature.keywords:
+                self._report_keyword(name, names[name])
+                present = signature.removed.get(name)
+                value = values.pop(name)
+                if present:
+                    values.setdefault(present, value)
+        missing = sorted(signature.required - set(values))
+        if missing:
+            self._report(
+                f"{kind} has no {' and no '.join(missing)}, expected {'it' if len(missing) == 1 else 'them'}",
+                span,
+                kind,
+            )
+        return Made(kind, values, span, places)
+
+    def _report_keyword(self, name: str, span: Span) -> None:
+        signature = self.signature
+        present = signature.removed.get(name) or did_you_mean(name, signature.keywords)
+        was = "was removed from" if name in signature.removed else "is not an argument of"
+        known = ", ".join(sorted(signature.keywords)) or "none"
+        help_ = f"write {present}=" if present else f"it has: {known}"
+        self.report(
+            DescriptionProblem(
+                f"'{name}' {was} {signature.kind}, expected one that it has", "launch-argument", span, help_, name
+            )
+        )
+
+    def _report(self, message: str, span: Span, subject: str) -> None:
+        self.report(DescriptionProblem(message, "launch-argument", span, None, subject))
+
+
+def attribute_of(value: object, name: str, span: Span) -> tuple[bool, object]:
+    """Return whether an object is one of those here, and its attribute."""
+    if isinstance(value, Module):
+        if name in value.members:
+            return True, value.members[name]
+        return True, Unknown(f"{value.name}.{name} is not computed while reading", span)
+    if isinstance(value, ApiClass | Function):
+        return True, Unknown(f"'.{name}' of a class or function is not computed while reading", span)
+    if isinstance(value, Instance | UserClass):
+        return True, value.find(name, span)
+    if isinstance(value, ContextObject):
+        return True, _attribute_of_context(value.context, name, span)
+    if isinstance(value, Made):
+        return True, _attribute_of_made(value, name, span)
+    if isinstance(value, Opened):
+        members = {"read": lambda *_: value.text, "name": value.path, "close": lambda: None}
+        members["readlines"] = lambda *_: value.text.splitlines(keepends=True)
+        return True, members.get(name, Unknown(f"'.{name}' of a file is not computed while reading", span))
+    if isinstance(value, PurePosixPath):
+        return True, _attribute_of_path(value, name, span)
+    if isinstance(value, list) and name in _LIST_CHANGES:
+        return True, _changing(value, name)
+    if isinstance(value, dict) and name in _DICT_CHANGES:
+        return True, _changing(value, name)
+    if isinstance(value, Mapping) and not isinstance(value, dict):
+        return True, getattr(value, name) if name in (
+            "get",
+            "items",
+            "keys",
+            "values",
+            "copy",
+            "setdefault",
+        ) else Unknown(f"'.{name}' is not computed while reading", span)
+    return False, None
+
+
+_LIST_CHANGES = frozenset({"append", "extend", "insert", "pop", "remove", "reverse", "clear"})
+_DICT_CHANGES = frozenset({"update", "setdefault", "pop", "clear"})
+
+
+def _changing(value: object, name: str) -> Callable[..., object]:
+    def call(*arguments: object, **keywords: object) -> object:
+        if name in ("extend", "update") and any(isinstance(each, Unknown) for each in arguments):
+            if isinstance(value, list):
+                value.extend(arguments)
+            return None
+        return getattr(value, name)(*arguments, **keywords)
+
+    call.takes_unknown = True  # type: ignore[attr-defined]
+    return call
+
+
+def _attribute_of_made(made: Made, name: str, span: Span) -> object:
+    if name == "perform":
+        return taking_unknown(lambda context: _perform(made, context, span))
+    if name == "evaluate":
+        return taking_unknown(lambda context: _evaluate(made, context, span))
+    if made.kind == "LaunchDescription":
+        entities: Any = made.values.setdefault("initial_entities", [])
+        if name in ("add_action", "add_entity"):
+            return taking_unknown(lambda action: entities.append(action))
+        if name == "entities":
+            return entities
+    return made.values.get(name, Unknown(f"'.{name}' of {made.kind} is not computed while reading", span))
+
+
+def _perform(made: Made, context: object, span: Span) -> object:
+    from ur.launchfile.ros2.substitutions import perform
+
+    if not isinstance(context, ContextObject):
+        return Unknown("the launch context is not known here", span)
+    return perform(made, context.context)
+
+
+def _evaluate(made: Made, context: object, span: Span) -> object:
+    from ur.launchfile.ros2.substitutions import is_wanted
+
+    if not isinstance(context, ContextObject):
+        return Unknown("the launch context is not known here", span)
+    return is_wanted(made, context.context)
+
+
+def _attribute_of_context(context: Context, name: str, span: Span) -> object:
+    from ur.launchfile.ros2.substitutions import perform
+
+    members: dict[str, object] = {
+        "launch_configurations": context.configurations,
+        "environment": context.environment,
+        "perform_substitution": taking_unknown(lambda value: perform(value, context)),
+    }
+    return members.get(name, Unknown(f"'.{name}' of the launch context is not computed while reading", span))
+
+
+def taking_unknown(function: Callable[..., object]) -> Callable[..., object]:
+    """Return a function that is called with values that are not known, too."""
+
+    def call(*arguments: object, **keywords: object) -> object:
+        return function(*arguments, **keywords)
+
+    call.takes_unknown = True  # type: ignore[attr-defined]
+    return call
+
+
+def _attribute_of_path(path: PurePosixPath, name: str, span: Span) -> object:
+    if name in ("name", "stem", "suffix", "parent", "parts"):
+        return getattr(path, name)
+    if name in ("as_posix", "__str__"):
+        return lambda: str(path)
+    if name in ("joinpath", "with_suffix", "with_name"):
+        return lambda *parts: getattr(path, name)(*map(str, parts))
+    if name in ("resolve", "absolute", "expanduser"):
+        return lambda *_: path
+    if name == "parents":
+        return list(path.parents)
+    return Unknown(f"'.{name}' of a path is not computed while reading", span)
+
+
+def bind(function: Function, arguments: list[object], keywords: dict[str, object]) -> dict[str, object]:
+    """Return the names of a call. Raises TypeError, as Python does."""
+    given = function.node.args
+    names = [each.arg for each in (*given.posonlyargs, *given.args)]
+    bound: dict[str, object] = dict(zip(names, arguments, strict=False))
+    extra = arguments[len(names) :]
+    if extra and given.vararg is None:
+        raise TypeError(f"{function.name}() has {len(arguments)} arguments, expected at most {len(names)}")
+    if given.vararg is not None:
+        bound[given.vararg.arg] = tuple(extra)
+    left = {}
+    for name, value in keywords.items():
+        if name in names or name in {each.arg for each in given.kwonlyargs}:
+            bound[name] = value
+        else:
+            left[name] = value
+    if left and given.kwarg is None:
+        raise TypeError(f"{function.name}() has no argument {_join(left)}")
+    if given.kwarg is not None:
+        bound[given.kwarg.arg] = left
+    for name, value in zip(reversed(names), reversed(function.defaults), strict=False):
+        bound.setdefault(name, value)
+    for name, value in (function.named_defaults or {}).items():
+        bound.setdefault(name, value)
+    missing = [name for name in (*names, *(each.arg for each in given.kwonlyargs)) if name not in bound]
+    if missing:
+        raise TypeError(f"{function.name}() needs {_join(missing)}")
+    return bound
+
+
+def _join(names: Iterable[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)

@@ -1,0 +1,465 @@
+"""Reader of Python launch files: from their text to a description, without running them.
+
+Straight code, conditions, loops and the file's own functions are followed as long as their values are certain. A name
+that depends on what is not certain is Unknown from there on. Nothing of the file is executed by Python.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from typing import cast
+
+from ur.launchfile.plan.values.budget import TooLong
+from ur.launchfile.ros2.context import Context
+from ur.launchfile.ros2.model import Description, DescriptionProblem, Made, Unknown
+from ur.launchfile.ros2.python.expressions import BUILTINS, Expressions, NotRead
+from ur.launchfile.ros2.python.modules import Library, is_api, missing_member
+from ur.launchfile.ros2.python.objects import Frame, Function, Instance, Module, Opened, StaticFunction, UserClass, bind
+from ur.source.file import SourceFile, Span
+
+ENTRY = "generate_launch_description"
+_DEEPEST = 60  # calls
+_MOST_LOOPS = 10_000
+_PER_STATEMENT, _PER_CALL, _PER_GAP = 40, 200, 500  # units of work
+
+
+def read_python(path: str, text: str, context: Context) -> Description:
+    """Read a Python launch file. Never raises for its content."""
+    source = SourceFile(path, text)
+    try:
+        tree = ast.parse(text)
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as problem:
+        return Description(path, None, (_syntax_problem(source, problem),))
+    reader = _Reader(source, context)
+    return reader.read(tree)
+
+
+def _syntax_problem(source: SourceFile, problem: BaseException) -> DescriptionProblem:
+    line = getattr(problem, "lineno", None) or 1
+    column = max((getattr(problem, "offset", None) or 1) - 1, 0)
+    lines = source.text.count("\n") + 1
+    start = min(source.offset_of_line(min(line, lines)) + column, len(source.text))
+    reason = getattr(problem, "msg", None) or str(problem) or "nested too deep"
+    return DescriptionProblem(
+        f"not Python: {reason}",
+        "python-syntax",
+        Span(source, start, min(start + 1, len(source.text))),
+        "correct this line",
+    )
+
+
+class _Returned(Exception):  # noqa: N818 - ends a function
+    def __init__(self, value: object) -> None:
+        super().__init__()
+        self.value = value
+
+
+class _LoopEnd(Exception):  # noqa: N818 - ends a loop, or a round of it
+    def __init__(self, *, again: bool) -> None:
+        super().__init__()
+        self.again = again
+
+
+class _Reader:
+    def __init__(self, source: SourceFile, context: Context) -> None:
+        self._problems: list[DescriptionProblem] = []
+        self._gaps: list[Unknown] = []
+        self._library = Library(context, source.path, self._report)
+        self._context = context
+        outermost = Frame(names={name: value for name, value in self._library.builtins().items() if value is not None})
+        self._expressions = Expressions(source, context.budget, Frame(outermost))
+        self._expressions.find_share, self._expressions.find_prefix = (
+            self._library.find_share,
+            self._library.find_prefix,
+        )
+        self._expressions.call_function, self._expressions.report = self._call, self._report
+        self._library.is_tried = lambda: self._expressions.tries > 0
+        self._depth = 0
+
+    def read(self, tree: ast.Module) -> Description:
+        path = self._expressions.source.path
+        self._context.budget.begin()
+        try:
+            self._run(tree.body)
+            found = self._expressions.frame.names_here.get(ENTRY)
+            if not isinstance(found, Function):
+                problem = self._no_entry(found)
+                return Description(path, None, (*self._problems, *problem), tuple(self._gaps))
+            try:
+                launch = found.run([], {})
+            except TypeError as problem:  # it has parameters
+                span = self._expressions.span(found.node)
+                help_ = "ros2 launch calls it without arguments"
+                raise DescriptionProblem(str(problem), "launch-function", span, help_, ENTRY) from None
+        except DescriptionProblem as problem:
+            self._problems.append(problem)
+            return Description(path, None, tuple(self._problems), tuple(self._gaps))
+        except (TooLong, RecursionError) as problem:
+            self._gaps.append(Unknown(str(problem) or "it is nested too deep", None))
+            return Description(path, None, tuple(self._problems), tuple(self._gaps))
+        if isinstance(launch, Unknown):
+            self._gaps.append(launch)
+        if isinstance(launch, Made) and launch.kind == "LaunchDescription":
+            return Description(path, launch, tuple(self._problems), tuple(self._gaps))
+        if not isinstance(launch, Unknown):
+            span = self._expressions.span(found.node)
+            self._problems.append(
+                DescriptionProblem(f"{ENTRY}() returns no LaunchDescription", "launch-function", span, "return one")
+            )
+        return Description(path, None, tuple(self._problems), tuple(self._gaps))
+
+    def _no_entry(self, found: object) -> tuple[DescriptionProblem, ...]:
+        if isinstance(found, Unknown):
+            self._gaps.append(found)
+            return ()
+        source = self._expressions.source
+        return (
+            DescriptionProblem(
+                f"no function {ENTRY}(), expected one: ros2 launch calls it", "launch-function",
+                Span(source, 0, min(len(source.text), 1)), f"define it: def {ENTRY}(): return LaunchDescription([...])",
+            ),
+        )  # fmt: skip
+
+    def _report(self, problem: DescriptionProblem) -> None:
+        if not any(known.span == problem.span and known.message == problem.message for known in self._problems):
+            self._problems.append(problem)
+        self._context.report(problem)
+
+    def _gap(self, unknown: Unknown) -> None:
+        if unknown not in self._gaps:
+            self._gaps.append(unknown)
+        self._context.add_gap(unknown)
+
+    # -- statements
+
+    def _run(self, body: Sequence[ast.stmt]) -> None:
+        for statement in body:
+            self._context.budget.spend(_PER_STATEMENT)
+            self._library.at(self._expressions.span(statement))
+            if isinstance(statement, (ast.Pass, ast.Global, ast.Nonlocal, ast.Assert)):
+                continue
+            method = getattr(self, f"_run_{type(statement).__name__}", None)
+            try:
+                if method is None:
+                    raise NotRead(
+                        f"'{_name_of(statement)}' is not followed while reading", self._expressions.span(statement)
+                    )
+                method(statement)
+            except (_Returned, _LoopEnd, TooLong, RecursionError, DescriptionProblem):
+                raise
+            except NotRead as problem:
+                if self._expressions.tries:  # it could have raised: nothing of the `try` is certain
+                    raise
+                self._context.budget.spend(_PER_GAP)
+                self._give_up(statement, Unknown(problem.reason, problem.span))
+            except Exception as problem:  # what Python raises for the values of the file
+                if self._expressions.tries:
+                    raise
+                at = self._expressions.at or statement
+                text = f"{type(problem).__name__}: {problem}".rstrip(": ")
+                self._give_up(statement, Unknown(f"it raises {text}", self._expressions.span(at)))
+
+    def _give_up(self, statement: ast.stmt, unknown: Unknown) -> None:
+        """Make all names Unknown that a statement assigns; a function that could return there returns Unknown."""
+        for name in _assigned(statement):
+            self._expressions.frame.names_here[name] = unknown
+        if any(isinstance(each, ast.Return) for each in _walk_here(statement)):
+            raise _Returned(unknown)
+        if not isinstance(statement, (ast.Assign, ast.AnnAssign, ast.AugAssign, ast.Import, ast.ImportFrom)):
+            self._gap(unknown)
+
+    def _run_Import(self, node: ast.Import) -> None:  # noqa: N802
+        for alias in node.names:
+            names = self._expressions.frame.names_here
+            whole = self._find_module(alias.name) or self._missing_module(alias.name, node)
+            if alias.asname or "." not in alias.name:
+                names[alias.asname or alias.name] = whole
+                continue
+            top, *inner = alias.name.split(".")
+            module: object = self._find_module(top) or names.get(top)
+            if not inner or not isinstance(module, Module) or inner[0] not in module.members:
+                for part in reversed(inner[1:]):
+                    whole = Module(part, {part: whole})
+                known = module.members if isinstance(module, Module) else {}
+                module = Module(top, {**known, inner[0]: whole})
+            names[top] = module
+
+    def _run_ImportFrom(self, node: ast.ImportFrom) -> None:  # noqa: N802
+        name = "." * node.level + (node.module or "")
+        module = self._find_module(name)
+        names = self._expressions.frame.names_here
+        for alias in node.names:
+            target = alias.asname or alias.name
+            if module is None:
+                names[target] = self._missing_module(name, node)
+            elif alias.name == "*":
+                names.update(module.members)
+            elif alias.name in module.members:
+                names[target] = module.members[alias.name]
+            elif is_api(name):
+                self._report(missing_member(module, alias.name, self._expressions.span(alias)))
+                names[target] = Unknown(f"{name} has no {alias.name}", self._expressions.span(alias))
+            else:
+                names[target] = self._find_module(f"{name}.{alias.name}") or Unknown(
+                    f"{name}.{alias.name} is not computed while reading", self._expressions.span(node)
+                )
+
+    def _find_module(self, name: str) -> Module | None:
+        """Return a module: one that is known, or a file of a package or beside the launch file, which is read."""
+        known = self._library.find(name)
+        if known is not None:
+            return known
+        context = self._context
+        for path in context.module_paths(name, self._expressions.source.path):
+            if path not in context.modules:
+                context.modules[path] = None  # while it is read: modules may import one another
+                context.modules[path] = self._read_module(name, path)
+            return cast("Module | None", context.modules[path])
+        return None
+
+    def _read_module(self, name: str, path: str) -> Module | None:
+        try:
+            text = self._context.world.read_bytes(path).decode(errors="replace")
+            tree = ast.parse(text)
+        except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
+            return None
+        self._context.budget.charge(len(text))
+        reader = _Reader(SourceFile(path, text), self._context)
+        with suppress(DescriptionProblem):
+            reader._run(tree.body)
+        return Module(name, reader._expressions.frame.names_here)
+
+    def _missing_module(self, name: str, node: ast.stmt) -> Unknown:
+        return Unknown(f"the module {name} is not followed while reading", self._expressions.span(node))
+
+    def _run_FunctionDef(self, node: ast.FunctionDef) -> None:  # noqa: N802
+        here = self._expressions
+        defaults = tuple(here.visit(each) for each in node.args.defaults)
+        named = {
+            each.arg: here.visit(value)
+            for each, value in zip(node.args.kwonlyargs, node.args.kw_defaults, strict=True)
+            if value is not None
+        }
+        function = Function(node.name, node, self._call, here.frame, defaults, named)
+        value: object = function
+        kinds = [each.id for each in node.decorator_list if isinstance(each, ast.Name)]
+        if kinds == ["staticmethod"]:
+            value = StaticFunction(function)
+        elif node.decorator_list:
+            value = Unknown(f"the decorated function {node.name} is not followed while reading", here.span(node))
+        here.frame.names_here[node.name] = value
+
+    def _run_ClassDef(self, node: ast.ClassDef) -> None:  # noqa: N802
+        here = self._expressions
+        if node.decorator_list or node.keywords:
+            raise NotRead(f"the class {node.name} is not followed while reading", here.span(node))
+        outer, here.frame = here.frame, Frame(here.frame)
+        try:
+            self._run(node.body)
+            members = here.frame.names_here
+        finally:
+            here.frame = outer
+        here.frame.names_here[node.name] = UserClass(node.name, members)
+
+    def _call(self, function: Function, arguments: list[object], keywords: dict[str, object]) -> object:
+        here = self._expressions
+        self._context.budget.spend(_PER_CALL)
+        if self._depth >= _DEEPEST:
+            raise RecursionError("functions call one another too deep")
+        bound = bind(function, arguments, keywords)
+        outer, here.frame = here.frame, Frame(function.frame, bound)
+        variables, here.variables = here.variables, []
+        tries, self._expressions.tries = self._expressions.tries, 0
+        self._depth += 1
+        try:
+            if isinstance(function.node, ast.Lambda):
+                return here.visit(function.node.body)
+            self._run(function.node.body)
+        except _Returned as returned:
+            return returned.value
+        finally:
+            here.frame, here.variables, self._expressions.tries = outer, variables, tries
+            self._depth -= 1
+        return None
+
+    def _run_Return(self, node: ast.Return) -> None:  # noqa: N802
+        raise _Returned(self._expressions.visit(node.value) if node.value is not None else None)
+
+    def _run_Assign(self, node: ast.Assign) -> None:  # noqa: N802
+        value = self._expressions.visit(node.value)
+        for target in node.targets:
+            self._assign(target, value)
+
+    def _run_AnnAssign(self, node: ast.AnnAssign) -> None:  # noqa: N802
+        if node.value is not None:
+            self._assign(node.target, self._expressions.visit(node.value))
+
+    def _run_AugAssign(self, node: ast.AugAssign) -> None:  # noqa: N802
+        here = self._expressions
+        load = (
+            ast.copy_location(ast.Name(node.target.id, ast.Load()), node.target)
+            if isinstance(node.target, ast.Name)
+            else None
+        )
+        if load is None:
+            raise NotRead("this assignment is not followed while reading", here.span(node))
+        known, added = here.visit(load), node.value
+        if isinstance(known, list) and isinstance(node.op, ast.Add):
+            values = here.visit(added)
+            self._context.budget.weigh(values)
+            known.extend(values if isinstance(values, (list, tuple)) else [values])  # in place, as Python does
+            return
+        self._assign(node.target, here.visit(ast.copy_location(ast.BinOp(load, node.op, added), node)))
+
+    def _assign(self, target: ast.expr, value: object) -> None:
+        here = self._expressions
+        if isinstance(target, ast.Name):
+            here.frame.names_here[target.id] = value
+        elif isinstance(target, (ast.Tuple, ast.List)):
+            if isinstance(value, Unknown):
+                for part in target.elts:
+                    self._assign(part, value)
+                return
+            values = list(value) if isinstance(value, (list, tuple, str, dict, range)) else []
+            if len(values) != len(target.elts) or any(isinstance(part, ast.Starred) for part in target.elts):
+                raise NotRead("this assignment is not followed while reading", here.span(target))
+            for part, each in zip(target.elts, values, strict=True):
+                self._assign(part, each)
+        elif isinstance(target, ast.Subscript):
+            container, index = here.visit(target.value), here.visit(target.slice)
+            if isinstance(container, (dict, list)) and not isinstance(index, Unknown):
+                container[index] = value  # type: ignore[call-overload]
+            elif not isinstance(container, Unknown):
+                raise NotRead("this assignment is not followed while reading", here.span(target))
+        elif isinstance(target, ast.Attribute) and isinstance(owner := here.visit(target.value), Instance):
+            owner.attributes[target.attr] = value
+        else:
+            raise NotRead("an attribute is assigned", here.span(target))
+
+    def _run_Expr(self, node: ast.Expr) -> None:  # noqa: N802
+        self._expressions.visit(node.value)
+
+    def _run_If(self, node: ast.If) -> None:  # noqa: N802
+        test = self._expressions.visit(node.test)
+        if isinstance(test, Unknown):
+            self._give_up(node, test)
+        else:
+            self._run(node.body if test else node.orelse)
+
+    def _run_For(self, node: ast.For) -> None:  # noqa: N802
+        values = self._expressions.visit(node.iter)
+        if isinstance(values, Unknown):
+            self._give_up(node, values)
+            return
+        for value in list(values):  # type: ignore[call-overload]
+            self._assign(node.target, value)
+            try:
+                self._run(node.body)
+            except _LoopEnd as end:
+                if not end.again:
+                    return
+        self._run(node.orelse)
+
+    def _run_While(self, node: ast.While) -> None:  # noqa: N802
+        for _ in range(_MOST_LOOPS):
+            test = self._expressions.visit(node.test)
+            if isinstance(test, Unknown):
+                self._give_up(node, test)
+                return
+            if not test:
+                return
+            try:
+                self._run(node.body)
+            except _LoopEnd as end:
+                if not end.again:
+                    return
+        raise NotRead("this loop does not end", self._expressions.span(node))
+
+    def _run_Break(self, _: ast.Break) -> None:  # noqa: N802
+        raise _LoopEnd(again=False)
+
+    def _run_Continue(self, _: ast.Continue) -> None:  # noqa: N802
+        raise _LoopEnd(again=True)
+
+    def _run_With(self, node: ast.With) -> None:  # noqa: N802
+        for item in node.items:
+            value = self._expressions.visit(item.context_expr)
+            if not isinstance(value, Opened | Unknown):
+                raise NotRead("'with' is followed for files only", self._expressions.span(node))
+            if item.optional_vars is not None:
+                self._assign(item.optional_vars, value)
+        self._run(node.body)
+
+    def _run_Try(self, node: ast.Try) -> None:  # noqa: N802
+        self._expressions.tries += 1
+        try:
+            self._run(node.body)
+        except (_Returned, _LoopEnd, TooLong, RecursionError, DescriptionProblem, NotRead):
+            self._expressions.tries -= 1
+            self._run(node.finalbody)
+            raise
+        except Exception as problem:
+            self._expressions.tries -= 1
+            self._handle(node, problem)
+        else:
+            self._expressions.tries -= 1
+            self._run(node.orelse)
+        self._run(node.finalbody)
+
+    def _handle(self, node: ast.Try, problem: Exception) -> None:
+        names = {each.__name__ for each in type(problem).__mro__}
+        for handler in node.handlers:
+            given = handler.type
+            wanted = [] if given is None else given.elts if isinstance(given, ast.Tuple) else [given]
+            known = {each.attr if isinstance(each, ast.Attribute) else getattr(each, "id", "") for each in wanted}
+            if given is None or known & names:
+                if handler.name:
+                    self._expressions.frame.names_here[handler.name] = str(problem)
+                self._run(handler.body)
+                return
+        raise problem
+
+    def _run_Raise(self, node: ast.Raise) -> None:  # noqa: N802
+        made = node.exc.func if isinstance(node.exc, ast.Call) else node.exc
+        kind = BUILTINS.get(made.id) if isinstance(made, ast.Name) else None
+        if isinstance(kind, type) and issubclass(kind, Exception) and not issubclass(kind, RecursionError):
+            arguments = node.exc.args if isinstance(node.exc, ast.Call) else []
+            self._expressions.at = node.exc
+            raise kind(*(self._expressions.visit(each) for each in arguments))
+        words = ast.unparse(node.exc) if node.exc is not None else "an exception"
+        raise NotRead(f"it raises {words}", self._expressions.span(node))
+
+    def _run_Delete(self, node: ast.Delete) -> None:  # noqa: N802
+        for target in node.targets:
+            if isinstance(target, ast.Name):
+                self._expressions.frame.names_here.pop(target.id, None)
+
+
+def _walk_here(statement: ast.stmt) -> Iterator[ast.AST]:
+    """All parts of a statement, without those of functions and classes inside."""
+    waiting: list[ast.AST] = [statement]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        inner = isinstance(node, (ast.FunctionDef, ast.ClassDef, ast.Lambda, ast.AsyncFunctionDef))
+        if not inner or node is statement:
+            waiting.extend(ast.iter_child_nodes(node) if not inner else [])
+
+
+def _assigned(statement: ast.stmt) -> Iterator[str]:
+    if isinstance(statement, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
+        yield statement.name
+        return
+    for node in _walk_here(statement):
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            yield node.id
+        elif isinstance(node, ast.alias):
+            yield node.asname or node.name.partition(".")[0]
+
+
+def _name_of(statement: ast.stmt) -> str:
+    return {"ClassDef": "class", "AsyncFunctionDef": "async def", "Match": "match"}.get(
+        type(statement).__name__, type(statement).__name__.lower()
+    )

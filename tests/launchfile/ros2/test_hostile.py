@@ -1,0 +1,256 @@
+"""Launch files that attack their reader: no effect, an end within the budget, and one clear line."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from tests.launchfile.ros2.plans import load, python, rules, xml
+
+from ur.launchfile.plan.values.budget import Budget
+from ur.launchfile.ros2.load import load_ros2
+from ur.launchfile.world.system import SystemWorld
+
+BODY = "def generate_launch_description():\n    return LaunchDescription([{}])\n"
+NODE = "from launch import LaunchDescription\nfrom launch_ros.actions import Node\n"
+HOSTILE = {
+    "endless loop": "while True:\n    pass",
+    "endless loop over a list": "a = [1]\nfor b in a:\n    a.append(b)",
+    "nested loops": "for a in range(10000):\n    for b in range(10000):\n        for c in range(10000):\n"
+    "            x = a",
+    "memory by multiplication": "x = 'a' * 10 ** 12",
+    "memory by doubling": "x = 'aaaaaaaa'\nfor a in range(64):\n    x = x + x",
+    "memory by a list": "x = [0]\nwhile True:\n    x = x + x",
+    "memory by extending": "x = [0]\nfor a in range(64):\n    x.extend(x)",
+    "memory by a range": "x = list(range(10 ** 12))",
+    "memory by formatting": "x = f'{1:>999999999999}'",
+    "memory by joining": "x = ('a' * 100000).join(['b'] * 100000)",
+    "memory by replacing": "x = ('a' * 100000).replace('a', 'b' * 100000)",
+    "huge number": "x = 9 ** 9 ** 9 ** 9",
+    "huge shift": "x = 1 << 10 ** 12",
+    "huge factorial": "import math\nx = math.factorial(10 ** 9)",
+    "deep recursion": "def f(n):\n    return f(n + 1)\nx = f(0)",
+    "recursion of two": "def f():\n    return g() + g()\ndef g():\n    return f() + f()\nx = f()",
+    "fans of calls": "def f(n):\n    return f(n - 1) + f(n - 1) if n else 1\nx = f(50)",
+    "recursion of a class": "class A:\n    def __init__(self):\n        self.a = A()\nx = A()",
+    "list in itself": "a = []\na.append(a)\nx = a == a\ny = str(a)",
+    "dict in itself": "a = {}\na['a'] = a\nx = f'{a}'",
+    "import": "x = __import__('os').system('touch MARK')",
+    "import of os": "import os\nos.system('touch MARK')\nos.remove('KEEP')\nos.makedirs('MARK')",
+    "import by name": "import importlib\nimportlib.import_module('os').system('touch MARK')",
+    "module beside the file": "import evil",
+    "eval": "eval(\"__import__('os').system('touch MARK')\")\nexec(\"open('MARK', 'w')\")",
+    "classes": "x = ().__class__.__mro__[1].__subclasses__()",
+    "globals of a function": "def f():\n    pass\nx = f.__globals__['__builtins__']",
+    "code of a function": "x = (lambda: 0).__code__.replace(co_code=b'')",
+    "format of attributes": "x = '{0.__class__.__mro__}'.format(Node)\ny = '{0.__init__.__globals__}'.format('a')",
+    "attributes by name": "x = getattr(Node, '__globals__')\nsetattr(Node, 'a', 1)\nvars(Node).clear()",
+    "subprocess": "import subprocess\nsubprocess.run(['touch', 'MARK'])\nsubprocess.Popen('touch MARK', shell=True)",
+    "pty": "import pty\npty.spawn(['touch', 'MARK'])",
+    "socket": "import socket\nsocket.create_connection(('127.0.0.1', 9))",
+    "request": "import urllib.request\nurllib.request.urlopen('http://127.0.0.1:9/')",
+    "ctypes": "import ctypes\nctypes.CDLL(None).system(b'touch MARK')",
+    "pickle": "import pickle\npickle.loads(b\"cos\\nsystem\\n(S'touch MARK'\\ntR.\")",
+    "object of YAML": "import yaml\nyaml.unsafe_load(\"!!python/object/apply:os.system ['touch MARK']\")\n"
+    "yaml.load('!!python/name:os.system')",
+    "written file": "open('MARK', 'w').write('a')\nwith open('MARK', mode='a') as f:\n    f.write('a')",
+    "written path": "from pathlib import Path\nPath('MARK').write_text('a')\nPath('MARK').touch()\n"
+    "Path('KEEP').unlink()",
+    "copied file": "import shutil\nshutil.copy('KEEP', 'MARK')\nshutil.rmtree('.')",
+    "file of the system": "x = open('/proc/self/mem', 'rb').read()\ny = open('/dev/zero').read()\n"
+    "z = open('/dev/stdin').read()",
+    "thread": "import threading\nthreading.Thread(target=print).start()",
+    "signal": "import os, signal\nos.kill(os.getpid(), signal.SIGKILL)\nos.fork()",
+    "exit": "import sys, os\nsys.exit(3)\nos._exit(3)\nexit()\nraise SystemExit",
+    "monkey patch": "Node.__init__ = lambda *a: None\nLaunchDescription.entities = 5\nimport launch\n"
+    "launch.actions = None",
+    "changed builtins": "import builtins\nbuiltins.open = None\n__builtins__['open'] = None\nprint = 5",
+    "environment": "import os\nos.environ['MARK'] = 'a'\nos.putenv('MARK', 'a')\nos.environ.clear()",
+    "bomb of YAML": "import yaml\nx = yaml.safe_load('a: &a [x, x]\\n"
+    "' + ''.join('b%d: &b%d [*a, *a]\\n' % (i, i) for i in range(9)))",
+    "deep YAML": "import yaml\nx = yaml.safe_load('[' * 200000)",
+    "regular expression": "import re\nre.match('(a+)+$', 'a' * 50 + 'b')",
+    "hook of an object": "class A:\n    def __getattr__(self, name):\n        return A()\n"
+    "    def __str__(self):\n        return self\nx = str(A().b)",
+    "generator": "def f():\n    while True:\n        yield 1\nx = list(f())",
+    "decorator": "def d(f):\n    while True:\n        pass\n@d\ndef g():\n    pass",
+    "assertion with an effect": "assert open('MARK', 'w')",
+    "comprehension": "x = [a for a in range(10 ** 6) for b in range(10 ** 6)]",
+    "endless iterator": "x = list(iter(int, 1))\ny = list(map(str, iter(int, 1)))",
+    "sort of texts": "x = sorted(['a' * 100000] * 100000)",
+    "lists of lists": "x = [[[0] * 1000] * 1000] * 1000\ny = str(x)",
+}
+BUDGET = 1_000_000  # units of work, a part of what a file has
+LIMIT = 20.0  # seconds of processor: far above the budget, far below for ever
+
+
+EFFECTS = {
+    "os": "exec fork forkpty kill mkdir putenv remove rename rmdir system truncate unsetenv",
+    "shutil": "copyfile rmtree",
+    "socket": "__new__ connect",
+}
+OTHERS = ("subprocess.Popen", "ctypes.dlopen", "pickle.find_class")
+_seen: list[str] | None = None  # the effects of this process, as long as they are watched
+
+
+def _watch(event: str, arguments: tuple[object, ...]) -> None:
+    if _seen is None:
+        return
+    owner, _, name = event.partition(".")
+    if (
+        event in OTHERS
+        or name in EFFECTS.get(owner, "").split()
+        or (event == "open" and set(str(arguments[1] or "")) & set("wax+"))
+    ):
+        _seen.append(event)
+
+
+sys.addaudithook(_watch)
+
+
+@contextmanager
+def _watched() -> Iterator[list[str]]:
+    global _seen
+    seen: list[str] = []
+    _seen = seen
+    try:
+        yield seen
+    finally:
+        _seen = None
+
+
+@pytest.mark.parametrize("attack", HOSTILE.values(), ids=HOSTILE)
+def test_hostile_file_has_no_effect_and_ends(attack: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    inside = "".join(f"    {line}\n" for line in attack.splitlines())
+    files = {
+        "a.launch.py": f"{NODE}{attack}\n{BODY.format('Node(executable=str(x) if 0 else 0)')}",
+        "b.launch.py": f"{NODE}def generate_launch_description():\n{inside}    return LaunchDescription([])\n",
+        "c.launch.py": f"{NODE}from launch.actions import OpaqueFunction\ndef f(context):\n{inside}    return []\n"
+        + BODY.format("OpaqueFunction(function=f)"),
+        "evil.py": "open('MARK', 'w').write('a')\n",
+        "KEEP": "",
+    }
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    before, start = dict(os.environ), time.process_time()
+    with _watched() as effects:
+        plans = [
+            load_ros2(str(tmp_path / name), [], SystemWorld({"HOME": "/"}), budget=Budget(BUDGET))
+            for name in list(files)[:3]
+        ]
+    assert time.process_time() - start < LIMIT
+    assert not effects
+    assert dict(os.environ) == before
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(files)
+    for plan in plans:
+        reasons = [gap.reason for gap in plan.gaps] + [found.message for found in plan.diagnostics]
+        assert all(len(reason) < 1000 and "\n" not in reason for reason in reasons), reasons
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("(" * 5000 + ")" * 5000, "/a.launch.py"),
+        ("x = " + "-" * 50_000 + "1", "/a.launch.py"),
+        ("x = " + "+".join(["1"] * 50_000), "/a.launch.py"),
+        ("if 1:\n" + "".join(" " * i + "if 1:\n" for i in range(1, 99)) + " " * 99 + "pass", "/a.launch.py"),
+        ("\0", "/a.launch.py"),
+        ("\ud800".encode("utf-8", "surrogatepass"), "/a.launch.py"),
+        (b"\xff\xfe", "/a.launch.xml"),
+        ("<launch>" + "<group>" * 5000 + "</group>" * 5000 + "</launch>", "/a.launch.xml"),
+        ('<!DOCTYPE l [<!ENTITY a "aaa"><!ENTITY b "&a;&a;">]><launch>&b;</launch>', "/a.launch.xml"),
+        (xml('<node pkg="" exec="' + "$(var " * 5000 + ")" * 5000 + '"/>'), "/a.launch.xml"),
+        (xml('<for len="1000000000" name="i"><node pkg="" exec="n"/></for>'), "/a.launch.xml"),
+        (xml('<node pkg="" exec="$(eval \'9 ** 9 ** 9\')"/>'), "/a.launch.xml"),
+        (xml('<include file="$(filename)"/>' * 5), "/a.launch.xml"),
+        ("launch:\n- " + "group:\n  - " * 5 + "[" * 5000, "/a.launch.yaml"),
+        ("launch: &a\n- group: *a\n", "/a.launch.yaml"),
+        ("a: &a [x, x]\nlaunch:\n- let: {name: *a, value: [*a, *a]}\n- node: {pkg: *a, exec: *a}", "/a.launch.yaml"),
+        ("launch:\n- node: 5\n- 7\n- group: {}\n- {}\n- node: [a]\n- [node]\n"
+        "- include: {file: {a: 1}}", "/a.launch.yaml"),
+    ],
+    ids=lambda value: str(value)[:24],
+)  # fmt: skip
+def test_hostile_text_is_read_to_an_end(text: str | bytes, name: str) -> None:
+    start = time.process_time()
+    load("", name, {name: text})
+    assert time.process_time() - start < LIMIT
+
+
+def test_files_that_include_one_another_end() -> None:
+    include = "IncludeLaunchDescription('/{}.launch.py')"
+    files = {f"/{name}.launch.py": python(*[include.format(other)] * 9) for name, other in ("ab", "ba")}
+    plan = load(files["/a.launch.py"], "/a.launch.py", files)
+    assert "include-cycle" in rules(plan)
+
+
+def test_file_that_is_missing_is_one_error() -> None:
+    assert rules(load_ros2("/no.launch.py", [], SystemWorld({}))) == ["missing-file"]
+
+
+TEXT = (
+    "launch node group arg let include x y 'a' \"b\" 1 -1 0.5 None True ( ) [ ] { } : , . = == + "
+    "- * / % ** @ | & ~ < > "
+    "lambda for in if else while def class return yield try: except: finally: with as import from raise del not and or "
+    "LaunchDescription Node DeclareLaunchArgument LaunchConfiguration OpaqueFunction IfCondition PythonExpression "
+    "perform context ld add_action generate_launch_description() f'{x}' *x **x # \\ \n \n    \n        os.path.join "
+    "get_package_share_directory Command parameters= remappings= condition= name= executable= self global assert "
+    "async await match case ... := -> $(var $(eval <node </group> pkg= exec= - key:"
+)
+WORDS = st.sampled_from(TEXT.split(" "))
+GOOD = [
+    python(
+        "DeclareLaunchArgument('a', default_value='1', choices=['1', '2'])",
+        "GroupAction([PushRosNamespace('n'), Node(package='demo', executable='e', name='n', "
+        "parameters=['/p', {'a': [1]}])])",
+        "OpaqueFunction(function=f, args=[x])",
+        "RegisterEventHandler(OnProcessExit(target_action=y, on_exit=[TimerAction(period=1.0, actions=[y])]))",
+        "ForEach('{a: 1}', function=lambda a: [Node(executable=a)])",
+        "SetParameter('a', ParameterValue(LaunchConfiguration('a'), value_type=int))",
+        before="import os, yaml\nx = {'a': [os.path.join('a', 'b'), *range(3)]}\ny = Node(executable='y')\n"
+        "class A(Substitution):\n    def perform(self, c):\n        return 'a'\n"
+        "def f(context, a, *b, c=1):\n    try:\n        return [Node(executable=A()) for i in a if i]\n"
+        "    except ValueError as e:\n        raise\n",
+    ),
+    xml(
+        '<arg name="a" default="$(env HOME x)"><choice value="b"/></arg><group if="$(eval \'1 &lt; 2\')">'
+        '<push_ros_namespace namespace="$(var a)"/><node pkg="demo" exec="e" args="\'a\' b $(anon c)">'
+        '<param name="p"><param name="q" value="[1, 2]" type="list_of_int"/></param><remap from="a" to="b"/>'
+        "</node></group>"
+        '<for_each values="{a: 1}"><executable cmd="$(for-var a)"/></for_each>'
+        '<timer period="1.0"><let name="a" value="b"/></timer>'
+    ),
+    "launch:\n- arg: {name: a, default: b}\n- group:\n    scoped: false\n    children:\n    - node:\n"
+    "        pkg: demo\n"
+    "        exec: $(var a)\n        param:\n        - {name: p, value: [1, 2]}\n        - from: /p\n"
+    "- node_container: {name: c, namespace: '', pkg: p, exec: e, composable_node: [{pkg: p, plugin: q, name: r}]}\n",
+]
+NAMES = ["/a.launch.py", "/a.launch.xml", "/a.launch.yaml"]
+SETTINGS = settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+
+
+@SETTINGS
+@given(st.lists(WORDS, max_size=40).map(" ".join), st.sampled_from(NAMES))
+def test_any_text_is_read_without_an_exception(text: str, name: str) -> None:
+    load(text, name)
+    load(f"from launch import *\ndef generate_launch_description():\n    x = [1]\n    {text}\n    return x", NAMES[0])
+
+
+@SETTINGS
+@given(st.integers(0, 2), st.data())
+def test_good_file_that_is_changed_is_read_without_an_exception(number: int, data: st.DataObject) -> None:
+    parts = GOOD[number].replace("(", " ( ").replace(",", " , ").split(" ")
+    for _ in range(data.draw(st.integers(1, 4))):
+        place = data.draw(st.integers(0, len(parts) - 1))
+        other = data.draw(st.one_of(WORDS, st.sampled_from(parts), st.just("")))
+        parts[place : place + data.draw(st.integers(0, 2))] = [other]
+    plan = load(" ".join(parts), NAMES[number])
+    assert all(found.message and found.rule for found in plan.diagnostics)
