@@ -264,3 +264,9 @@ def test_import_that_the_api_does_not_have_is_an_error(statement: str, rule: str
     plan = load(statement + "\n" + python("ExecuteProcess(cmd=['a'])"))
     assert rules(plan) == [rule]
     assert help_ in (plan.diagnostics[0].help or "")
+
+
+def test_variable_that_is_not_set_is_reported_at_its_place() -> None:
+    plan = load(python("Node(executable='n')", before="import os\nx = os.environ['NONE']"))
+    (found,) = plan.diagnostics
+    assert (found.rule, found.span is not None and found.span.text) == ("unset-variable", "os.environ['NONE']")

@@ -204,7 +204,11 @@ class Expressions(Evaluator):
         if isinstance(value, ApiClass | type) or value is None:
             return self.unknown("a type is not computed while reading", node)
         known = ast.copy_location(ast.Subscript(Known(value), Known(index), ast.Load()), node)
-        return super().visit_Subscript(known)
+        try:
+            return super().visit_Subscript(known)
+        except DescriptionProblem as problem:  # a variable that is not set
+            problem.span = self.span(node)
+            raise
 
     def visit_JoinedStr(self, node: ast.JoinedStr) -> object:
         parts = [self.visit(part) for part in node.values]
