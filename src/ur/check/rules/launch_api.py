@@ -6,7 +6,7 @@ from ur.check.rule import Example, Rule, RuleGroup, launch_example
 from ur.source.diagnostic import Severity
 
 _FILE = "launch/example.launch.py"
-_NODE = "Node(package='demo_nodes', executable='talker')"
+_NODE = 'Node(package="demo_nodes", executable="talker")'
 _COMPONENTS = (
     "from launch_ros.actions import LoadComposableNodes, Node\nfrom launch_ros.descriptions import ComposableNode"
 )
@@ -23,9 +23,13 @@ def _describing(entity: str) -> Example:
 
 
 def _components(component: str, *others: str) -> Example:
-    parts = f"[{component}(package='demo_nodes', plugin='demo::Filter')]"
-    load = f"LoadComposableNodes(target_container='filters', composable_node_descriptions={parts})"
-    return _file(*others, f"return LaunchDescription([{'start, ' if others else ''}{load}])", imports=_COMPONENTS)
+    return _file(
+        *others,
+        f'parts = [{component}(package="demo_nodes", plugin="demo::Filter")]',
+        'load = LoadComposableNodes(target_container="filters", composable_node_descriptions=parts)',
+        f"return LaunchDescription([{'start, ' if others else ''}load])",
+        imports=_COMPONENTS,
+    )
 
 
 RULES = (
@@ -38,7 +42,7 @@ RULES = (
 Python raises TypeError, and nothing of the file starts. `node_executable`, `node_name`, `node_namespace` and
 `node_plugin` were removed years ago: the names are `executable`, `name`, `namespace` and `plugin`.
 """,
-        bad=(_describing("Node(package='demo_nodes', «node_executable»='talker')"),),
+        bad=(_describing('Node(package="demo_nodes", «node_executable»="talker")'),),
         good=(_describing(_NODE),),
     ),
     Rule(
@@ -78,8 +82,8 @@ Actions, conditions, substitutions and event handlers have modules of their own.
 An action where a text or substitution is needed, parameters or remappings that are no list of pairs, a condition that
 is none, and the like: the launch fails when it gets to this place.
 """,
-        bad=(_describing("Node(package='demo_nodes', executable='talker', remappings=«[('chatter',)]»)"),),
-        good=(_describing("Node(package='demo_nodes', executable='talker', remappings=[('chatter', 'news')])"),),
+        bad=(_describing('Node(package="demo_nodes", executable="talker", remappings=«[("chatter",)]»)'),),
+        good=(_describing('Node(package="demo_nodes", executable="talker", remappings=[("chatter", "news")])'),),
     ),
     Rule(
         id="python-syntax",
@@ -116,7 +120,7 @@ chooses are left alone, and so are files with parts that are not known.
         good=(
             _components(
                 "ComposableNode",
-                "start = Node(package='rclcpp_components', executable='component_container', name='filters')",
+                'start = Node(package="rclcpp_components", executable="component_container", name="filters")',
             ),
         ),
     ),
