@@ -78,7 +78,7 @@ class Library:
         }
         self._at: Span | None = None
         self.is_tried: Callable[[], bool] = lambda: False
-        """Whether a `try` of the file is around the present place."""
+        """True where a `try` of the file is around the present place."""
 
     def find(self, name: str) -> Module | None:
         """Return a module; None if it is none of those here."""
