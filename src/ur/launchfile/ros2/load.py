@@ -52,7 +52,6 @@ def load_ros2(
     except TooMuch:
         pass
     except TooLong as problem:
-        visitor.finish()
         context.add_gap(Unknown(f"the file {problem}"))
     except RecursionError:
         draft.diagnostics.append(error("nested too deep", rule="nested-too-deep", help="nest groups and includes less"))
