@@ -142,6 +142,11 @@ class DrivingClient:
             wait_until(lambda: not self.lease.view().mine, seconds, "the release of the lease")
         return {}
 
+    def do_lease(self, state: str, seconds: float) -> dict[str, Any]:
+        """Wait for a state of the lease."""
+        wait_until(lambda: self.lease.view().state == state, seconds, f"the lease to be {state}")
+        return {}
+
     def do_cancel(self) -> dict[str, Any]:
         """Cancel the goal."""
         self.action.cancel_goal()

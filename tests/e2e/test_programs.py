@@ -114,7 +114,7 @@ def test_programs_of_a_package_on_the_path_run_by_their_names(tmp_path: Path) ->
     (folder / "ur_greet").write_text('#!/bin/sh\n##Summary: Greet.\necho "hello $*"\n')
     (folder / "ur_greet").chmod(0o755)
     env = f"ROS_PACKAGE_PATH={tmp_path / 'robots'}"
-    done = run_command(tmp_path, "env", env, str(ROOT / "ur"), "run", "on_subscriber", "to:=you", keys="")
+    done = run_command(tmp_path, "env", env, str(ROOT / "ur"), "run", "greet", "to:=you", keys="")
     assert (done.stdout, done.stderr, done.returncode) == ("hello to:=you\n", "", 0)
 
 

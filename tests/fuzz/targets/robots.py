@@ -59,7 +59,7 @@ _WORDS = (
 class _Robot:
     """A shell on a robot that gives the same answer to every command."""
 
-    place = "ros@bob.local"
+    destination = "ros@bob.local"
 
     def __init__(self, answer: str) -> None:
         self._answer = answer

@@ -13,6 +13,7 @@ from ur.launchfile.ros2.python import one_expression as one_expression  # which 
 from ur.launchfile.ros2.python.reader import read_python
 from ur.launchfile.ros2.visit import Visitor
 from ur.launchfile.world.protocol import World
+from ur.source.arguments import Argument, parse_argument
 from ur.source.diagnostic import error, error_about
 from ur.source.file import SourceFile, Span
 from ur.source.suggest import did_you_mean
@@ -32,9 +33,9 @@ def load_ros2(
     Never raises for its content: the plan's diagnostics have what upstream refuses, its gaps what reading alone does
     not find out.
     """
-    pairs = [argument.partition(":=") for argument in arguments]
-    values = {name: value for name, _, value in pairs if name and value}
-    malformed = [name + sign + value for name, sign, value in pairs if not name or not value]
+    given = [parse_argument(each) or Argument(each, "") for each in arguments]
+    values = {each.name: each.value for each in given if each.name and each.value}
+    malformed = [text for text, each in zip(arguments, given, strict=True) if not each.name or not each.value]
     draft = Draft(world, trace)
     context = Context(world, budget or Budget(PER_LAUNCH), values)
     visitor = Visitor(context, draft, read_description)
