@@ -108,8 +108,8 @@ class RosNode(LoopNode):
             if on_subscriber is not None and (value := on_subscriber()) is not None:
                 publisher.send(value)
 
-        on_subscriber = None if on_subscriber is None else lambda: self._loop.post(answer)
-        publisher = RosPublisher(self._node, topic, kind, find_codec(kind), quality, on_subscriber)
+        on_match = None if on_subscriber is None else lambda: self._loop.post(answer)
+        publisher = RosPublisher(self._node, topic, kind, find_codec(kind), quality, on_match)
         return publisher
 
     def subscribe(
