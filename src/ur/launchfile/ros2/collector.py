@@ -9,7 +9,7 @@ from ur.launchfile.plan.problems import TOLERATED
 from ur.launchfile.plan.specs import Gap, Origin
 from ur.launchfile.ros2.context import Context
 from ur.launchfile.ros2.model import Description, DescriptionProblem, Made, Unknown
-from ur.launchfile.ros2.substitutions import perform
+from ur.launchfile.ros2.substitutions import perform, perform_flag
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
 
@@ -61,6 +61,14 @@ class Collector:
             unknown if unknown.span is not None else Unknown(unknown.reason, span, unknown.kind), self._context.chain
         )
         return f"<{unknown.reason}>"
+
+    def _flag(self, made: Made, name: str, *, default: bool = False) -> bool:
+        """Return a flag; where it is not known, the default, and a gap."""
+        flag = perform_flag(made.get(name, default), self._context, made, name)
+        if isinstance(flag, Unknown):
+            self._on_gap(flag.then(f"'{name}' of {made.kind}", made.place(name)), self._context.chain)
+            return default
+        return flag
 
     def _absolute(self, namespace: str | None, span: Span) -> str | None:
         """Return a namespace below that of the scope; None if neither is given."""

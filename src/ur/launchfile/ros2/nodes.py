@@ -25,7 +25,7 @@ from ur.launchfile.ros2.context import Context
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.nav2 import fill_file, read_content
 from ur.launchfile.ros2.parameters import ParameterSections, read_value, read_values
-from ur.launchfile.ros2.substitutions import is_wanted, perform, perform_flag, split_command
+from ur.launchfile.ros2.substitutions import is_wanted, perform, split_command
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
 
@@ -50,7 +50,7 @@ class Nodes(Collector):
         command = made.get("cmd")
         items = command if isinstance(command, (list, tuple)) else [command]
         words = tuple(self._text(item, made.span) for item in items)
-        shell = perform_flag(made.get("shell", False), self._context, made, "shell") is True
+        shell = self._flag(made, "shell")
         if shell:
             words = ("sh", "-c", " ".join(words))
         program = words[0] if words else ""
@@ -117,7 +117,7 @@ class Nodes(Collector):
         self, made: Made, kind: NodeKind, name: str, namespace: str, package: str, type_: str, words: tuple[str, ...]
     ) -> NodeSpec:
         context = self._context
-        respawn = perform_flag(made.get("respawn", False), context, made, "respawn")
+        respawn = self._flag(made, "respawn")
         delay = made.get("respawn_delay")
         seconds = self._text(delay, made.span) if delay is not None else "0"
         output = made.get("output", "log")
@@ -157,7 +157,7 @@ class Nodes(Collector):
             type=type_,
             args=" ".join(words),
             machine=None,
-            respawn=respawn is True,
+            respawn=respawn,
             respawn_delay=float(seconds) if re.fullmatch(r"\d+(\.\d*)?", seconds) else 0.0,
             required=required,
             output="screen" if re.search(r"screen|both|tty", shown) else "log",
@@ -248,8 +248,11 @@ class Nodes(Collector):
             return ParameterValues(((name, known),), self._origin(item.span))
         filled = False
         if isinstance(item, Made) and item.kind == "ParameterFile":
-            filled = perform_flag(item.get("allow_substs", False), context, item, "allow_substs") is True
+            filled = self._flag(item, "allow_substs")
             place, item = item.place("param_file"), item.get("param_file")
+            if isinstance(item, Unknown):
+                self._on_gap(item, context.chain)
+                return None
         if not isinstance(item, (str, Made, PurePosixPath, list, tuple)) and not hasattr(item, "perform"):
             raise DescriptionProblem("parameters has an item that is neither file nor dict", "launch-value", place)
         path = perform(item, context)

@@ -25,7 +25,7 @@ from ur.launchfile.ros2.context import DEEPEST, MOST_INCLUDES, Context
 from ur.launchfile.ros2.model import Description, DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.nodes import Nodes
 from ur.launchfile.ros2.parameters import read_value
-from ur.launchfile.ros2.substitutions import is_wanted, perform, perform_flag
+from ur.launchfile.ros2.substitutions import is_wanted, perform
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
 from ur.source.foreign.yaml_text import load_yaml
@@ -184,8 +184,8 @@ class Visitor(Nodes):
 
     def _group(self, made: Made) -> None:
         context = self._context
-        scoped = perform_flag(made.get("scoped", True), context, made, "scoped")
-        forwarding = perform_flag(made.get("forwarding", True), context, made, "forwarding")
+        scoped = self._flag(made, "scoped", default=True)
+        forwarding = self._flag(made, "forwarding", default=True)
         given: Any = made.get("launch_configurations") or {}
         values = {} if isinstance(given, Unknown) else {self._text(k): perform(v, context) for k, v in given.items()}
         if not scoped:
@@ -345,8 +345,8 @@ class Visitor(Nodes):
         name, value = self._text(made.get("name", ""), made.span), self._text(made.get("value", ""), made.span)
         separator = self._text(made.get("separator", ":"), made.span)
         known = self._context.environment.get(name)
-        prepend = perform_flag(made.get("prepend", False), self._context, made, "prepend")
-        parts = [value] if not known else [value, known] if prepend is True else [known, value]
+        prepend = self._flag(made, "prepend")
+        parts = [value] if not known else [value, known] if prepend else [known, value]
         self._context.environment[name] = separator.join(parts)
 
     def _unset_variable(self, made: Made) -> None:
