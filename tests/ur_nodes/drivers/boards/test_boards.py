@@ -15,6 +15,7 @@ from ur_nodes.drivers.boards.arduino import make_line
 from ur_nodes.drivers.boards.board import RewiredBoard
 from ur_nodes.drivers.boards.create2 import check
 from ur_nodes.drivers.boards.magni import MagniFirmware, make_packet
+from ur_nodes.drivers.boards.neato import NeatoFirmware
 from ur_nodes.drivers.boards.opencr import OpenCrFirmware
 from ur_nodes.drivers.boards.opencr import make_packet as opencr_packet
 from ur_nodes.drivers.readings import NOT_MEASURED, Contacts, Counts, DeviceIdentity, MeasuredBeams, Motors, Power
@@ -225,3 +226,32 @@ def test_board_with_a_wiring_counts_damaged_frames_and_passes_on_what_is_no_coun
     readings = list(board.receive(good[:-1] + bytes((good[-1] ^ 1,)) + good + make_packet(0x3C, 0x22, 43)))
     assert readings == [Counts(4, -3, 64), DeviceIdentity("firmware 43")]
     assert board.rejected == 1
+
+
+def error_of(answer: bytes) -> int:
+    """The error of a status packet of DYNAMIXEL, after header, id, length and instruction."""
+    assert answer[:4] == b"\xff\xff\xfd\x00"
+    return answer[8]
+
+
+def test_stand_in_of_an_opencr_refuses_as_its_manual_says_and_skips_what_is_no_packet() -> None:
+    firmware = OpenCrFirmware(StillPlant())  # type: ignore[arg-type]
+    assert error_of(firmware.receive(opencr_packet(0x02, 0xFFF0, b"\x04\x00"))) == 7  # data range
+    assert error_of(firmware.receive(opencr_packet(0x03, 2, b"\x00"))) == 4  # read only
+    assert error_of(firmware.receive(opencr_packet(0x08, 2, b"\x00"))) == 2  # instruction
+    good = opencr_packet(0x02, 0, b"\x02\x00")
+    assert firmware.receive(b"\xff\xff\xfd\x00\xc8\xff\xff" + good[:-1] + b"\x00" + good) == firmware.receive(good)
+    assert error_of(firmware.receive(opencr_packet(0x02, 0, b""))) == 2  # a read without its length
+
+
+@pytest.mark.parametrize(
+    ("words", "answer"),
+    [
+        ("setmotor lwheeldist x rwheeldist 1 speed 1", "Invalid parameter"),
+        ("setmotor lwheeldist 0 rwheeldist 0 speed 100", "Speed and distance must be set"),
+    ],
+)
+def test_stand_in_of_a_neato_refuses_a_motion_that_is_none(words: str, answer: str) -> None:
+    firmware = NeatoFirmware(StillPlant())  # type: ignore[arg-type]
+    firmware.receive(b"testmode on\n")
+    assert answer in firmware.receive(f"{words}\n".encode()).decode()
