@@ -123,3 +123,42 @@ def test_file_that_cannot_be_read_or_is_no_text_is_one_line() -> None:
     assert [found.rule for found in plan.diagnostics] == ["missing-file"]
     plan = load_ros2("/ws/a.launch.xml", (), MemoryWorld({"/ws/a.launch.xml": b"\xff\xfe\xfa"}, PACKAGES, {}))
     assert [found.rule for found in plan.diagnostics] == ["unreadable-file"]
+
+
+@pytest.mark.parametrize(
+    ("action", "rule"),
+    [
+        ("ExecuteProcess(cmd=[FileContent('/none')])", "missing-file"),
+        ("ExecuteProcess(cmd=[ForLoopIndex('i')])", "undeclared-argument"),
+        ("ExecuteProcess(cmd=[LaunchConfigAsBool('none')])", "undeclared-argument"),
+        ("ExecuteProcess(cmd=[EqualsSubstitution('a', Node(executable='b'))])", "launch-value"),
+        ("Node(executable='a', condition='true')", "launch-value"),
+        ("IfCondition('true')", "launch-value"),
+        ("TimerAction(period='soon', actions=[])", "bad-number"),
+        ("RegisterEventHandler('exit')", "launch-value"),
+        ("Node(executable='a', parameters='p.yaml')", "launch-value"),
+        ("Node(executable='a', parameters=[5])", "launch-value"),
+        ("Node(executable='a', remappings=[('b',)])", "launch-value"),
+        ("Node(executable='a', name='b/c')", "bad-name"),
+        ("Node(executable='a', namespace='b c')", "bad-name"),
+    ],
+)
+def test_value_that_upstream_refuses_is_one_finding_at_its_place(action: str, rule: str) -> None:
+    plan = load(python(action, "Node(executable='after')", before="from nav2_common.launch import LaunchConfigAsBool"))
+    assert [(found.rule, found.span is not None) for found in plan.diagnostics] == [(rule, True)]
+    assert plan.nodes[-1].name == "after"
+
+
+@pytest.mark.parametrize(
+    ("cmd", "words"),
+    [
+        ("a $(env ROBOT) c d e", ("r2", "c", "d", "e")),
+        ("a$(env ROBOT)b c", ("c",)),
+        ("$(env ROBOT) $(env HOME)", ("/home/robot",)),
+        ("a '$(env ROBOT) b'", None),
+    ],
+)
+def test_command_line_of_xml_is_split_as_upstream_does(cmd: str, words: tuple[str, ...] | None) -> None:
+    plan = load(f'<launch><executable cmd="{cmd}"/></launch>', "/ws/a.launch.xml")
+    assert [node.words for node in plan.nodes] == ([] if words is None else [words])
+    assert [found.rule for found in plan.diagnostics] == (["launch-value"] if words is None else [])
