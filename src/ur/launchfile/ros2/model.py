@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from ur.launchfile.plan.specs import GapKind
 from ur.source.file import Span
@@ -79,4 +79,3 @@ class Description:
     launch: Made | None
     problems: tuple[DescriptionProblem, ...] = ()
     gaps: tuple[Unknown, ...] = ()
-    after: tuple[Made, ...] = field(default=())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shlex
 import shutil
 from collections.abc import Callable, Mapping
@@ -365,5 +364,3 @@ PERFORM: dict[str, Callable[[Made, Context], str | Unknown]] = {  # others add t
     "ThisLaunchFile": _file,
     "ThisLaunchFileDir": _folder,
 }
-
-_VARIABLE = re.compile(r"[A-Za-z_]\w*", re.ASCII)
