@@ -4,8 +4,6 @@ No file is committed twice: folders are copied as they are when a wheel is built
 `pip install --editable` leads to them. `ur.source.project` finds either.
 """
 
-from __future__ import annotations
-
 import shutil
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The ROS that a bench starts nodes on: a master, or a domain of ROS 2, that it has for itself."""
 
-from __future__ import annotations
-
 import os
 import socket
 import subprocess

@@ -1,7 +1,5 @@
 """A ROS master for a bench."""
 
-from __future__ import annotations
-
 import os
 import socket
 import subprocess

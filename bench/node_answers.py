@@ -1,7 +1,5 @@
 """Answers of a node to another thread."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 from typing import TypeVar

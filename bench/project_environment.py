@@ -1,7 +1,5 @@
 """Whichever Python starts a bench, it goes on in the project's environment, set up for tests."""
 
-from __future__ import annotations
-
 import itertools
 import os
 import subprocess

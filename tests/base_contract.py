@@ -1,7 +1,5 @@
 """What a base gives to the rest, simulated or real: topics with types, and frames."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ur.robot.base import Base, list_bases, list_variants, load_base

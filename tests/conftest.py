@@ -1,7 +1,5 @@
 """For all tests: the same examples every time, none fails because the computer is slow, and Ctrl-C means Ctrl-C."""
 
-from __future__ import annotations
-
 import gc
 import os
 import shutil

@@ -3,8 +3,6 @@
 A trace function, as coverage.py needs one before Python 3.12, doubled the time of tests that compute.
 """
 
-from __future__ import annotations
-
 import ast
 import json
 import os

@@ -1,7 +1,5 @@
 """Two network namespaces that stand for two computers, joined by a switch whose cable can be pulled. Needs root."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Programs in Python that tests start often: one interpreter imports their modules, and forks for each run."""
 
-from __future__ import annotations
-
 import atexit
 import functools
 import json

@@ -6,8 +6,6 @@ SIGINT. With it come four descriptors: standard input, output and errors, and a 
 signal. The answer is the process id. For /usr/bin/python3 as well, so without any package.
 """
 
-from __future__ import annotations
-
 import atexit
 import gc
 import importlib

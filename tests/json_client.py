@@ -4,8 +4,6 @@ rospy can be started only once in a process, so a client is a process of its own
 half. A client is started with the root of this repository on its path.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

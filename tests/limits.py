@@ -1,7 +1,5 @@
 """Run a command within a limit of processor time, and measure its memory."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

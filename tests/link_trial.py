@@ -1,7 +1,5 @@
 """Two computers whose network is cut and restored, with a node on each, and what arrived when."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

@@ -1,7 +1,5 @@
 """Packages of npm for tests, with the computer's own settings, in `.cache`; nothing of them is committed."""
 
-from __future__ import annotations
-
 import fcntl
 import shutil
 import subprocess

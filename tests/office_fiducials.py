@@ -1,7 +1,5 @@
 """The fiducials of the simulated world `office` as a map file, as if somebody had mapped them without an error."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

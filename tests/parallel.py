@@ -5,8 +5,6 @@ tests share, a folder where these have the scope of a package, or one slow test 
 once in each worker, which took a tenth of the time of all tests.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import traceback

@@ -1,7 +1,5 @@
 """A disk that loses what was not flushed: a file system in a file, which an ioctl of ext4 shuts down as a power cut."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -5,8 +5,6 @@ those of `nav2_msgs` (github.com/ros-navigation/navigation2), `slam_toolbox` (gi
 `map_msgs` (github.com/ros-planning/navigation_msgs) and `tf2_msgs` (github.com/ros2/geometry2).
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

@@ -1,7 +1,5 @@
 """Nodes on ROS 2, in a domain of their own; each is a process."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A ROS master for a test, processes that end with it, and a client process to talk to them in JSON."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

@@ -6,8 +6,6 @@ for each promise of the README, is in the default suite all the same. Without `-
 change, and fails where a test that is not in the list takes more than FAR seconds.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections import defaultdict

@@ -1,7 +1,5 @@
 """A shell on a real terminal: a tmux of its own."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

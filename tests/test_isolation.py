@@ -1,7 +1,5 @@
 """Tests change nothing for those that run after them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from tests.test_parallel import run, write

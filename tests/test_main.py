@@ -1,7 +1,5 @@
 """Ctrl-C at the start of `ur`: no traceback, whenever it comes."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Tests in forks of one process: their reports, what they share, and what follows when one of them ends its process."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

@@ -1,7 +1,5 @@
 """The lists of slow tests and of promises: what they name is there, and the README's commands each have a test."""
 
-from __future__ import annotations
-
 import ast
 import os
 import re

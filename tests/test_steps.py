@@ -1,7 +1,5 @@
 """tests/steps.bash: steps of .ci/run and tests/nightly, and the table that they end with."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

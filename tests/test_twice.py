@@ -1,7 +1,5 @@
 """tests/twice: what failed runs once more, and what passes only then is recorded."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

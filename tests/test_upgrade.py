@@ -3,8 +3,6 @@
 tests/data/previous_version was written by commit 5e5238a, tests/data/version_0_1_0 by the first release.
 """
 
-from __future__ import annotations
-
 import math
 import shutil
 from dataclasses import replace

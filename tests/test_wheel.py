@@ -1,7 +1,5 @@
 """What is installed by pipx and uv: built from a clone, it holds all that runs, and it runs without one."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

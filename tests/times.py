@@ -5,8 +5,6 @@ has started, as if the test ran alone. What fixtures of a module, a class or the
 uses them; that of a package is divided among its tests, which always run together.
 """
 
-from __future__ import annotations
-
 import os
 from collections import defaultdict
 from collections.abc import Generator

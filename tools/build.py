@@ -5,8 +5,6 @@ which either lacks is found here. The same commit gives the same wheel, byte by 
 Nothing is fetched: setuptools is that of the running Python.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

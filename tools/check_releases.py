@@ -8,8 +8,6 @@ is not this computer's.
 Exit codes: 0 the table agrees, 1 it differs, 2 the lists could not be fetched.
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Print every message that the verbs of `ur` print on wrong input, from the golden file; --update makes it again."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

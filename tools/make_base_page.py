@@ -3,8 +3,6 @@
 A test compares what is committed with this.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 

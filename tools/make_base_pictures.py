@@ -6,8 +6,6 @@ RViz has the configuration of `rviz_robot`, and looks from as far away as the ba
 the plain base is left out.
 """
 
-from __future__ import annotations
-
 import argparse
 import functools
 import math

@@ -1,7 +1,5 @@
 """Make docs/reference/client.md from the docstrings of `ur_nodes.client`. A test compares it."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from pathlib import Path

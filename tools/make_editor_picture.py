@@ -3,8 +3,6 @@
 Usage: tools/make_editor_picture.py [OUTPUT]. It needs Neovim and tmux.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

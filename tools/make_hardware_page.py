@@ -3,8 +3,6 @@
 From `tools/hardware.yaml`, the table of known devices and the bases. A test compares the committed page.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path

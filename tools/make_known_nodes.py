@@ -8,8 +8,6 @@ only. `params/sources.yaml` in backticks stands for the topics of that file.
 They become `ur.launchfile.query.library_nodes`, and the table of sources in docs/reference/mux.md; a test compares.
 """
 
-from __future__ import annotations
-
 import re
 import textwrap
 from collections.abc import Iterator

@@ -3,8 +3,6 @@
 Usage: tools/make_launch_screenshot.py [OUTPUT] [COLUMNSxROWS] [dark|light]. The same input gives the same file.
 """
 
-from __future__ import annotations
-
 import asyncio
 import socket
 import sys

@@ -4,8 +4,6 @@ Usage: tools/make_map_pictures.py [NAME ...]. The names: map_grows (a map at thr
 map of a flat with a closed door, a person and a glass wall), map_explored (the end of an exploration).
 """
 
-from __future__ import annotations
-
 import io
 import sys
 from collections.abc import Callable, Sequence

@@ -4,8 +4,6 @@ From the programs, the needs of their launch files, the bases, and the table of 
 program on every base expects. A test compares the committed page with this; `tests/e2e/test_matrix.py` runs the cells.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -4,8 +4,6 @@ Usage: tools/make_page_pictures.py [NAME ...]. The names: navigate (RViz while a
 Xvfb and RViz), simulate (the simulated camera's picture; needs OpenGL and OpenCV), two_computers (`ur robots`).
 """
 
-from __future__ import annotations
-
 import io
 import shutil
 import subprocess

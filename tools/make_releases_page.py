@@ -3,8 +3,6 @@
 A test compares the committed texts with this.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from pathlib import Path

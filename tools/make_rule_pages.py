@@ -1,7 +1,5 @@
 """Make docs/reference/rules from the rules and their examples. A test compares what is committed with this."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ur.check.catalogue import load_rules

@@ -5,8 +5,6 @@ assistant (one that an assistant drives), script (one that a script drives), los
 people (one that waits for them). The same input gives the same file.
 """
 
-from __future__ import annotations
-
 import asyncio
 import math
 import sys

@@ -1,7 +1,5 @@
 """Write the table of what each command trusts into docs/explain/security.md. A test compares it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ur.cli.verbs import list_trust

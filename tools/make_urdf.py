@@ -5,8 +5,6 @@ files are n_robot_state_publisher/{urdf/<base>[.<variant>].urdf,meshes/<base>[.<
 that of the plain base has no mesh of its own. Files of bases that are no more are taken away.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from pathlib import Path

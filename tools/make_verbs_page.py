@@ -1,7 +1,5 @@
 """Make docs/reference/verbs.md from the help of every verb. A test compares what is committed with this."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence

@@ -6,8 +6,6 @@ drive.gif, the page while the robot drives on to the goal, five times as fast as
 assistant_asks.png and assistant_phone.png, the page while an assistant asks to drive, and while it may.
 """
 
-from __future__ import annotations
-
 import base64
 import io
 import os

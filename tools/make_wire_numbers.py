@@ -1,7 +1,5 @@
 """Make `static/wire_numbers.js` and `static/layers.css` of the page from `ur.web.wire`. A test compares them."""
 
-from __future__ import annotations
-
 import json
 from enum import IntEnum
 from pathlib import Path

@@ -5,8 +5,6 @@ Everything is drawn in whole cells of 0.05 m and comes from fixed numbers, so th
 Run it from anywhere: `tools/make_worlds.py [DIRECTORY]` writes into the launch package, or into DIRECTORY.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 from dataclasses import dataclass

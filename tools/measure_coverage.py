@@ -9,8 +9,6 @@ Only what runs in the processes of pytest is measured, and so no node that a tes
 covered unless a test imports it.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

@@ -1,7 +1,5 @@
 """What the tools that make pictures of docs/images have in common: pictures by name, screens, and programs on them."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

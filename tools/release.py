@@ -12,8 +12,6 @@
 With --dry-run it stops before step 6, and this clone is as it was.
 """
 
-from __future__ import annotations
-
 import argparse
 import hashlib
 import re

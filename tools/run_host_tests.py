@@ -9,8 +9,6 @@ commit and the uncommitted changes it passed with, in $XDG_CACHE_HOME/ur-hosts o
 next time. Ctrl-C ends the running file, removes its computers and prints the table of what ran. Needs root.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

@@ -7,8 +7,6 @@ The list is tests/second_tries.yaml. Its lines are added to the repository and r
 that is in it keeps its first date.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

@@ -1,7 +1,5 @@
 """Flats that are made anew from a seed: rooms off a hall, doors of several widths, furniture."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Pictures of explorations: the map in grey, the way driven in red."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

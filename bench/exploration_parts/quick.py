@@ -1,7 +1,5 @@
 """An exploration without nodes: a lidar without noise, and a robot that follows the shortest way."""
 
-from __future__ import annotations
-
 import math
 import time
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The truth about a world: its reachable floor, what a lidar sees in it, and the shortest ways."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """An exploration with all nodes of `make_map` on a bus in one process: no ROS, no real time, the same for a seed."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable

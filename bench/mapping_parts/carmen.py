@@ -1,7 +1,5 @@
 """Public lidar logs in CARMEN's format. Their poses are corrected ones: a reference, not the truth."""
 
-from __future__ import annotations
-
 import gzip
 import math
 from pathlib import Path

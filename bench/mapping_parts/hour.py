@@ -1,7 +1,5 @@
 """A long drive over the same rooms, for what grows with time: memory, the time of a scan, and that of a loop."""
 
-from __future__ import annotations
-
 import math
 import multiprocessing
 import time

@@ -1,7 +1,5 @@
 """A world that is made anew from a seed: rooms along a corridor, turned so that no wall lies along the grid's axes."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Logs: scans with odometry and, where there is one, the truth. The errors of poor sensors are added here."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Errors of paths and maps against a reference."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from pathlib import Path

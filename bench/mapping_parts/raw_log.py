@@ -1,7 +1,5 @@
 """Logs with the robot's own odometry, NAME.npz, and the pairs of scans between which errors count, NAME.relations."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

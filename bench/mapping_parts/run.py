@@ -1,7 +1,5 @@
 """One log through the node's tracker, scan by scan, in a process of its own, so that its memory is the mapper's."""
 
-from __future__ import annotations
-
 import multiprocessing
 import time
 from dataclasses import dataclass

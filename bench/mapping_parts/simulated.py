@@ -1,7 +1,5 @@
 """Logs made by the project's simulator in lock step: a robot that knows the truth drives from goal to goal."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator
 from pathlib import Path

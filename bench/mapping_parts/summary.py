@@ -1,7 +1,5 @@
 """Medians and worst values of the drives of several seeds, beside the limits."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ Arguments: the folder of the devices, and the file of the notes: a line each, wi
 and whether its motors turn. A stand-in goes on with its last command, as the manual of its board says.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 from pathlib import Path

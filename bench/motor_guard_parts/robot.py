@@ -1,7 +1,5 @@
 """A robot that boots with control groups of version 2 alone, the trials on it, and their table."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence

@@ -5,8 +5,6 @@ Arguments: the user of the drivers; who starts guards in units of their own (`so
 without. Prints a line of JSON for each trial: the set, and the time to rest of each board, s, or null.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import pwd

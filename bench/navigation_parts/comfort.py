@@ -1,7 +1,5 @@
 """Comfort of the people round a robot: how near it comes to them, how long it is near, how often it freezes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

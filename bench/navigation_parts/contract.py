@@ -1,7 +1,5 @@
 """The topics of a simulated base, held against the contract of all bases."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from tests.base_contract import list_topics

@@ -1,7 +1,5 @@
 """A map that the robot makes of a world by exploring, and its place in the world."""
 
-from __future__ import annotations
-
 import shutil
 from dataclasses import dataclass
 from pathlib import Path

@@ -8,8 +8,6 @@ corner of the exact geodesic, and lines may graze the corners of forbidden cells
 our favour.
 """
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

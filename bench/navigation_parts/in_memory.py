@@ -1,7 +1,5 @@
 """Goals on a bus in one process: no ROS, no real time, the same drive to the last bit for a seed."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

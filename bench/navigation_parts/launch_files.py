@@ -1,7 +1,5 @@
 """Launch files of the nodes that are measured, for plain roslaunch and `ur launch`."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

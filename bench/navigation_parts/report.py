@@ -1,7 +1,5 @@
 """Figures for people."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping, Sequence

@@ -5,8 +5,6 @@ from one to the next (the first from the start at the origin), any heading; then
 generated flats are drawn likewise from the number of the flat, from 3 m on.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import dataclass

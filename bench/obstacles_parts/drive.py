@@ -3,8 +3,6 @@
 Messages take a while as between nodes: commands and `cmd_vel` 10 ms, readings of sensors and odometry 20 ms.
 """
 
-from __future__ import annotations
-
 import heapq
 import itertools
 import math

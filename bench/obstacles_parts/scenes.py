@@ -1,7 +1,5 @@
 """Scenes for driving by hand: a room with something in it, and a corridor of 1 m."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

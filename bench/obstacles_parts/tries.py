@@ -1,7 +1,5 @@
 """Tries of one base: drives into things at full speed, and drives along a corridor with and without the guard."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Floor plans of buildings of any size: corridors, rooms with doors, furniture, and unknown space round it all."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Large maps: planning, memory of map_server, amcl and move_base, and the time to the first goal."""
 
-from __future__ import annotations
-
 import json
 import math
 import subprocess

@@ -1,7 +1,5 @@
 """Samples of the processes of a run, and their growth."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass

@@ -10,8 +10,6 @@ A subject of the bench is a module `bench/scale_parts/SUBJECT.py`. It has
 One subject may have several kinds of work: each has a `subject` of its own in its rows, as "workspaces: ur check".
 """
 
-from __future__ import annotations
-
 import math
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """Synthetic workspaces: packages whose launch files include one another, with the mistakes that such files have."""
 
-from __future__ import annotations
-
 import random
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Large workspaces: `ur check`, `ur find`, `ur graph`, `ur docs` and Tab over launch files that include one another."""
 
-from __future__ import annotations
-
 import os
 import statistics
 import sys

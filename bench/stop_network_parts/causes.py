@@ -1,7 +1,5 @@
 """The causes: what happens to a network while everybody drives. Each returns when nothing more happens."""
 
-from __future__ import annotations
-
 import struct
 import time
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """The persons at the commanders, inside a computer: each holds keys or a stick as a pattern says."""
 
-from __future__ import annotations
-
 import contextlib
 import fcntl
 import os

@@ -1,7 +1,5 @@
 """A computer of the bench with a starter on it, as seen from here."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

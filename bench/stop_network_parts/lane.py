@@ -1,7 +1,5 @@
 """Lanes: a base with a mux and one commander each, side by side in namespaces, so that one cut is a trial of all."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal, TypeVar
 

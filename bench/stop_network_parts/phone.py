@@ -3,8 +3,6 @@
 Keys are those of the keyboard program: `d` takes over, `a` asks, `y` hands over, Ctrl-C ends.
 """
 
-from __future__ import annotations
-
 import os
 import select
 import sys

@@ -1,7 +1,5 @@
 """Just enough of a terminal to read what `ur_nodes.teleop.terminal.raw` shows: lines are set and cleared."""
 
-from __future__ import annotations
-
 import re
 
 _CONTROL = re.compile(r"\x1b\[([0-9;?]*)([A-Za-z])")

@@ -4,8 +4,6 @@ Orders and answers are lines of JSON. It is one of the programs of its computer:
 or halts it, too.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import secrets

@@ -1,7 +1,5 @@
 """The table of a base, and trials that are not as they should be, as text."""
 
-from __future__ import annotations
-
 import statistics
 from collections.abc import Iterable, Mapping, Sequence
 

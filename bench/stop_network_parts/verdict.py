@@ -7,8 +7,6 @@ is a *ghost*: nobody has asked for it. The base has to be at rest where the reco
 before, the command is missing. Motion without any recorded command is not judged: the record is what failed.
 """
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence

@@ -1,7 +1,5 @@
 """Trials with one robot: it drives at full speed, somebody is lost, and it is looked at until it stands."""
 
-from __future__ import annotations
-
 import contextlib
 import itertools
 import json

@@ -1,7 +1,5 @@
 """A base from a description, as a user makes it who answers each question with what is suggested."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

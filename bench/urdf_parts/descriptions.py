@@ -1,7 +1,5 @@
 """Robots among the URDF and xacro files of a folder."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass

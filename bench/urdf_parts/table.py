@@ -1,7 +1,5 @@
 """The table of bench/urdf: a line for each robot."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any

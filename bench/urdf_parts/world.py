@@ -1,7 +1,5 @@
 """The world that a base fits into."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from bench.navigation_parts.stack import ROOT

@@ -4,8 +4,6 @@ They have no login but for the kind `member`, which reads its cookie from standa
 priority, take loopback addresses only, hold at most 1100 connections, and end after `--seconds`.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -1,7 +1,5 @@
 """Time that processes wait for a processor, over time: what a busy computer adds to a measurement."""
 
-from __future__ import annotations
-
 import bisect
 import threading
 import time

@@ -1,7 +1,5 @@
 """The time that the page takes to draw a map of 4000 x 4000 cells: between frames, and of the processor."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

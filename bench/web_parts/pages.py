@@ -1,7 +1,5 @@
 """Pages that hold the stick: ours, a rude one that never lets go, and one of a plain bridge. Each command is unique."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import time

@@ -1,7 +1,5 @@
 """A TCP proxy between page and server that delays, stalls and drops, as a bad wireless link does."""
 
-from __future__ import annotations
-
 import asyncio
 from contextlib import suppress
 

@@ -1,7 +1,5 @@
 """`ur web` as a process: a login, and the processes between page and base."""
 
-from __future__ import annotations
-
 import asyncio
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """`python -I -m ur`: the `ur` command. The script `ur`, boot units and remote runs all start this, isolated."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

@@ -5,8 +5,6 @@ something lets `tools/set_up.bash` make an environment in the user's data folder
 and every later command runs there. The script `ur` takes the same decision without starting Python twice.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -9,8 +9,6 @@ loop. OPENBLAS_NUM_THREADS sets another number.
 An interrupt while the module is still importing ends it without a message; rospy sets its own handler once it starts.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

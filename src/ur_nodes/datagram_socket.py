@@ -1,7 +1,5 @@
 """A socket of a node for datagrams of programs on the same computer."""
 
-from __future__ import annotations
-
 import os
 import socket
 from collections.abc import Callable

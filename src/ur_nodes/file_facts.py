@@ -1,7 +1,5 @@
 """Facts of a run in a file, where the middleware keeps none without a node."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

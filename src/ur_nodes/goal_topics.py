@@ -4,8 +4,6 @@ ACTION/goal a Goal, ACTION/cancel a GoalId, ACTION/state each change of a goal, 
 second, ACTION/feedback the place of the robot. ACTION_simple/goal takes a pose alone, as RViz sends it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Literal, Protocol
 

@@ -1,7 +1,5 @@
 """The one thread of a node: calls that arrive from anywhere, and those that repeat, one after the other."""
 
-from __future__ import annotations
-
 import contextlib
 import heapq
 import itertools

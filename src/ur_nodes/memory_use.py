@@ -1,7 +1,5 @@
 """Return of freed memory to the system, for nodes that hold maps."""
 
-from __future__ import annotations
-
 import ctypes
 from contextlib import suppress
 

@@ -1,7 +1,5 @@
 """The part of a node that is the same on every middleware with threads: its loop, its jobs and its end."""
 
-from __future__ import annotations
-
 import queue
 import time
 from collections.abc import Callable, Mapping

@@ -1,7 +1,5 @@
 """The start of a node on the middleware of this computer."""
 
-from __future__ import annotations
-
 import logging
 import os
 import signal

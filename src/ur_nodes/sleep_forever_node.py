@@ -1,7 +1,5 @@
 """A node that does nothing: while it runs, so do its launch file and its master."""
 
-from __future__ import annotations
-
 import sys
 
 from ur_nodes.run import run

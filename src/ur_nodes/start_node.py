@@ -1,7 +1,5 @@
 """Start a node that needs `requirements/vision.lock`, or report a missing library: start_node NODE [ARG ...]."""
 
-from __future__ import annotations
-
 import runpy
 import sys
 from collections.abc import Callable

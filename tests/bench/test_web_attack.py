@@ -1,7 +1,5 @@
 """The attackers of `bench/web_attack`, all at once, on the server as a process: a session is served as if alone."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import os

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 
 from ur.check.catalogue import choose_rules, find_rule, load_rules

@@ -1,7 +1,5 @@
 """Which files a check looks at."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

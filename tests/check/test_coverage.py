@@ -1,7 +1,5 @@
 """Whatever the resolver reports about a file has a rule, and so a page and a name to hide it by."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Launch files of other people's robots: what is true only where a file is included, or not on this computer."""
 
-from __future__ import annotations
-
 from ur.check.queries.executables import is_misspelt
 from ur.check.render.pages import FOLDER, check_example
 from ur.check.render.text import render_text

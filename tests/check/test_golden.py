@@ -3,8 +3,6 @@
 `UR_UPDATE_GOLDEN=1` writes the expected texts anew. The launch files are those that the resolver's goldens use.
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

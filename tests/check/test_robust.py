@@ -1,7 +1,5 @@
 """Whatever a file holds, a check ends with findings, and each has a rule with a page."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Every rule's own examples, checked: a bad one gives exactly that finding at the marked place, a good one none."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """What a whole check does, on packages in memory: unknown values, bases, options, comments."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.check.render.pages import FOLDER, check_example

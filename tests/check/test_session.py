@@ -1,7 +1,5 @@
 """A check that is kept up to date has the findings of one that finds everything again, whatever was edited."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """A package with each trap of heads and silent meanings once: each is named with file, line and help."""
 
-from __future__ import annotations
-
 from ur.check.run import check_paths
 from ur.launchfile.world import MemoryWorld
 

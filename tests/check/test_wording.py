@@ -3,8 +3,6 @@
 `UR_UPDATE_GOLDEN=1` writes it anew. Other tests assert rule, place and subject.
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

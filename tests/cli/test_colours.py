@@ -1,7 +1,5 @@
 """Colours on a terminal, and none where the user or the terminal has none."""
 
-from __future__ import annotations
-
 import os
 import pty
 from pathlib import Path

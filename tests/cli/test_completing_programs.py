@@ -1,7 +1,5 @@
 """Tab after `ur run`: programs of every package, their arguments, and worlds of one's own."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """`ur launch` in place of roslaunch: the same words beside the installed roslaunch, exit code for exit code."""
 
-from __future__ import annotations
-
 import io
 import os
 import select

@@ -1,7 +1,5 @@
 """The forms in which verbs take a launch file: `FILE` and `PACKAGE FILE`, in our package without any set-up."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

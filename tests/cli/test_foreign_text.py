@@ -1,7 +1,5 @@
 """Text of files and robots cannot act on the terminal, nor look like a line of ours, nor be markup."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 from pathlib import Path

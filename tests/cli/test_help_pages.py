@@ -1,7 +1,5 @@
 """Help of every verb and of every program."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import subprocess

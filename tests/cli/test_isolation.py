@@ -1,7 +1,5 @@
 """Nothing of the current folder is imported: every entry point starts in a folder of hostile modules."""
 
-from __future__ import annotations
-
 import importlib.metadata
 import os
 import pty

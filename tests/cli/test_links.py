@@ -1,7 +1,5 @@
 """Links that lead out of a package are left out, whatever they lead to, and that is said once."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Output that nobody takes and a folder that is gone: one line, and the exit code of convention."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import subprocess

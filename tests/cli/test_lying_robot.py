@@ -1,7 +1,5 @@
 """A robot that lies in every answer: each command ends with one line for it, and nothing of its answers acts here."""
 
-from __future__ import annotations
-
 import os
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Every message of the verbs on wrong input is as agreed in messages.txt."""
 
-from __future__ import annotations
-
 import re
 
 from tests.cli.wrong_inputs import GOLDEN, describe_messages, list_commands, list_lines

@@ -1,7 +1,5 @@
 """Each option of each command is in a test and on a page that is written by hand."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """An output that the user names is never a file that the command reads, and never replaces a file of another kind."""
 
-from __future__ import annotations
-
 import os
 import socket
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """A robot that runs says what it is: over a real master, to a launch file that somebody starts elsewhere."""
 
-from __future__ import annotations
-
 import subprocess
 from collections.abc import Iterator, Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The table of what commands trust: it has every verb, and those that start and send nothing do neither."""
 
-from __future__ import annotations
-
 import ast
 import re
 import runpy

@@ -1,7 +1,5 @@
 """What `ur` writes is never writable for everybody, whatever the shell has set, and obeys a stricter shell."""
 
-from __future__ import annotations
-
 import os
 import stat
 import subprocess

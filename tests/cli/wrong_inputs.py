@@ -1,7 +1,5 @@
 """Wrong inputs of every verb, and what `ur` prints for them: the golden file messages.txt is made from this."""
 
-from __future__ import annotations
-
 import io
 import os
 import re

@@ -1,7 +1,5 @@
 """Command lines that are wrong, or have no effect beyond the folder of their test, as a user may type them."""
 
-from __future__ import annotations
-
 # One command line each; what has an effect beyond this folder is not among them.
 LINES = """
 lanch

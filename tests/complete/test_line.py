@@ -1,7 +1,5 @@
 """Splitting what stands before the cursor."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.complete.completions import Line

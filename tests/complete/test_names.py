@@ -1,7 +1,5 @@
 """What an argument may be: robots, selections, programs, runs and their nodes."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Text that bash inserts is the candidate again, once bash has read it."""
 
-from __future__ import annotations
-
 import subprocess
 
 import pytest

@@ -1,7 +1,5 @@
 """Tab on names that hold characters of the shell, in real shells on a real terminal."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import socketserver

@@ -1,7 +1,5 @@
 """Tab in real shells, on a real terminal."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What is offered where."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The table of known devices, and what it says about a device."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.devices.device import Device

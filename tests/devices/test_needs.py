@@ -1,7 +1,5 @@
 """What a base needs, compared with what is plugged in."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

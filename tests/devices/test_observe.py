@@ -1,7 +1,5 @@
 """The devices of a computer are read from what its kernel shows."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 

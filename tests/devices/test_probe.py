@@ -1,7 +1,5 @@
 """Devices that are asked what they are, on pseudo-terminals."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import threading

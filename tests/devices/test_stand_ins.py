@@ -1,7 +1,5 @@
 """Devices without hardware, and what `ur devices --probe` and the doctor make of them and of their faults."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Nothing in the table of robots and sensors is tried that no test tries, and every name in it is known."""
 
-from __future__ import annotations
-
 import ast
 import re
 import runpy

@@ -1,7 +1,5 @@
 """Udev rules: each device its own name, and common chips only where a base expects them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

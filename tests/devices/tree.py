@@ -1,7 +1,5 @@
 """A small /sys, /dev and /proc of a robot's computer, for the inspection of devices."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from pathlib import Path

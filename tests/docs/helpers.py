@@ -1,7 +1,5 @@
 """Documents of packages in memory, and what is in them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Broken and odd repositories are documented as they are, and never end in a traceback."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Comments as doc= attributes: roslaunch shows them, nothing else changes."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from pathlib import Path

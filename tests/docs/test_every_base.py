@@ -1,7 +1,5 @@
 """A repository in which the includes depend on the base: what documents say is what roslaunch itself resolves."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 from collections.abc import Iterator

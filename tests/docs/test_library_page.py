@@ -1,7 +1,5 @@
 """The page of our own launch library: up to date, the same every time, its links alive."""
 
-from __future__ import annotations
-
 import functools
 import os
 import re

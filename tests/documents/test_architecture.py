@@ -1,7 +1,5 @@
 """The page on architecture and those below it name packages, imports, modules and files as they are."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

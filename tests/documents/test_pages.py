@@ -1,7 +1,5 @@
 """Links of the pages lead somewhere, every page is in the index, and the commands of `ur` in them exist."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from collections.abc import Iterator

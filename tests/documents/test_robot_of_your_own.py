@@ -1,7 +1,5 @@
 """The commands of docs/how-to/robot-of-your-own.md, from a description to a goal, as they are written there."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The tables of docs/reference/ros2.md are those of the code."""
 
-from __future__ import annotations
-
 import ast
 from pathlib import Path
 

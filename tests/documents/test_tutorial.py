@@ -1,7 +1,5 @@
 """Every command of the tutorial, typed into a real terminal in its order, by a user who has nothing yet."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

@@ -1,7 +1,5 @@
 """The commands of the page about uninstalling leave nothing of the project in a home folder."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """The driver of docs/how-to/write-a-driver.md, as it is written there, and its test."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """The node of docs/how-to/write-a-node.md, as it is written there: in its test, and under a launch file."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The scripts of docs/how-to/write-a-script.md, as they are written there, on a bus with a simulated robot."""
 
-from __future__ import annotations
-
 import re
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A whole robot for a test: `ur launch` with a master of its own, and a client process to talk to it."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal

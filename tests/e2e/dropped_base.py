@@ -1,7 +1,5 @@
 """A base of somebody else, in a workspace of its own: only files that are named after it, for each program."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ur.request.environment import PACKAGE

@@ -4,8 +4,6 @@ Ten times a second it prints a line of JSON. `messages` has, of each message sin
 asked for, the time of its arrival (monotonic, s) and its first bytes as hex; `frames` has each frame with its parents.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import time

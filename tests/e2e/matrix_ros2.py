@@ -1,7 +1,5 @@
 """What comes on the topics of a domain of ROS 2, by a node that hears them; see `matrix_topics`."""
 
-from __future__ import annotations
-
 import json
 import os
 import select

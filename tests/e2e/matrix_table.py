@@ -1,7 +1,5 @@
 """What each program shows on each base: the table `matrix.yaml`, read and worked out for one base."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What comes on the topics of a master, without a ROS library: when, by the stamps in messages, and the frames."""
 
-from __future__ import annotations
-
 import itertools
 import select
 import struct

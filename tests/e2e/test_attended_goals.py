@@ -3,8 +3,6 @@
 The default suite has the same on a bus: tests/ur_nodes/navigation/test_attended_goals.py.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

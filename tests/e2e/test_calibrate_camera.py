@@ -1,7 +1,5 @@
 """`ur run calibrate_camera` on a terminal, with a camera that is plugged in while it runs and sees a rendered board."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """From the description of a skid steer to a goal that it reaches; tests/documents has a robot with two wheels."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

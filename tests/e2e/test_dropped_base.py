@@ -1,7 +1,5 @@
 """A new base needs nothing but files that are named after it: every program runs on it."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

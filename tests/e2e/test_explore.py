@@ -1,7 +1,5 @@
 """`ur run make_map` from the start to a saved map, without a screen: the robot explores, or drives to places."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The main job, whole: real master, real nodes, the simulated robot. One robot serves all tests of this file."""
 
-from __future__ import annotations
-
 import math
 import os
 import signal

@@ -1,7 +1,5 @@
 """Viewers of other makers on `ur web --foxglove`, with the real simulator; what is left when the server is killed."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import json

@@ -1,7 +1,5 @@
 """Programs of the library that join a robot that runs already."""
 
-from __future__ import annotations
-
 import pytest
 from tests.e2e.conftest import UrShell
 

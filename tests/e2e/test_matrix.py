@@ -3,8 +3,6 @@
 `docs/reference/programs.md` shows what is expected.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from pathlib import Path
 

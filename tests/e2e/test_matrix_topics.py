@@ -1,7 +1,5 @@
 """What the matrix takes for right and for wrong: rates, trees of frames, and the table worked out for a base."""
 
-from __future__ import annotations
-
 import struct
 from typing import Any
 

@@ -3,8 +3,6 @@
 Nav2 is a stand-in of rclpy, with messages that ROS 2's generators have made.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The page and the terminal tell the same of a robot, on ROS 1 and ROS 2."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The page of `ur web` in a real browser, with the simulator on ROS 2."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 The default suite has the same on a bus: tests/ur_nodes/missions/robot/test_patrol_node.py.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 

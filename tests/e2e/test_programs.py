@@ -1,7 +1,5 @@
 """The programs as people start them: piped commands, wrong input, and nothing left behind."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 from pathlib import Path

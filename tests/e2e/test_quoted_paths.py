@@ -1,7 +1,5 @@
 """Worlds, maps and a library below a folder with an apostrophe and a blank in its name, under `ur` and roslaunch."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from pathlib import Path

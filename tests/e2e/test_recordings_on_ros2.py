@@ -1,7 +1,5 @@
 """`ur record` and `ur replay` on ROS 2, with the wheels, which have no tf2_msgs; `rosbags` reads the file, too."""
 
-from __future__ import annotations
-
 import subprocess
 import time
 from collections.abc import Callable, Iterator

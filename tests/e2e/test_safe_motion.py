@@ -4,8 +4,6 @@ The default suite has the same on a bus: test_cmd_vel_mux_node.py in tests/ur_no
 tests/ur_nodes/navigation/, tests/ur_nodes/teleop/, and with nodes that start again tests/ur_nodes/first_drive/.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

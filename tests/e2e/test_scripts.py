@@ -1,7 +1,5 @@
 """Scripts and assistants as their users start them, on a simulated robot with either ROS."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import re

@@ -1,7 +1,5 @@
 """The panels of the page that show data of the robot, in a real browser with the real simulator."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The page beside an exploration, in a real browser with the real simulator."""
 
-from __future__ import annotations
-
 import contextlib
 import subprocess
 from collections.abc import Iterator

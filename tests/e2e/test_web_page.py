@@ -1,7 +1,5 @@
 """The page of `ur web` in a real browser, with the real simulator. One robot serves all tests of this file."""
 
-from __future__ import annotations
-
 import math
 import os
 import signal

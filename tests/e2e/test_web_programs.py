@@ -1,7 +1,5 @@
 """Programs, nodes and findings on the page of `ur web`, in a real browser. No program runs when it is opened."""
 
-from __future__ import annotations
-
 import json
 import re
 import signal

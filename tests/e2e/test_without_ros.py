@@ -1,7 +1,5 @@
 """The first drive without ROS: all nodes in one process."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 from pathlib import Path

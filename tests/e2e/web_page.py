@@ -1,7 +1,5 @@
 """The page of `ur web` in a real browser, as somebody with one finger uses it."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import time

@@ -1,7 +1,5 @@
 """A clock that a test advances."""
 
-from __future__ import annotations
-
 
 class ManualClock:
     """Seconds that pass when a test sets `now`; by default those of a simulation, that are no round numbers."""

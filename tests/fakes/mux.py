@@ -1,7 +1,5 @@
 """A mux that does what it is asked at once."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """A navigator that pursues nothing."""
 
-from __future__ import annotations
-
 from ur_nodes.ports.actions import GoalHandle
 from ur_nodes.ports.node import Node
 

@@ -1,7 +1,5 @@
 """A running server of the page, and its clients."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

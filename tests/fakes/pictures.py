@@ -1,7 +1,5 @@
 """Pictures whose files say what a test wants."""
 
-from __future__ import annotations
-
 import struct
 import zlib
 

@@ -1,7 +1,5 @@
 """The state of a command for several robots: nothing begins twice or beyond the limit, and every end is kept."""
 
-from __future__ import annotations
-
 from ur.fleet.jobs import (
     Fleet,
     Job,

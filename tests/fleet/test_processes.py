@@ -1,7 +1,5 @@
 """Processes that run side by side: their output is kept apart, and nothing of them outlives the command."""
 
-from __future__ import annotations
-
 import os
 import select
 import subprocess

@@ -1,7 +1,5 @@
 """The lines about several robots."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.fleet.jobs import JobStatus

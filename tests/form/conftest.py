@@ -1,7 +1,5 @@
 """Facts of all Python files, read once for the tests of this folder, which one process runs: see tests/parallel.py."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import pytest

@@ -3,8 +3,6 @@
 The trees of all files take half a gigabyte, so the rules get values and no trees.
 """
 
-from __future__ import annotations
-
 import ast
 import gc
 import re

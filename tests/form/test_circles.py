@@ -1,7 +1,5 @@
 """No import circles: between modules none of any kind, between packages none of imports at the top."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Mapping, Set
 from graphlib import CycleError, TopologicalSorter

@@ -3,8 +3,6 @@
 A method that implements a documented one needs none of its own: its contract is that of the protocol.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Mapping
 

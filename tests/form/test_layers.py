@@ -1,7 +1,5 @@
 """Imports point down: what each package may import."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping, Set
 

@@ -1,7 +1,5 @@
 """One implementation of a thing: no function of src, and none of the tests, stands in two modules."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Mapping
 

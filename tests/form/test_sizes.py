@@ -1,7 +1,5 @@
 """Sizes in src: functions up to 60 lines, modules up to 500; test_exceptions.py has the least size of a module."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from tests.form.facts import Facts

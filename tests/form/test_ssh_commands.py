@@ -1,7 +1,5 @@
 """Commands of ssh in src end their options, so that no destination can be taken for one."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from tests.form.facts import Facts

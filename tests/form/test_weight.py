@@ -1,7 +1,5 @@
 """The size of the project does not grow beyond tests/weight.tsv."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Words that name no thing do not stand in names and docstrings: `the client`, `the node`, `ended`, `received` do."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 

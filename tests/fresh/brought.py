@@ -5,8 +5,6 @@ tests/fresh/run starts it in the project's folder, after the first README comman
 trial prints what it has measured; the exit code is 1 when one has failed.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import signal

@@ -1,7 +1,5 @@
 """Commands in the Debian root and outside of it, for the trials of tests/fresh/brought.py. Needs only Python."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import subprocess

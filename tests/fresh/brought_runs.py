@@ -1,7 +1,5 @@
 """Trials of runs in the Debian root: the terminal, signals, what is left after them, and the time of a start."""
 
-from __future__ import annotations
-
 import os
 import pty
 import re

@@ -4,8 +4,6 @@
 Run it with .venv/bin/python. Prints the time until the first frame with data.
 """
 
-from __future__ import annotations
-
 import asyncio
 import re
 import signal

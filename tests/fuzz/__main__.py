@@ -7,8 +7,6 @@ of computing or 60 s in all, and more than 200 MB of memory. An input that cause
 which the tests replay. Exit code 1 when something was found.
 """
 
-from __future__ import annotations
-
 import argparse
 import hashlib
 import json

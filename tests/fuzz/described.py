@@ -8,8 +8,6 @@ An input is parts between lines of `====`. The first line of a part is a name an
 `{{4000000 x [}}` in an input stands for so many `[`.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import socket

@@ -1,7 +1,5 @@
 """Broken variants of inputs: bits of the text exchanged, doubled or cut, and values that parsers stumble over."""
 
-from __future__ import annotations
-
 import random
 import re
 from collections.abc import Sequence

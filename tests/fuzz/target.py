@@ -1,7 +1,5 @@
 """The contract of a parser that is fuzzed, and all of them."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """The corpus of the fuzzer is replayed, and its limits hold."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -5,8 +5,6 @@ limits of an input are 10 s of computing, 60 s in all, and 200 MB of memory for 
 standard output are finds; the last line holds the number of inputs.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import random

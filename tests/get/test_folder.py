@@ -1,7 +1,5 @@
 """Packages of a folder: who owns it, and what is in it under another name."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Repositories that files of a folder name, and the table of those that no index has."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """Folders of strangers: special files, sizes and texts that take a careless reader for ever are read or left out."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Callable

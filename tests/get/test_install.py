@@ -1,7 +1,5 @@
 """Installation and undo of `ur get`, without apt and pip."""
 
-from __future__ import annotations
-
 import errno
 from collections.abc import Sequence
 from pathlib import Path

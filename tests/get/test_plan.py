@@ -1,7 +1,5 @@
 """Plans of `ur get`, from tables in memory."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import pytest

@@ -1,7 +1,5 @@
 """Questions to a server of git: a real one, on this computer only."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

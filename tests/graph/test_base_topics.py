@@ -1,7 +1,5 @@
 """Topics that nodes of ours publish because of their base."""
 
-from __future__ import annotations
-
 from ur.graph.text import draw_graph
 from ur.graph.topics import find_base_uses, graph_plan
 from ur.launchfile import MemoryWorld, Plan, load_plan

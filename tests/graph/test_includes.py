@@ -1,7 +1,5 @@
 """Include trees of plans."""
 
-from __future__ import annotations
-
 from ur.graph.boxes import Branch
 from ur.graph.includes import build_trees, merge_trees
 from ur.graph.text import draw_tree

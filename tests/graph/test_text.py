@@ -1,7 +1,5 @@
 """The forms a graph is written in."""
 
-from __future__ import annotations
-
 from xml.etree import ElementTree
 
 from ur.graph.boxes import Arrow, DrawnGraph, GraphBox

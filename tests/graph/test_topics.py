@@ -1,7 +1,5 @@
 """Nodes and topics, of a plan and of a master."""
 
-from __future__ import annotations
-
 from ur.graph.boxes import DrawnGraph
 from ur.graph.text import draw_graph
 from ur.graph.topics import graph_plan, graph_system

@@ -4,8 +4,6 @@ Sends 300 plausible strangers, a robot with the name of another, and records tha
 user and host, control characters, bytes that are not UTF-8. Repeats them until it is ended.
 """
 
-from __future__ import annotations
-
 import itertools
 import socket
 import struct

@@ -1,7 +1,5 @@
 """Computers for tests: `bench` is a laptop and a robot, fresh for each module."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

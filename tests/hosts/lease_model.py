@@ -1,7 +1,5 @@
 """A model of the states that the lease may have after each step of a sequence, apart from the code under test."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 

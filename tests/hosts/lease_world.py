@@ -1,7 +1,5 @@
 """Two laptops and a phone that want to drive one robot: their programs, their screens, and what the robot did."""
 
-from __future__ import annotations
-
 import re
 import signal
 import threading

@@ -1,7 +1,5 @@
 """A robot of the bench whose network belongs to a real NetworkManager, and what is looked at around changes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 

@@ -1,7 +1,5 @@
 """The bench itself: computers that find each other, can be cut off, and leave nothing behind."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 import sys

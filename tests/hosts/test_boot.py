@@ -1,7 +1,5 @@
 """`ur boot`: what a robot starts by itself, after a reboot, with a late network, and when it keeps ending."""
 
-from __future__ import annotations
-
 import shutil
 import sys
 import sysconfig

@@ -1,7 +1,5 @@
 """The page that a robot serves when it boots: installed, opened by links that are good once, and removed."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import shutil

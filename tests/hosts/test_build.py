@@ -1,7 +1,5 @@
 """`ur build`: a package that is built and runs on both computers, and builds that are interrupted or cannot be."""
 
-from __future__ import annotations
-
 import pytest
 from tests.hosts.bench import UR, Bench, Done, wait_until
 from tests.hosts.test_doctor import pair

@@ -3,8 +3,6 @@
 A fault is fixed either by `--fix` or by the commands that stand with the finding, typed as they are printed.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Commands for several robots at once, on two that were set up and one that is away."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 

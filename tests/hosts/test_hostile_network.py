@@ -1,7 +1,5 @@
 """A laptop, a robot, and an attacker's computer in one network: nothing executes, no secret leaves, nothing hangs."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

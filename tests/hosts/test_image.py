@@ -1,7 +1,5 @@
 """`ur image prepare`, and what a computer makes of it when it boots for the first time."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass

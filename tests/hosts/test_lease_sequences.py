@@ -1,7 +1,5 @@
 """Two laptops and a phone in every order of start, take-over, kill and end: one drives, and nobody is surprised."""
 
-from __future__ import annotations
-
 import random
 import signal
 import time

@@ -1,7 +1,5 @@
 """Changes of name and network with the link cut, the viewer killed, the power lost: the robot comes back by itself."""
 
-from __future__ import annotations
-
 import os
 import random
 import signal

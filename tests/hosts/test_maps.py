@@ -1,7 +1,5 @@
 """`ur maps copy` between two computers: both directions, and a network that is cut on the way."""
 
-from __future__ import annotations
-
 import os
 import signal
 from collections.abc import Iterator

@@ -3,8 +3,6 @@
 The laptop of the other release has `ur` from a wheel: there is no clone that could be copied to the robot.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Motors rest soon after what drives them is killed, whoever starts the drivers, on a booted robot."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

@@ -1,7 +1,5 @@
 """`ur mount`: files of the robot here, and what a network that drops does to programs that look at them."""
 
-from __future__ import annotations
-
 import sys
 import time
 

@@ -1,7 +1,5 @@
 """No motion without a fresh command: real commanders and muxes on two computers, whatever happens to the network."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator
 

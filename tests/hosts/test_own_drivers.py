@@ -3,8 +3,6 @@
 The robot's devices are stand-ins at the ends of pseudo-terminals in its /dev, with a simulated robot behind them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Two commands on the laptop, from a freshly flashed robot without internet to a program that runs there."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import sys

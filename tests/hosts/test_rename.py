@@ -1,7 +1,5 @@
 """`ur robot rename`: the robot has the new name everywhere, or the old one everywhere."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """`ur robot setup` from a freshly flashed robot to a ready one, and whatever may happen on the way."""
 
-from __future__ import annotations
-
 import subprocess
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """`ur robot setup` interrupted at each of its points: the robot can be reached, and going on leads to the same end."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """No password is seen in a process, or left in a file, log or history, by set-ups that end and by those that do not."""
 
-from __future__ import annotations
-
 import os
 import pty
 import subprocess

@@ -1,7 +1,5 @@
 """What may be wrong with a robot that is set up: each is named, and once it is mended the same command goes on."""
 
-from __future__ import annotations
-
 from concurrent.futures import Future, ThreadPoolExecutor
 
 from tests.hosts.bench import Bench, Machine

@@ -1,7 +1,5 @@
 """`ur robots` and `ur doctor --wireless` between two computers, also while a robot is away."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from pathlib import Path

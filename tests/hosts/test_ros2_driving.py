@@ -1,7 +1,5 @@
 """Two commands from a laptop without any ROS to a robot with ROS 2: its keys drive, a cut stops it."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Iterator

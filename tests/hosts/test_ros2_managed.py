@@ -1,7 +1,5 @@
 """A robot with ROS 2 in a namespace, and a laptop without any ROS: what works with ROS 1 works there, too."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from pathlib import Path

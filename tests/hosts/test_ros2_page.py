@@ -1,7 +1,5 @@
 """The page of a robot with ROS 2, in a browser of a laptop without any ROS. Kilted: its wheels read transforms."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import time

@@ -1,7 +1,5 @@
 """A robot with ROS 2 Jazzy, and a laptop without any ROS: the doctor, the set-up, driving."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from typing import Any

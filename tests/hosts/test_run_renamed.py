@@ -1,7 +1,5 @@
 """A robot whose name or address changes during a run: the run is found, and no node starts beside it."""
 
-from __future__ import annotations
-
 import signal
 from collections.abc import Iterator
 from pathlib import Path

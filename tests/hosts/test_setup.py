@@ -1,7 +1,5 @@
 """`ur setup` on a computer that is just installed."""
 
-from __future__ import annotations
-
 from tests.hosts.bench import REPOSITORY, UR, Machine
 from tests.hosts.conftest import SUDO
 

@@ -1,7 +1,5 @@
 """`ur setup` of a home folder as people have it: repeated, killed at every change, and taken back."""
 
-from __future__ import annotations
-
 from tests.hosts.bench import UR, Machine
 from tests.hosts.test_robot_setup_interrupted import run_until
 from tests.hosts.test_setup import snapshot

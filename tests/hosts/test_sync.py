@@ -1,7 +1,5 @@
 """`ur sync`: two workspaces over a real network, with conflicts, deletions, and links that break on the way."""
 
-from __future__ import annotations
-
 import pytest
 from tests.hosts.bench import UR, Bench, Done, wait_until
 from tests.hosts.test_doctor import pair

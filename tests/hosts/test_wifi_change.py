@@ -1,7 +1,5 @@
 """`ur robot wifi` and `ur robot network` with a real NetworkManager; only the wireless device is pretended."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

@@ -1,7 +1,5 @@
 """`ur shell -X`: a window of a program on the robot, on the laptop's screen."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The same plan as the installed roslaunch, or refused by both: for our corpus and for what Debian ships."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What a user reads about every mistake: compared letter by letter. `UR_UPDATE_GOLDEN=1` writes them anew."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

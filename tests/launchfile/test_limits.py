@@ -1,7 +1,5 @@
 """Hostile and broken input gets a diagnostic: no exception, no hang, no unbounded memory."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st

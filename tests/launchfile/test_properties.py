@@ -1,7 +1,5 @@
 """Generated launch files mean to us what they mean to roslaunch."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import quoteattr

@@ -1,7 +1,5 @@
 """A client of `ur lsp` over standard input and output, as an editor is one."""
 
-from __future__ import annotations
-
 import asyncio
 import gc
 import os

@@ -5,8 +5,6 @@
 Texts are cut, doubled and mixed at any place. From time to time everything is found, and compared with a new check.
 """
 
-from __future__ import annotations
-
 import argparse
 import random
 import sys

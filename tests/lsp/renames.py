@@ -5,8 +5,6 @@
 The plans of all files that read a changed one are compared, whether the rename itself looked at them or not.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from collections import Counter

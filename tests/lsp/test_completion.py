@@ -1,7 +1,5 @@
 """What editors ask at a place of a launch file: completion, hover, definitions and actions."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

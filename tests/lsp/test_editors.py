@@ -1,7 +1,5 @@
 """The set-ups of `editors/` in the editors themselves, each in a scripted session."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

@@ -1,7 +1,5 @@
 """`ur lsp` as an editor uses it: a process, the protocol, and a workspace on the disk."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Texts of an editor and their findings, without the protocol."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

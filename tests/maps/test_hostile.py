@@ -1,7 +1,5 @@
 """Maps of strangers: special files and sizes are refused before they are read."""
 
-from __future__ import annotations
-
 import io
 import os
 import tarfile

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 
 from ur.maps.names import check_map_name, fresh_name, is_map_name

@@ -1,7 +1,5 @@
 """Masks hold what the zones say, in the format that costmap filters read."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Zones are stored with their map, and what cannot be one is refused."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

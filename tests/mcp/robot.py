@@ -1,7 +1,5 @@
 """An assistant's server beside a simulated robot on a bus: the SDK's client calls it while simulated time passes."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import json

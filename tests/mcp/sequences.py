@@ -1,7 +1,5 @@
 """Seeded sequences of hostile and ordinary calls of an assistant, and what must hold of the robot's motion."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import random

@@ -1,7 +1,5 @@
 """An assistant looks at a robot and drives it on the terms of a grant, by the SDK's client, on a bus."""
 
-from __future__ import annotations
-
 import asyncio
 import base64
 import json

@@ -1,7 +1,5 @@
 """An assistant names packages and names: no file outside of the workspaces, and at most two commands at once."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import subprocess

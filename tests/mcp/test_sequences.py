@@ -1,7 +1,5 @@
 """Seeded sequences of hostile and ordinary calls of an assistant."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """`ur mcp` over standard input and output: it starts at once or not at all, and ends in silence."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

@@ -1,7 +1,5 @@
 """A replay of two minutes as other processes see it: its socket, and the states that it answers."""
 
-from __future__ import annotations
-
 import socket
 import threading
 from collections.abc import Iterator

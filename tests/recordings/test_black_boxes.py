@@ -1,7 +1,5 @@
 """Reports to black boxes that run, and to those that were killed."""
 
-from __future__ import annotations
-
 import socket
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Reading of recordings: complete ones, those whose writer was killed, and other files."""
 
-from __future__ import annotations
-
 import os
 import random
 import struct

@@ -1,7 +1,5 @@
 """Types of messages in recordings: ROS 1 as ROS 2 and back, and definitions that cannot be read."""
 
-from __future__ import annotations
-
 import struct
 from dataclasses import replace
 from pathlib import Path

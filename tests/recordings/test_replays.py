@@ -1,7 +1,5 @@
 """Commands to replays."""
 
-from __future__ import annotations
-
 import socket
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The archive of a report: what it holds, and the page in a browser."""
 
-from __future__ import annotations
-
 import socket
 import struct
 import threading

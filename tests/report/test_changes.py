@@ -1,7 +1,5 @@
 """Changes of a workspace are those of git, and nothing that its repository names runs."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

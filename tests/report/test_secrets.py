@@ -1,7 +1,5 @@
 """Secrets that are planted anywhere are not in the archive."""
 
-from __future__ import annotations
-
 import base64
 import json
 import random

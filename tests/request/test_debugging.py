@@ -1,7 +1,5 @@
 """`ur launch --debug`: the plan of nodes under debuggers; nothing is started."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

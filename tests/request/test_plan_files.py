@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from collections.abc import Collection
 
 from ur.request.plan_files import is_this_computer, selected_arguments, texts

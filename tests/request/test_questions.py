@@ -1,7 +1,5 @@
 """The answers of `ur launch` beside those of the installed roslaunch, both as commands."""
 
-from __future__ import annotations
-
 import io
 import json
 import subprocess

@@ -1,7 +1,5 @@
 """Worlds and maps on command lines: `ur launch --dry-run` resolves and checks as a run does, and starts nothing."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The robot that a ROS_MASTER_URI set by hand means."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.robot.master_choice import follow_master

@@ -1,7 +1,5 @@
 """Mount command lines, and reading what is mounted."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ur.robot.mount import MountedFolder, mount_command, mounts_of, parse_mounts

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 
 from ur.robot.remote_run import NOT_READY, NOT_THERE, explain_failure

@@ -1,7 +1,5 @@
 """Finding what a run left behind, however it hides: every process of it has the test's folder in its environment."""
 
-from __future__ import annotations
-
 import os
 import time
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """Runs that go on without their terminal, and everything that reaches them from another one."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

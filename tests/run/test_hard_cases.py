@@ -1,7 +1,5 @@
 """Nodes, disks and masters that misbehave: the run copes and says so."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

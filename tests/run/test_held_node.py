@@ -1,7 +1,5 @@
 """A run ends although a debugger holds one of its nodes."""
 
-from __future__ import annotations
-
 import select
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Launches beside nodes of another run of this computer: they use them, or are refused; they never end them."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

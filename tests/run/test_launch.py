@@ -1,7 +1,5 @@
 """`ur launch` with a real master: processes, signals, terminals."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import signal

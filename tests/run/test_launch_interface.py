@@ -1,7 +1,5 @@
 """`ur launch` on a terminal: the interface is a process beside the supervisor, and nothing it does harms the run."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import signal

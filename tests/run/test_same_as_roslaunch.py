@@ -1,7 +1,5 @@
 """The same launch file through roslaunch and `ur launch`: nodes and the parameter server must not see a difference."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

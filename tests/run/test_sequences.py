@@ -1,7 +1,5 @@
 """Random lives of runs, seeded: whatever happens to them, nothing is left and nobody sees a traceback."""
 
-from __future__ import annotations
-
 import json
 import os
 import random

@@ -1,7 +1,5 @@
 """Windows where there is no display, and viewers that are not installed: left out, with a line that says why."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

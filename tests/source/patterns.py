@@ -4,8 +4,6 @@ A pattern is what a module's top level or a literal in a function gives to `re`;
 calls it with. Each text is searched within CPU seconds, several hundred times what linear time takes.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 import signal

@@ -1,7 +1,5 @@
 """Reports of internal errors: where they are written, and that nobody else decides what they overwrite."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

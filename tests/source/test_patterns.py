@@ -1,7 +1,5 @@
 """Every regular expression of `src` takes time in proportion to a text of 64 kB of its own alphabet."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

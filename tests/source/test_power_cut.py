@@ -1,7 +1,5 @@
 """What a command has reported as done is there after a power cut, and nothing that it replaces is lost half-way."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Foreign text cannot act on a terminal."""
 
-from __future__ import annotations
-
 import io
 import unicodedata
 

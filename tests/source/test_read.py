@@ -1,7 +1,5 @@
 """Files that are none are refused: nothing waits, and nothing fills the memory."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from ur.source import Note, SourceFile, Span, did_you_mean, error, render_human
 
 FILE = SourceFile("x.launch", "<launch>\n\t<nod/>\n</launch>\n")

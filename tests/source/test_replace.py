@@ -1,7 +1,5 @@
 """A file is replaced completely or not at all, keeps its links and permissions, and is never writable for everybody."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

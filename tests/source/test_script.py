@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 
 from ur.source.script import explain_script, find_script_faults

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from difflib import get_close_matches
 
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Child processes: their sockets, their errors, and their end."""
 
-from __future__ import annotations
-
 import asyncio
 import signal
 import socket

@@ -1,7 +1,5 @@
 """The table of releases: well-formed, and looked up alike by Python and bash."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The choice of ROS, on computers made of empty files."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

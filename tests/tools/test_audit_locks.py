@@ -1,7 +1,5 @@
 """The audit of the locks installs its own tool from a lock, with hashes, and reports each lock in a line."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """The look-up of releases in package lists: its logic, without a network."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The page of bases is the one that the base files make."""
 
-from __future__ import annotations
-
 import re
 import runpy
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The pictures of bases: one for each look, and what RViz shows is what is committed."""
 
-from __future__ import annotations
-
 import runpy
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """The page of the Python library is that of its docstrings."""
 
-from __future__ import annotations
-
 import inspect
 import runpy
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The page of robots and sensors is the one that the table makes."""
 
-from __future__ import annotations
-
 import runpy
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Topics of the library's nodes are declared in the heads of their executables, and made tables and pages of that."""
 
-from __future__ import annotations
-
 import re
 import runpy
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The pictures of the page on maps: the page shows each of them, and what the tool makes is what is committed."""
 
-from __future__ import annotations
-
 import re
 import runpy
 from pathlib import Path

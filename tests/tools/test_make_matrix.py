@@ -1,7 +1,5 @@
 """The page of programs is what programs, bases and the table of expectations make."""
 
-from __future__ import annotations
-
 import runpy
 from pathlib import Path
 

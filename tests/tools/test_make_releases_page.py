@@ -1,7 +1,5 @@
 """The committed texts about releases are what the table says."""
 
-from __future__ import annotations
-
 import runpy
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The rule pages are those that the rules make."""
 
-from __future__ import annotations
-
 import runpy
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The page of verbs is made of their help."""
 
-from __future__ import annotations
-
 import runpy
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The page has the numbers, names and colours that the server has."""
 
-from __future__ import annotations
-
 import runpy
 from pathlib import Path
 

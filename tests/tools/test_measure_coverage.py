@@ -1,7 +1,5 @@
 """The comparison of coverage with its record, and the record itself."""
 
-from __future__ import annotations
-
 import yaml
 from tools.measure_coverage import (
     RECORD,

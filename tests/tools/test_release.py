@@ -1,7 +1,5 @@
 """A release: refused before anything has happened, or built, tried, committed and tagged."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 

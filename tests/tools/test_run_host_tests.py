@@ -1,7 +1,5 @@
 """Resuming, crashes, Ctrl-C and the table of the runner of host tests, with small files in their place."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

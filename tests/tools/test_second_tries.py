@@ -1,7 +1,5 @@
 """The list of tests that passed on a second try, and the time after which it fails the build."""
 
-from __future__ import annotations
-
 from datetime import date
 
 import pytest

@@ -1,7 +1,5 @@
 """The script `ur`: what it refuses before it sets anything up."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import select

@@ -1,7 +1,5 @@
 """A run that only exists in a test, and services that do nothing."""
 
-from __future__ import annotations
-
 import socket
 import time
 from collections.abc import AsyncIterator, Callable, Sequence

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 
 from ur.tui.screen.half_blocks import Glyph, cells_of_pixels

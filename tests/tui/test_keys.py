@@ -1,7 +1,5 @@
 """Every key of the interface does what it says: one row each, and a row for each."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Keys in quick succession, a terminal without colours, and exceptions."""
 
-from __future__ import annotations
-
 import asyncio
 
 import pytest

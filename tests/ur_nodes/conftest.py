@@ -1,7 +1,5 @@
 """Fixtures of nodes that keep something between their runs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Scans as tests make them, with the fields of sensor_msgs/LaserScan."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Clients and servers of goals over topics, on a bus."""
 
-from __future__ import annotations
-
 from ur_nodes.client.navigation import Names, NavigationTopics
 from ur_nodes.goal_topics import TopicGoalClient
 from ur_nodes.memory.bus import Bus

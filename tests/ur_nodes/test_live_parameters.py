@@ -1,7 +1,5 @@
 """Parameters that are set while their node runs on a bus: the effect of each, and those that are refused."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

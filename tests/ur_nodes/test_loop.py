@@ -1,7 +1,5 @@
 """Beats of a node's loop, with a clock that a test moves."""
 
-from __future__ import annotations
-
 import threading
 import time
 

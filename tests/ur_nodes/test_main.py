@@ -1,7 +1,5 @@
 """Starting a node's module: messages of a workspace are found, after everything of ours."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

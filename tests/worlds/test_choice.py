@@ -1,7 +1,5 @@
 """Arguments that choose worlds and maps."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Floor plans made from pictures and sizes."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

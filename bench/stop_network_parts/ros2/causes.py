@@ -1,7 +1,5 @@
 """The causes: what happens while everybody drives. Each returns when nothing more happens."""
 
-from __future__ import annotations
-
 import signal
 import time
 

@@ -5,8 +5,6 @@ ROS 2 that send Twist or TwistStamped to the base itself, reliably, with a queue
 Each notes when it publishes which velocity.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 import time

@@ -1,7 +1,5 @@
 """The computers: network namespaces on a wire, and their processes, which go before all others of this machine."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import math

@@ -1,7 +1,5 @@
 """The person at a commander, who follows the patterns that are ordered on standard input."""
 
-from __future__ import annotations
-
 import os
 import struct
 import sys

@@ -1,7 +1,5 @@
 """All trials on ROS 2, and their table."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import sys

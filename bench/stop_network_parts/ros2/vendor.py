@@ -1,7 +1,5 @@
 """A plain commander of another vendor's middleware: vendor LANE NOTES. It knows DDS, and nothing of ROS 2."""
 
-from __future__ import annotations
-
 import os
 import sys
 import time

@@ -5,8 +5,6 @@ late as ordered: {"state": "open" | "cut" | "held", "delay": s, "loss": share, "
 when the wire opens, all at once, as from a radio whose queue was blocked.
 """
 
-from __future__ import annotations
-
 import contextlib
 import fcntl
 import heapq

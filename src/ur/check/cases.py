@@ -5,8 +5,6 @@ unknown value and is dropped. The expected values of dropped findings ("true or 
 that both branches of a condition are resolved.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace

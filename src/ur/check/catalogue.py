@@ -1,7 +1,5 @@
 """Rules by id, collected from the modules below `rules/`, without a separate list."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from functools import cache
 from importlib import import_module

@@ -1,7 +1,5 @@
 """Collection of the files to check: all relevant files of a package or folder, or single files."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

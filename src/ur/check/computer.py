@@ -1,7 +1,5 @@
 """The real world for a check: checked packages take precedence, and packages beside them are known without sourcing."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Shared parts of the rules' examples: a few launch files, to which each rule adds lines."""
 
-from __future__ import annotations
-
 from ur.check.rule import Example, launch_example
 
 TALKER = '<node name="talker" pkg="demo_nodes" type="talker"/>'

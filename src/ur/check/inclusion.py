@@ -1,7 +1,5 @@
 """Includes between launch files, by the possible paths of `<include>` tags."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field

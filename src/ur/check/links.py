@@ -1,7 +1,5 @@
 """Symbolic links that lead outside of the checked folder: they are left out, since their targets have another owner."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Findings of launch files: of their trees, and of their plans in every case."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial

@@ -1,7 +1,5 @@
 """The whole check: collect, read, visit, resolve, merge, and apply the comments that hide findings."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ While a file is checked, its queries to the world are recorded. A change alters 
 with one of those queries are checked again, and the findings of all others stay.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from ur.check.cache.answers import CHECKED, digest_of

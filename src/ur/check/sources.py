@@ -1,7 +1,5 @@
 """The files that a check reads, with the includes between launch files."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from types import MappingProxyType

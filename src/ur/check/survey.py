@@ -1,7 +1,5 @@
 """Launch files, read once, and their properties that rules use."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Visitor of all checked files: each rule is called for every object that it has a hook for."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Input that several commands share: names of robots, passwords from a file descriptor."""
 
-from __future__ import annotations
-
 import getpass
 import socket
 import sys

@@ -1,7 +1,5 @@
 """Help pages. Imported only to show one, because importing rich is slow."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import sys

@@ -1,7 +1,5 @@
 """Messages about invalid command lines, derived from the attributes of click's exceptions."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 

@@ -1,3 +1,1 @@
 """Completion candidates after `ur ...`, and the lines by which bash, zsh and fish request them."""
-
-from __future__ import annotations

@@ -1,7 +1,5 @@
 """Candidates for completion, and the sources of names."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """A command line split as a shell does, also with open quotes."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from functools import lru_cache

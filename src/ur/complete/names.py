@@ -1,7 +1,5 @@
 """Names on this computer for completion: programs, robots, runs, maps, and the values of arguments."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """The lines that bash, zsh and fish need. The candidates come from `ur` itself."""
 
-from __future__ import annotations
-
 BASH = """\
 # Tab completion for ur: eval "$(ur completion bash)"
 _ur_complete() {

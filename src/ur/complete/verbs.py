@@ -4,8 +4,6 @@
 the same, and a name in the file. The last kind of a list with an ellipsis is repeated.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 
 from ur.complete.completions import Completion, Line, NameSources, Option

@@ -1,7 +1,5 @@
 """Keys of YAML files: the one at a place, and those of other files with their documentation and values."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from contextlib import suppress

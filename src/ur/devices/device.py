@@ -1,7 +1,5 @@
 """Values about the devices of a computer."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Files that `ur doctor` reads: the health of a device as its driver sees it, and the commands that a mux refuses."""
 
-from __future__ import annotations
-
 import os
 import tempfile
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """The table of known devices, and the probable type of a device. Pure, except for reading the table itself."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The devices that a base needs, compared with those of a computer. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal

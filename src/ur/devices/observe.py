@@ -1,7 +1,5 @@
 """Inspection of the devices of a computer: one shell script, and the parser of its output. Both are pure."""
 
-from __future__ import annotations
-
 import posixpath
 import re
 from collections.abc import Iterable, Iterator, Mapping

@@ -1,7 +1,5 @@
 """Queries to devices that answer without changing their state: the script that sends them, and its answers."""
 
-from __future__ import annotations
-
 import json
 import shlex
 from collections.abc import Mapping, Sequence

@@ -7,8 +7,6 @@ The argument is a JSON list of [path, kind of query, baud rate]. Prints a JSON m
 - `xv11`: nothing is sent; the lidar sends packets of 22 bytes by itself, which begin with FA.
 """
 
-from __future__ import annotations
-
 import errno
 import fcntl
 import json

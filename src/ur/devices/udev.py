@@ -1,7 +1,5 @@
 """Udev rules that give devices stable names and let their group open them. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 
 from ur.devices.device import Expected

@@ -1,7 +1,5 @@
 """Generation of a launch repository's documents. Reads files through a World and writes nothing."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from collections.abc import Iterator

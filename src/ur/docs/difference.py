@@ -1,7 +1,5 @@
 """Differences between the present and the desired content of files."""
 
-from __future__ import annotations
-
 import difflib
 
 _MAX_LINES = 400

@@ -1,7 +1,5 @@
 """Comments after `<arg>` tags, written into the tags as `doc=`, which `roslaunch --ros-args` reads."""
 
-from __future__ import annotations
-
 import re
 from xml.sax.saxutils import escape
 

@@ -1,7 +1,5 @@
 """Links in the Markdown of comments, which are written relative to a launch file but read elsewhere."""
 
-from __future__ import annotations
-
 import posixpath
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Grouping by case: values that are the same in all cases are written once, others with their cases."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from ur.docs.documents import BaseCase, Value

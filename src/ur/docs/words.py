@@ -1,7 +1,5 @@
 """Formatting: paths and values that are the same on every computer, conditions and types as text."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 

@@ -1,7 +1,5 @@
 """The state of a command that runs for several robots: which jobs may start, their states, and the results. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal

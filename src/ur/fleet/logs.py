@@ -1,7 +1,5 @@
 """The output of each robot's command: a separate file, which stays until the same command runs again."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """The state of a command that runs for several robots, as text: one line each, and a summary. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ur.fleet.jobs import INTERRUPTED, Fleet, JobStatus

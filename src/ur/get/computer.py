@@ -1,7 +1,5 @@
 """Tables of this computer: rosdep's names, apt's packages, and the index of sources, if available."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import tempfile

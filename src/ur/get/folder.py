@@ -1,7 +1,5 @@
 """Missing packages of all launch files, xacro files and package.xml below folders."""
 
-from __future__ import annotations
-
 import os
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence

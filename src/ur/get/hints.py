@@ -1,7 +1,5 @@
 """Repositories that files of a folder name: lists of vcstool and wstool, submodules, `git clone` in texts, links."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Container, Iterable, Iterator
 from dataclasses import replace

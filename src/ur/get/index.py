@@ -1,7 +1,5 @@
 """The index of a ROS distribution: the source repositories of packages."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """Execution of a plan of `ur get`, and removal of the installed packages."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Packages that launch files and package.xml need and that are not installed."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 

@@ -1,7 +1,5 @@
 """Offers to get packages that a launch file lacks, and xacro, which is installed without a question."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path

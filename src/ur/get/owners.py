@@ -1,7 +1,5 @@
 """Guessed repositories of the same owner as a folder's repository, until a server confirms them."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

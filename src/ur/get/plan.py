@@ -1,7 +1,5 @@
 """Derivation of a plan from missing packages and tables: a pure function."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """The plan of `ur get` as text."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ur.get.steps import GetPlan, InstallStep, SourceRepository

@@ -1,7 +1,5 @@
 """Values of `ur get`: missing packages, and the plan to get them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import dataclass

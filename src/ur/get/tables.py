@@ -1,7 +1,5 @@
 """Debian package names of ROS packages: the table of Debian's rosdep, and the naming rules of apt packages."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Missing packages of a command line's targets: launch files, packages, folders."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path

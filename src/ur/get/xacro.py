@@ -1,7 +1,5 @@
 """PyPI's xacro as a ROS package of the user, for releases without a package of it."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import shutil

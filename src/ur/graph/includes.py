@@ -1,7 +1,5 @@
 """The include tree of a plan: which file includes which, and which nodes each starts."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 
 from ur.graph.boxes import Arrow, Branch, DrawnGraph, GraphBox

@@ -6,8 +6,6 @@ position of their neighbours, in both directions. (K. Sugiyama, S. Tagawa, M. To
 and Cybernetics 11(2), 1981.)
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """SVG output of graphs, as a separate file."""
 
-from __future__ import annotations
-
 from html import escape
 from itertools import pairwise
 

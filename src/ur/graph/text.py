@@ -1,7 +1,5 @@
 """Graphs as text: drawn for a terminal, Mermaid, and DOT."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Sequence
 

@@ -1,7 +1,5 @@
 """Nodes and their topics, services and actions: of a plan, without starting it, or of a running master."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ur.graph.boxes import Arrow, DrawnGraph, GraphBox, Kind

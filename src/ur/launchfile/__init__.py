@@ -4,8 +4,6 @@ Public names are imported on first use: a query about a launch file needs half o
 long as resolving a large one.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 from typing import TYPE_CHECKING
 

@@ -1,7 +1,5 @@
 """The two forms in which `roslaunch` accepts a launch file: a path, or a package and a file name."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ur.launchfile.world.protocol import PackageNotFound, World

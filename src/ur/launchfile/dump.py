@@ -1,7 +1,5 @@
 """A plan as JSON: the output of `ur launch --dump json`, which tests compare with roslaunch."""
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Sequence
 

@@ -3,8 +3,6 @@
 A list of maps becomes a map by their `name`; other nested lists become texts, as Nav2 has them.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 

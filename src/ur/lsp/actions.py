@@ -1,7 +1,5 @@
 """Changes that a place offers: the fixes of findings, hiding them, adding what is missing, and extracting a file."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass

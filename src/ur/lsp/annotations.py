@@ -1,7 +1,5 @@
 """Semantic tokens, inlay hints and code lenses of a launch file."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass

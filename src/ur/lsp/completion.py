@@ -1,7 +1,5 @@
 """Candidates for what is typed: tags, attributes, packages, programs, files, arguments and values."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from contextlib import suppress

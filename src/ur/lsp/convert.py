@@ -1,7 +1,5 @@
 """Places, findings and changes as the protocol has them: lines from 0, columns in the units of the client."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from os.path import normpath
 from pathlib import Path

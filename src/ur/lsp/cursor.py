@@ -1,7 +1,5 @@
 """The place of a cursor in a text that may be half typed: the tag, attribute or value around it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Definitions and uses of the thing at a place."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import suppress
 

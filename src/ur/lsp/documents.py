@@ -1,7 +1,5 @@
 """Documentation of launch files and their arguments, as their authors write it."""
 
-from __future__ import annotations
-
 from ur.check.queries.layout import comments_after, find_heading, heading_of
 from ur.check.rule import LaunchView
 from ur.lsp.workspace import Workspace

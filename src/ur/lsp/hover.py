@@ -1,7 +1,5 @@
 """Text about the thing at a place, as Markdown: documentation, values in each case, what a node does."""
 
-from __future__ import annotations
-
 from ur.check.rule import LaunchView
 from ur.check.worlds import has_marker
 from ur.complete.yaml_keys import find_key, plain_parents

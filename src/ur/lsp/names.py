@@ -1,7 +1,5 @@
 """The thing at a place of a launch file: an argument, file, package, program, node, parameter or topic."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The server with everything that it answers."""
 
-from __future__ import annotations
-
 from lsprotocol import types
 
 from ur.lsp.answers import add_answers

@@ -1,7 +1,5 @@
 """The language server: requests of an editor to functions of the workspace, and findings back to the editor."""
 
-from __future__ import annotations
-
 import asyncio
 import gc
 import time

@@ -1,7 +1,5 @@
 """The texts of an editor, saved or not, and the findings in them, kept up to date."""
 
-from __future__ import annotations
-
 import os
 import re
 import threading

@@ -1,7 +1,5 @@
 """Manual changes of a stored map, for every user interface: edits, rotations, and the resulting files."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

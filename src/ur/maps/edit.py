@@ -1,7 +1,5 @@
 """Manual changes of a map: erase, draw walls, forbid areas, rotate. Pure: cells (height, width) in, cells out."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Import and export of maps: checked before they become maps of the store, and packed for another computer."""
 
-from __future__ import annotations
-
 import io
 import re
 import tarfile

@@ -1,7 +1,5 @@
 """Names of stored maps, which are safe in a shell, a launch file and a file system, and of what is on them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection
 

@@ -1,7 +1,5 @@
 """Pictures of occupancy grids in the format of map_server: an image and a YAML file beside it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

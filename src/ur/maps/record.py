@@ -1,7 +1,5 @@
 """The record of a stored map, `map.json`: its files, and its description for the user."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path

@@ -3,8 +3,6 @@
 Nothing in them is executed (`allow_pickle` is off), and nothing is unpacked before its size is known.
 """
 
-from __future__ import annotations
-
 import io
 import zipfile
 from collections.abc import Mapping, Sequence

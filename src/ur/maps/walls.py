@@ -1,7 +1,5 @@
 """Walls of a map in use: drawn and erased in one step. The previous map is saved, so that it can be restored."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """The file of a map's named places: one store and one rule for names, for terminal, page and `ur maps`."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Callable, Mapping

@@ -4,8 +4,6 @@ A keep-out mask is 100 in the zones. A speed mask has the percentage of the high
 (docs.nav2.org, "Keepout Filter" and "Speed Filter", types 0 and 1 with base 0 and multiplier 1).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Zones of maps: their storage, and changes of them, for every user interface."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable, Mapping

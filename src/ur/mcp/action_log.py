@@ -1,7 +1,5 @@
 """The log of what assistants have asked for: one JSON object a line, with the client that asked."""
 
-from __future__ import annotations
-
 import json
 import os
 import time

@@ -1,7 +1,5 @@
 """Calls of an assistant: checked against their limits and the grant, logged, and answered as data."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import json

@@ -1,7 +1,5 @@
 """The tools of the server: their names, what they do, and their arguments with limits."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated
 

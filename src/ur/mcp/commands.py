@@ -3,8 +3,6 @@
 `run_command` is the only place where a text of an assistant becomes an argument of a program.
 """
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import fcntl

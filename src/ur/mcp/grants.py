@@ -1,7 +1,5 @@
 """Servers of assistants and the grants that persons give them: private files in the state folder."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Mapping

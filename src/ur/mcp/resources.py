@@ -1,7 +1,5 @@
 """The resources of the server: the robot as values and pictures, what runs, logs, plans of launch files, and pages."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The robot's end as the server reaches it: calls with answers, and signs of life."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import json

@@ -3,8 +3,6 @@
 The server keeps them with a grant, and the robot's end keeps the robot within them. Pure.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Annotated
 

@@ -3,8 +3,6 @@
 Each listens to a datagram socket in a folder of the user; a datagram is a text for people. See ur_nodes.black_box.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from ur.recordings.datagrams import send_to_all

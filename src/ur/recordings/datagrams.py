@@ -1,7 +1,5 @@
 """Datagrams to programs of a user on this computer, each of which has a socket in one folder."""
 
-from __future__ import annotations
-
 import os
 import socket
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Descriptions of recordings, as lines for people."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """The place of the robot in a recording, and the map that it had."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

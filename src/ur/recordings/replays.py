@@ -1,7 +1,5 @@
 """Replays that run on this computer: commands and states, as datagrams of a socket in a folder of the user."""
 
-from __future__ import annotations
-
 import socket
 from collections.abc import Mapping
 from contextlib import suppress

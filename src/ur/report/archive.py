@@ -1,7 +1,5 @@
 """The archive of a report: one zip, complete or absent, without secrets."""
 
-from __future__ import annotations
-
 import tempfile
 import zipfile
 from collections.abc import Sequence

@@ -4,8 +4,6 @@ A repository names programs in its `config`: filters, hooks, a monitor of files,
 gets a folder of ours as the repository instead, with the workspace's objects and a copy of its index.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

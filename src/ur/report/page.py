@@ -1,7 +1,5 @@
 """The page of a report: one file without scripts, which asks the network for nothing."""
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Secrets in texts and in bytes of messages, found by the names that they have, by their form, and by their values."""
 
-from __future__ import annotations
-
 import base64
 import re
 from collections import Counter

@@ -1,7 +1,5 @@
 """The content of a report besides the recording: logs, parameters, environment, versions, changes and load."""
 
-from __future__ import annotations
-
 import os
 import platform
 import re

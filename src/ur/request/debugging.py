@@ -1,7 +1,5 @@
 """`ur launch --debug NODE[=pudb|gdb|debugpy]`: a plan in which these nodes start under a debugger."""
 
-from __future__ import annotations
-
 import os
 import shlex
 from collections.abc import Sequence

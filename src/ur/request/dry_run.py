@@ -1,7 +1,5 @@
 """`ur launch --dry-run`: the commands that would be started, as shell lines."""
 
-from __future__ import annotations
-
 import json
 import shlex
 from collections.abc import Iterator, Mapping, Sequence

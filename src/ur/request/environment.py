@@ -1,7 +1,5 @@
 """Environment variables that follow from the selected robot: printed by `ur env`, and set by every verb."""
 
-from __future__ import annotations
-
 import os
 import shlex
 from collections.abc import Callable, Mapping

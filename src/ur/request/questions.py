@@ -3,8 +3,6 @@
 The answers are for the calling shell, as in roslaunch: of the selection they use arguments only.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import sys

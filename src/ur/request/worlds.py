@@ -1,7 +1,5 @@
 """Worlds and maps of a command line, checked before anything starts."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Cache of host name look-ups that keeps known addresses usable while the network is down."""
 
-from __future__ import annotations
-
 import ipaddress
 import socket
 import threading

@@ -1,7 +1,5 @@
 """The devices that a base needs, and the devices that are connected to a computer."""
 
-from __future__ import annotations
-
 from ur.devices.device import DeviceSnapshot, Expected, Kind
 from ur.devices.observe import device_script, parse_devices
 from ur.robot.base.properties import Base

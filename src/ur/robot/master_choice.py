@@ -1,7 +1,5 @@
 """The robot that a manually set ROS_MASTER_URI refers to, when another robot is selected."""
 
-from __future__ import annotations
-
 import ipaddress
 import socket
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Folders of robots, mounted on this computer with sshfs: command lines, and the list of mounts. Pure."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The location of this project on a robot, and the request for the robot's share of a run over ssh."""
 
-from __future__ import annotations
-
 from ur.robot.boot.units import LIBRARIES
 from ur.robot.ssh.shell import Shell, ShellResult, quote
 from ur.source.diagnostic import UserError, error

@@ -4,8 +4,6 @@ Written `sim[:BASE[:VARIANT]]` for a simulated robot on this computer, `ROBOT[:B
 computer is `ROBOT.local`; with ` --ros 1`, ` --ros 2` or ` --ros none` if that was chosen.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

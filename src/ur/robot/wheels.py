@@ -1,7 +1,5 @@
 """The test of a base's wheels, on this computer or a robot: which base, the line that starts it there, its result."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

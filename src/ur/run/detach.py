@@ -1,7 +1,5 @@
 """Runs that continue without their terminal: start one in another session, wait until it is ready, and detach."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

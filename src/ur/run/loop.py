@@ -1,7 +1,5 @@
 """The shell around the supervisor: executes its actions and passes events to it."""
 
-from __future__ import annotations
-
 import os
 import resource
 import select

@@ -1,7 +1,5 @@
 """Folders of runs, and the test for an address of this computer, as roslaunch and rospkg define them."""
 
-from __future__ import annotations
-
 import errno
 import os
 import socket

@@ -3,8 +3,6 @@
 Public names are imported on first use: importing all of them would slow down completion.
 """
 
-from __future__ import annotations
-
 TYPE_CHECKING = False
 if TYPE_CHECKING:  # as typing's, whose import takes time
     from ur.source.diagnostic import Diagnostic, Note, Severity, UserError, error

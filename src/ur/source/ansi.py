@@ -1,7 +1,5 @@
 """ANSI escape sequences of terminal output: styles, their removal, and the conditions for sending them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 

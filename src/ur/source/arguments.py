@@ -4,8 +4,6 @@ Every command splits them here, once, and passes values on. roslaunch's rules ab
 `ur.launchfile.plan.names.read_assignments`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Reports of unexpected exceptions: the traceback goes to a file, one line of text to the user."""
 
-from __future__ import annotations
-
 import os
 import platform
 import tempfile

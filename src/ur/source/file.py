@@ -1,7 +1,5 @@
 """A text file and positions in it."""
 
-from __future__ import annotations
-
 from bisect import bisect_right
 from typing import NamedTuple
 

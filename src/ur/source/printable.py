@@ -5,8 +5,6 @@ File names, launch files, announcements and robots' answers are untrusted. `prin
 output to an open stream. A control character appears as Python writes it: `\x1b`, `\n`, `\u202e`.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import sys

@@ -1,7 +1,5 @@
 """Reports of progress: pure code reports its steps, and its caller decides how to show them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import TypeVar

@@ -1,7 +1,5 @@
 """One line on the terminal about the present work of a command, while it prints nothing else."""
 
-from __future__ import annotations
-
 import os
 import sys
 import threading

@@ -4,8 +4,6 @@ A clone and a copy have the same folders. A wheel contains the Python packages, 
 folder of the package `ur` that `setup.py` creates. Only this module depends on the difference.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterator, Mapping

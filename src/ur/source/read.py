@@ -1,7 +1,5 @@
 """Text files of the user, read with an error that names the expected content."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ur.source.diagnostic import UserError, error_about

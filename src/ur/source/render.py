@@ -1,7 +1,5 @@
 """Diagnostics as text for display."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable
 from typing import TextIO

@@ -3,8 +3,6 @@
 A run's program with the terminal finds the folder in `FOLDER_VARIABLE`, and reads them.
 """
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterable

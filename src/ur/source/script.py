@@ -1,7 +1,5 @@
 """Heads of scripts: the interpreter that the first line names, and whether that reads the text."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

@@ -1,7 +1,5 @@
 """Folders of a user for state, configuration, data and caches: the XDG base directory specification."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from typing import Literal

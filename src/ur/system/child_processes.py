@@ -1,7 +1,5 @@
 """Child processes of a server: connected by sockets, their errors in its log, ended with it."""
 
-from __future__ import annotations
-
 import asyncio
 import itertools
 import shutil

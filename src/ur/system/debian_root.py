@@ -3,8 +3,6 @@
 `tools/debian_root.bash` creates, enters and removes the root, from outside and before a Python environment exists.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The table of releases: whether a Linux distribution packages ROS 1. Pure, except for reading the table itself."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from collections.abc import Mapping

@@ -6,8 +6,6 @@ Without ROS, all nodes of a run are in one process.
 # Paths are texts here: this runs at each Tab, and pathlib is not worth its import.
 # ruff: noqa: PTH110, PTH118, PTH208
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Mapping

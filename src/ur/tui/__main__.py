@@ -1,7 +1,5 @@
 """The interface as a process: `python -I -m ur.tui MODE DESCRIPTOR`, started by `ur launch` (see `ur.tui.start`)."""
 
-from __future__ import annotations
-
 import os
 import select
 import signal

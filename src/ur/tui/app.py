@@ -1,7 +1,5 @@
 """The interface on a large enough terminal, with the actions that change the run: nodes, the run, debuggers."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import ClassVar
 

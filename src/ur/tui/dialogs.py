@@ -1,7 +1,5 @@
 """Questions, help, and a log file, over the main screen. One key answers; Escape always closes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from rich.console import RenderableType

@@ -1,7 +1,5 @@
 """The log of a run for display: grouped messages, counted repetitions, limited floods and memory. Pure."""
 
-from __future__ import annotations
-
 import re
 from collections import deque
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """The key bindings with their names. Bindings, the footer and the help page are made from this table."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import groupby
 

@@ -1,7 +1,5 @@
 """Keys that change the display: the cursor, the log and its filter, pages to read."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from textual.containers import VerticalScroll

@@ -1,7 +1,5 @@
 """The log of a run on the screen: only visible lines are drawn."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass
 

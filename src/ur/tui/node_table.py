@@ -1,7 +1,5 @@
 """The table of nodes: one row per node, a cursor, and the mouse."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from rich.cells import set_cell_size

@@ -1,7 +1,5 @@
 """Colours of the interface, for dark and light terminals."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from rich.style import Style

@@ -1,7 +1,5 @@
 """The screen of a run: nodes above, log below, updated from events. Its keys are `log_actions` and `app`."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Sequence
 from typing import ClassVar, Protocol

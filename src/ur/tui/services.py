@@ -1,7 +1,5 @@
 """The computer of the interface: its clock, its pager, its debuggers."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import shutil

@@ -1,7 +1,5 @@
 """The status of a run in one line, below warnings and errors: for small terminals and `--calm`."""
 
-from __future__ import annotations
-
 import os
 import select
 import shutil

@@ -1,7 +1,5 @@
 """Display of a run on this terminal, with the suitable interface: for `ur launch` and `ur attach`."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

@@ -1,7 +1,5 @@
 """Square cells of a plane: the cell of a point, the point of a cell, and the values at points."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, TypeVar
 

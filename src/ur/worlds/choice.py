@@ -1,7 +1,5 @@
 """Launch arguments that choose a world or a map: names, and paths of files."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

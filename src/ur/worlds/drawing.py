@@ -1,7 +1,5 @@
 """Floor plans from a picture or a size, as the image and the YAML file of a world."""
 
-from __future__ import annotations
-
 import io
 import math
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 Format: https://wiki.ros.org/map_server.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal

@@ -5,8 +5,6 @@
 SOCKET is a descriptor. The node ends when it is closed, or when another master has started.
 """
 
-from __future__ import annotations
-
 import socket
 import sys
 

@@ -1,7 +1,5 @@
 """The exploration of an assistant: places to drive to, one after the other, until the map is complete."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Messages of the server of `ur mcp` to the robot's end, one JSON object a line, and the answers."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from msgspec import Meta

@@ -1,7 +1,5 @@
 """Motions of an assistant: begun by a call, and kept only while everything that the grant demands is true."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import time

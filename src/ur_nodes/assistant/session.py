@@ -1,7 +1,5 @@
 """The robot's end of `ur mcp`: what an assistant sees of the robot, and what it asks of it."""
 
-from __future__ import annotations
-
 import base64
 import math
 import os

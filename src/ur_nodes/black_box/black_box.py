@@ -1,7 +1,5 @@
 """The black box: records all topics in memory, and writes them to a file after an event."""
 
-from __future__ import annotations
-
 import re
 import socket
 import time

@@ -1,7 +1,5 @@
 """The node `black_box`: keeps two minutes of all topics in memory, and writes them to a file after an event."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Callable, Mapping

@@ -4,8 +4,6 @@ Times are ns of a clock that is never set. A record has a kind (topic, message o
 time at which it was put into the ring, the time of its message, and its data.
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Recordings of the black box on the disk: MCAP files, each complete or absent, the newest of them kept."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Topics that the black box records, and how often."""
 
-from __future__ import annotations
-
 from ur_nodes.ports.graph import Graph, Topic
 from ur_nodes.ports.raw import RecordedTopic
 

@@ -1,7 +1,5 @@
 """Events after which the black box writes a file: changes on topics, as texts for users."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 

@@ -3,8 +3,6 @@
 Only the single-planar API with memory mapping, which USB cameras have.
 """
 
-from __future__ import annotations
-
 import ctypes
 
 _U8, _U32, _S32 = ctypes.c_uint8, ctypes.c_uint32, ctypes.c_int32

@@ -4,8 +4,6 @@ Matrices are row by row, in pixels, with the centre of the first pixel at (0, 0)
 distortion.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

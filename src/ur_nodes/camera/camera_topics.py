@@ -1,7 +1,5 @@
 """The topics of a camera: its pictures in the forms that have subscribers, and its calibration."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Pictures of a V4L2 camera: its format is negotiated, its buffers are mapped, JPEG is passed on unchanged."""
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import time

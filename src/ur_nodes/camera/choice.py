@@ -1,7 +1,5 @@
 """The choice of a camera among the devices of a computer, and explanations why none can be used. Pure."""
 
-from __future__ import annotations
-
 import errno
 import os
 from collections.abc import Sequence

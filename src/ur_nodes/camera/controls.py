@@ -1,7 +1,5 @@
 """Controls of a V4L2 camera: mirroring, exposure, brightness and others."""
 
-from __future__ import annotations
-
 import errno
 
 from ur_nodes.camera import abi

@@ -1,7 +1,5 @@
 """An open V4L2 device: the calls that capture needs, behind a Protocol, and their implementation by the kernel."""
 
-from __future__ import annotations
-
 import ctypes
 import errno
 import fcntl

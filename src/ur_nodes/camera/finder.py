@@ -1,7 +1,5 @@
 """Opens the requested camera, and finds it again after it was unplugged."""
 
-from __future__ import annotations
-
 import subprocess
 import time
 from collections.abc import Callable, Sequence

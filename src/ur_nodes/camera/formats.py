@@ -1,7 +1,5 @@
 """Pixel formats of cameras: the choice among those that one offers, and their conversion. Pure."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 picamera2 belongs to the Python of the system and is built for its NumPy; that of this project is another one.
 """
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

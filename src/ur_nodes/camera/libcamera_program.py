@@ -5,8 +5,6 @@ output is a line of JSON, {"camera": name, "width": ..., "height": ...} or {"err
 each picture a head of 16 bytes (length, steady time in s; little-endian) and a JPEG. It ends with its input.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import os

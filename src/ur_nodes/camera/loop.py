@@ -1,7 +1,5 @@
 """The loop of a camera: opens it, reads it, and tries again while it is missing."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Generic, Protocol, TypeVar

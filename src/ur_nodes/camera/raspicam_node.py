@@ -1,7 +1,5 @@
 """Publishes the pictures of a real camera: the node raspicam_node, with its topics, parameters and services."""
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Callable

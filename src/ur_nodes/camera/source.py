@@ -1,7 +1,5 @@
 """Values about a camera's pictures, and the Protocol of their sources."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Protocol
 

@@ -4,8 +4,6 @@ Users' programs begin with `from ur_nodes.client import Robot`. In the other mod
 come from any thread; requests are made on the node's thread, unless their docstrings allow any thread.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 from typing import TYPE_CHECKING
 

@@ -1,7 +1,5 @@
 """The client that drives, as one line for a screen."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Literal

@@ -1,7 +1,5 @@
 """The topics of an exploration: its status, its frontiers, and the goal and path of navigation."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tracking of a goal from the states that navigation sends, as a step function."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 

@@ -1,7 +1,5 @@
 """A mux for user interfaces: its emergency stop, its obstacle stop, and the active source."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 

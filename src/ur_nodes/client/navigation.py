@@ -1,7 +1,5 @@
 """The topics of navigation: map, scan, transforms, plans and the goals of all clients, without a lease of its own."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """A `Navigator`: the topics of navigation, the mux, the patrol, and this program's lease."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import time

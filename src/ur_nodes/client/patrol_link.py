@@ -1,7 +1,5 @@
 """The patrol of the robot for user interfaces: its status, and requests with their answers."""
 
-from __future__ import annotations
-
 from collections import OrderedDict
 from collections.abc import Callable
 

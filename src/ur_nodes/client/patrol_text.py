@@ -1,7 +1,5 @@
 """A patrol and requests for one: values, JSON as it travels, sentences. What comes from a network is checked here."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, Literal
 

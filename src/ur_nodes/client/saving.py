@@ -1,7 +1,5 @@
 """Requests that save the map while it is made, or what has happened, and a line about their result."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable

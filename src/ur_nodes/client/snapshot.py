@@ -1,7 +1,5 @@
 """The interface between user interfaces and a navigating robot: snapshots and requests."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from enum import Enum

@@ -1,7 +1,5 @@
 """Waiting of threads other than the node's."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 

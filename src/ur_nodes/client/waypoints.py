@@ -1,7 +1,5 @@
 """Named places, kept per map in a small YAML file that users may edit."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable, Mapping

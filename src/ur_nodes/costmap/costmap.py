@@ -1,7 +1,5 @@
 """Costs of driving: one byte per cell, with the meaning that costmap_2d gives them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The outline of a robot: radii, and the points of it that must not touch anything."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

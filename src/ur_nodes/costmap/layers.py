@@ -1,7 +1,5 @@
 """The obstacle layer: what the scan has seen, marked and cleared by tracing its rays."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The local costmap alone: the stand-in for costmap_2d_node, of a scan and of sonars."""
 
-from __future__ import annotations
-
 import sys
 from collections import deque
 

@@ -1,7 +1,5 @@
 """The parameters of the local costmap, and of the robot's footprint, under upstream's names."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ur.source.diagnostic import UserError, error

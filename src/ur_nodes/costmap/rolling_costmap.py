@@ -1,7 +1,5 @@
 """The local costmap: a window that rolls along with the robot, with the obstacles of the scan or of the map."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Ranges of sonars as rays, so that a costmap can be made of them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

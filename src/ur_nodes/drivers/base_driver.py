@@ -1,7 +1,5 @@
 """A driver of a base: commands to its board, and what the board reports to topics."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """The driver of a real base, as a node: the board that the base file names, on its serial line."""
 
-from __future__ import annotations
-
 import sys
 
 from ur.robot.base.own_drivers import OWN_DRIVERS

@@ -1,7 +1,5 @@
 """States of a real base that its driver does not report: bumpers that are released, and angles of the wheels."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 

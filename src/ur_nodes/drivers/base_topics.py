@@ -1,7 +1,5 @@
 """The topics of a real base, under the names that its file gives: what the simulated one publishes."""
 
-from __future__ import annotations
-
 import math
 
 from ur.robot.base import Base, Bumpers, Cliffs

@@ -1,7 +1,5 @@
 """The node between a driver and the rest: what the driver leaves out, under the names that the base file gives."""
 
-from __future__ import annotations
-
 import sys
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Frames in a stream of bytes, found again after noise, in bounded memory. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 MORE = 0

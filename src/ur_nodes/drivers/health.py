@@ -1,7 +1,5 @@
 """The health of a device, as its driver sees it: what is reported to `ur doctor`. It counts, and knows no file."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

@@ -1,7 +1,5 @@
 """A driver of a lidar: what it measures to scans."""
 
-from __future__ import annotations
-
 import math
 
 from ur.robot.base import Lidar

@@ -1,7 +1,5 @@
 """The driver of a lidar, as a node: the kind that the base file names, on its serial line."""
 
-from __future__ import annotations
-
 import sys
 
 from ur.source.diagnostic import UserError, error

@@ -1,7 +1,5 @@
 """The odometry of a base from the counters of its wheels. Pure."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Values that devices report, as protocol modules return them. SI units; nothing knows a time, a topic or a frame."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Parameters of the driver nodes."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The node `explore`: drives a robot over a map that grows until it is complete. Stands in for `explore_lite`."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Sequence
 

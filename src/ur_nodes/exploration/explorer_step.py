@@ -1,7 +1,5 @@
 """Inputs and outputs of a step of the explorer, and its settings."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The exploration's clients of navigation's action and of the mux."""
 
-from __future__ import annotations
-
 import uuid
 from dataclasses import dataclass, replace
 

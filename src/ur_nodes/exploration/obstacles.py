@@ -1,7 +1,5 @@
 """The obstacles in the global costmap of the navigation, which sends it once and then the cells that change."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

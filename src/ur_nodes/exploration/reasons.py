@@ -1,7 +1,5 @@
 """Reasons why a frontier cannot be reached, with the place that blocks the way."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

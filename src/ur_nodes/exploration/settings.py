@@ -1,7 +1,5 @@
 """The parameters of `explore`, under upstream's names where there is one, read once and checked."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ur_nodes.costmap.local_costmap_settings import read_footprint

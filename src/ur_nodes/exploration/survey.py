@@ -1,7 +1,5 @@
 """The frontiers of one map: those that a reachable place shows, and the others, each with the reason."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The node `robot_state_publisher`, for computers without upstream's: its parameters, topics and frames."""
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Mapping

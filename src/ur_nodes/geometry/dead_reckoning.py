@@ -1,7 +1,5 @@
 """The pose of a base with its covariance, from the distances that its wheels rolled."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The nearest feature of a map that distinguishes two places, in words. Pure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Distances from marked cells up to a limit, with little memory: integers, a strip of the grid at a time."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """Occupancy grids: maps as map servers publish them and as localisation and navigation use them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

@@ -4,8 +4,6 @@ Distances are those of the outline moved outward edge by edge: exact along edges
 All points are in the base's frame in m.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Scans of a lidar whose head turns while the robot moves, as if all beams were measured at one moment."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rigid transforms in space as 4 x 4 matrices: `a_from_b @ b_from_c` is `a_from_c`. Lengths in m, angles in rad."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Beams and points of a lidar's scan, with one reading of REP 117 for all nodes."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Sequence

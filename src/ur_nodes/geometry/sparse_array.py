@@ -1,7 +1,5 @@
 """Arrays for large maps of which only parts are ever written to."""
 
-from __future__ import annotations
-
 import math
 import mmap
 import os

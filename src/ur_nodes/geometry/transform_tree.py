@@ -1,7 +1,5 @@
 """The transform tree (tf) with the history of the last seconds."""
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_left, bisect_right
 

@@ -1,7 +1,5 @@
 """The work of the node `amcl`: its map, its localiser, and its log lines."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ur_nodes.geometry.difference import describe_poses

@@ -1,7 +1,5 @@
 """The node `amcl`: localisation on a known map, from odometry and a lidar."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 

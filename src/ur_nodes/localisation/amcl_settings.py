@@ -1,7 +1,5 @@
 """The parameters of the node `amcl`, under upstream's names (https://wiki.ros.org/amcl), checked."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ People and new furniture make beams shorter than the map says, and a robot among
 carried away also sees through walls of the map, which objects that were added to a room cannot cause.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 Source: Thrun, Burgard, Fox, Probabilistic Robotics, section 6.4.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Adaptive Monte Carlo localisation as a state machine without ROS: odometry and beams in, estimates out."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ drives sideways, are those of upstream's amcl: a movement is a translation along
 turn.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Literal

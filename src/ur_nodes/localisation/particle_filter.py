@@ -4,8 +4,6 @@ Sources: Fox, "Adapting the sample size in particle filters through KLD-sampling
 Probabilistic Robotics, sections 4.3 and 8.3.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

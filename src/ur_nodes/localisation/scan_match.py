@@ -1,7 +1,5 @@
 """Refine a pose until the ends of the beams lie on the walls of the map: Gauss-Newton on the distance field."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Requests to change the served map, as untrusted text, and their results."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import TypeVar
 

@@ -1,7 +1,5 @@
 """Saves received maps as files."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

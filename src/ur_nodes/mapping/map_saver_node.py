@@ -3,8 +3,6 @@
 Launch files name the file in `UR_MAP_NAME`: arguments of a node are split into words, a variable is not.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import sys

@@ -1,7 +1,5 @@
 """A map, its zones and its walls, for all nodes."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable, Mapping

@@ -3,8 +3,6 @@
 Launch files name the map file in `UR_MAP_FILE`: arguments of a node are split into words, a variable is not.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Requests to save maps of topics as files."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

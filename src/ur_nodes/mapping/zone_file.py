@@ -1,7 +1,5 @@
 """Zones of a map in its file: read when they have changed, and changed on request."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass

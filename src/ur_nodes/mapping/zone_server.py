@@ -1,7 +1,5 @@
 """Zones of the map that is served: published as masks and as polygons, and changed on request."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import asdict

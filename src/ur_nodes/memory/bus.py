@@ -1,7 +1,5 @@
 """The bus of nodes."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 from ur_nodes.memory.carrier import Carrier

@@ -1,7 +1,5 @@
 """Time, ordered events, topics and services of a bus. The same calls give the same run to the last bit."""
 
-from __future__ import annotations
-
 import heapq
 import itertools
 import math

@@ -1,7 +1,5 @@
 """A node on a `Bus`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import TypeVar, cast
 

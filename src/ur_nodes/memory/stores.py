@@ -1,7 +1,5 @@
 """Facts, parameters and log of a node on a `Bus`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import cast
 

@@ -1,7 +1,5 @@
 """The mux of velocity commands: replaces twist_mux, with the emergency stop and the limits of the base."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Callable

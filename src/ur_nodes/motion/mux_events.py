@@ -1,7 +1,5 @@
 """Inputs of the mux of velocity commands: sources, locks and settings, and the events that it is stepped with."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """A running mux: events in, velocities out on `cmd_vel`, on time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The settings of the mux, from parameters."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ur.robot.base import Base, load_base

@@ -1,7 +1,5 @@
 """The clock of a mux."""
 
-from __future__ import annotations
-
 from ur_nodes.ports.node import Node
 
 

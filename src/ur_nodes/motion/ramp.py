@@ -1,7 +1,5 @@
 """Velocity ramps that a base can follow: braking may be harder than acceleration."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ whose zeros are a command, and `avoids_obstacles: true` for programs that read s
 obstacle stop lets pass.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import NoReturn

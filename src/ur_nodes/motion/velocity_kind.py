@@ -1,7 +1,5 @@
 """The type of velocities at the other end of a topic: Twist, or TwistStamped as on many bases and programs of ROS 2."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from ur_nodes.motion.writes import AsideLog

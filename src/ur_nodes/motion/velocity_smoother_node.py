@@ -3,8 +3,6 @@
 Commands have to arrive at a steady rate, as before a mux: commands that a network has delayed must not pass as new.
 """
 
-from __future__ import annotations
-
 import sys
 
 from ur_nodes.motion.admission.probation import Probation, step_probation

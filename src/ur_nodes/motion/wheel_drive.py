@@ -1,7 +1,5 @@
 """The controller of a base, from velocity commands to wheel speeds: limits, ramps, and a stop when commands are old."""
 
-from __future__ import annotations
-
 import math
 
 from ur.robot.base import Base

@@ -1,7 +1,5 @@
 """Writes and log lines of a node whose callbacks must not block on a disk, a terminal or a master."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

@@ -1,7 +1,5 @@
 """View of RViz from above that shows a whole map: fit_view MAP_FILE CONFIG prints the fitted configuration's path."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Legs of a path, driven one after the other: a turn on the spot if needed, then along the points."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

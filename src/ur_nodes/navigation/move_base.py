@@ -1,7 +1,5 @@
 """Goals of `move_base`: accepted as by upstream, and pursued by the navigator, which is stepped at a constant rate."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

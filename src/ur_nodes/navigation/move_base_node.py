@@ -1,7 +1,5 @@
 """The node `move_base`: drives to goals. Stands in for the program of that name in the package `move_base`."""
 
-from __future__ import annotations
-
 import sys
 
 from ur_nodes.memory_use import return_large_arrays

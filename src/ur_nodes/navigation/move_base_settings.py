@@ -1,7 +1,5 @@
 """The parameters of `move_base`, under upstream's names, checked. Those that are `live` may be set while it runs."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ur_nodes.costmap.costmap import Inflation

@@ -1,7 +1,5 @@
 """Displays of `move_base`: costmaps, paths, footprints. Topics without subscribers cost nothing."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """The navigator of a goal: plan, drive, turn, recover, give up. Pure: time comes with the inputs."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

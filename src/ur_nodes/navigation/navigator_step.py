@@ -1,7 +1,5 @@
 """Inputs and outputs of a control step of the navigator, and its settings."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import Enum
 

@@ -1,7 +1,5 @@
 """Requests for global plans, and their answers."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Sensor inputs of `move_base`: frames, the newest scan, the map, and the two costmaps made from them."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple

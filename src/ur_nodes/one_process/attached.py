@@ -1,7 +1,5 @@
 """A node in the process of all nodes, for a user interface that has the main thread."""
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Callable, Iterator
 from typing import TypeVar

@@ -1,7 +1,5 @@
 """The start of a node in the process of all nodes."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 

@@ -3,8 +3,6 @@
 It lasts as long as the node. The SOCKETs are descriptors. Exit code 1: there is no such process.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 

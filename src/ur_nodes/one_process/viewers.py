@@ -1,7 +1,5 @@
 """The socket at which viewers on this computer, such as the page's server, request additional nodes."""
 
-from __future__ import annotations
-
 import json
 import os
 import socket

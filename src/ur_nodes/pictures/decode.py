@@ -1,7 +1,5 @@
 """Pictures as arrays, from JPEG and PNG, and from the bytes of a raw message. Pure: bytes in, arrays out."""
 
-from __future__ import annotations
-
 import io
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The newest picture of a topic, and how its pictures arrive or why none does."""
 
-from __future__ import annotations
-
 from collections import deque
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Unpack compressed pictures: the stand-in for image_transport's republish, for `compressed in:=A raw out:=B`."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Reasons why a subscribed topic carries nothing: its publishers, and the last errors that they have logged."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from ur.source.printable import printable

@@ -1,7 +1,5 @@
 """Goals to drive to a pose. The codecs of each middleware map them to upstream's actions."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal, Protocol
 

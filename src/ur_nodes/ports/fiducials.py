@@ -1,7 +1,5 @@
 """Values of fiducials: corners in a picture, poses relative to the camera, and poses in a map."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A map that is published once, followed by updates of changed cells, such as a costmap of the navigation."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from ur_nodes.ports.values import Map, MapUpdate

@@ -1,7 +1,5 @@
 """The log of a node."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Protocol
 

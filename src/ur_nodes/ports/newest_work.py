@@ -1,7 +1,5 @@
 """Work on a worker of which only the newest request counts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Generic, TypeVar

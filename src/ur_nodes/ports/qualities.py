@@ -6,8 +6,6 @@ A topic that third-party nodes may publish with either has two subscribers, one 
 the quality of the publisher.
 """
 
-from __future__ import annotations
-
 from enum import Enum
 
 

@@ -3,8 +3,6 @@
 Nodes of our own exchange the values of `ports.values` instead.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """Scans that wait until the odometry of their time is known."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from dataclasses import replace

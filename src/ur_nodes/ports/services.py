@@ -1,7 +1,5 @@
 """Requests of services. The answer is `Result.value`."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import IntEnum
 

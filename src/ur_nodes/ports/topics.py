@@ -1,7 +1,5 @@
 """Publishers and subscriptions of topics."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 

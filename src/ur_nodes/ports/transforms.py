@@ -1,7 +1,5 @@
 """The transform tree as nodes see it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from typing import Protocol
 

@@ -8,8 +8,6 @@ Goals and requests for a path are judged by the node that answers them, see `ur_
 transform of a message by itself, see `ports.transforms`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from typing import TypeVar

@@ -1,7 +1,5 @@
 """The node `record`: writes topics to MCAP files until it ends, or the disk is nearly full."""
 
-from __future__ import annotations
-
 import sys
 
 from ur_nodes.recorder.topic_recording import RecordNode

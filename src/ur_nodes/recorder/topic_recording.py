@@ -1,7 +1,5 @@
 """Recording of topics to MCAP files, until its end or until the disk is nearly full."""
 
-from __future__ import annotations
-
 import os
 import sys
 import time

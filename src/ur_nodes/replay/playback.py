@@ -1,7 +1,5 @@
 """Publishing of the messages of a recording, with its clock."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Callable, Mapping

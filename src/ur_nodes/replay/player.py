@@ -1,7 +1,5 @@
 """A recording as it is played: the messages that are due, with pause, speed and jumps. It knows no middleware."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Set
 
 from ur.recordings.mcap_file import RecordingFile, StoredMessage

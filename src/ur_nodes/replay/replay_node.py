@@ -1,7 +1,5 @@
 """The node `replay`: publishes the messages of a recording, with the clock of the recording."""
 
-from __future__ import annotations
-
 import sys
 
 from ur_nodes.replay.playback import ReplayNode

@@ -4,8 +4,6 @@ Groups of shapes: lidars see 0 walls and boxes, 1 obstacles and people, 2 robots
 floor.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass

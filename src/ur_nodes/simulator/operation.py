@@ -1,7 +1,5 @@
 """The operation of a simulation on a node: its pace, clock, due outputs, and services."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 
 from ur.source.diagnostic import UserError

@@ -1,7 +1,5 @@
 """Access to MuJoCo: state of bodies and wheels, stepping, placing, contacts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

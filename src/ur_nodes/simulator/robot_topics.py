@@ -1,7 +1,5 @@
 """The topics of one simulated robot: what stage_ros publishes and subscribes."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ur_nodes.geometry.dead_reckoning import SIDEWAYS_SPEED_COVARIANCE, SPEED_COVARIANCE, covariance_matrix

@@ -1,7 +1,5 @@
 """The visible part of the model beside the shapes of physics: light, colours, fiducials, and the camera itself."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 

@@ -1,7 +1,5 @@
 """Periodic events of a simulation, in whole time steps."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

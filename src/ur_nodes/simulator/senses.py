@@ -1,7 +1,5 @@
 """The sensors of one robot beside lidar and camera: a module in `sensors` for each key of `ur.robot.base.SENSORS`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import TypeVar

@@ -1,7 +1,5 @@
 """Settings of the simulator node."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from ur.robot.base import Camera

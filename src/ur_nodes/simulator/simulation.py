@@ -1,7 +1,5 @@
 """The whole simulation in lock step: robots, their controllers, encoders and lidars, on one schedule of time steps."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

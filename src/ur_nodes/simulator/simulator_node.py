@@ -1,7 +1,5 @@
 """The simulator as a node: it loads a world and a base, and runs them."""
 
-from __future__ import annotations
-
 import sys
 from dataclasses import replace
 from pathlib import Path

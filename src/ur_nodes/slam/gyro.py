@@ -1,7 +1,5 @@
 """The heading of a robot by its gyroscope, used if the scans show that it is more accurate than the wheels."""
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_left
 from collections import deque

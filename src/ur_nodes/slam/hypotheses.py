@@ -1,7 +1,5 @@
 """Search for one place of the map on which several successive scans agree."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace

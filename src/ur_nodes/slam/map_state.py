@@ -1,7 +1,5 @@
 """A map at one moment, as it is drawn and stored."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

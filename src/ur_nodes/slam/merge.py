@@ -1,7 +1,5 @@
 """Merge two maps: find scans of one on the other, join the pose graphs, and refuse maps that do not fit together."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

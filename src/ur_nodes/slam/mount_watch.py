@@ -5,8 +5,6 @@ and turned against the robot's (Censi et al., Simultaneous calibration of odomet
 robots, 2013).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

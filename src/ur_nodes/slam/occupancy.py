@@ -5,8 +5,6 @@ graph has moved it. Where a map was continued, the keyframes of the later drive 
 furniture and walls that were moved between the drives are drawn where they were seen last.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

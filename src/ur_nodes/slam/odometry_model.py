@@ -1,7 +1,5 @@
 """The errors of odometry: random ones, and systematic ones, which are learned from the scans."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Find the place of a scan on a whole map without a guess."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

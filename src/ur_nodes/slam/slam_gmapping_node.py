@@ -1,7 +1,5 @@
 """The node `slam_gmapping`: a map from a lidar and, where there is one, odometry."""
 
-from __future__ import annotations
-
 import sys
 
 from ur_nodes.geometry.pose import Pose2

@@ -4,8 +4,6 @@ While it is lost, the map is unchanged, and a second mapper makes a separate sma
 for on the whole map. Once they agree on one place, the small map becomes part of the large one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -4,8 +4,6 @@ The frame of a fiducial is at its centre: x to the right and y up as one reads i
 of the camera is the optical one (REP 103). Pixels are counted from the centre of the first one, as in OpenCV.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Answers to pictures with their fiducials, as on the topics of aruco_detect."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 

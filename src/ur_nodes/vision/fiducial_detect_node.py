@@ -1,7 +1,5 @@
 """Finds fiducials in the pictures of a camera: the node aruco_detect, with its topics, messages and parameters."""
 
-from __future__ import annotations
-
 import sys
 from functools import partial
 

@@ -5,8 +5,6 @@ variance (m^2), how often it was seen, and the numbers of those seen together wi
 follows in lines that begin with "#covariance": the number and the upper triangle, row by row, of the 6 x 6 matrix.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Parameters of fiducial detection, with the names of aruco_detect."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import cv2

@@ -1,7 +1,5 @@
 """A map of fiducials that is built or only read, and the robot's pose on it: the decisions of fiducial_slam."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Collection, Iterator

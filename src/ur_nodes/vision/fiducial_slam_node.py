@@ -4,8 +4,6 @@ It takes the corners of fiducials (`fiducial_vertices`) rather than their poses 
 tell how sure a pose is, and that a second one explains them as well.
 """
 
-from __future__ import annotations
-
 import sys
 
 from ur_nodes.geometry.pose import Pose2

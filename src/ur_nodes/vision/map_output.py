@@ -1,7 +1,5 @@
 """The outputs of a map of fiducials: topics, and its file."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Requests of clients to a `FiducialSlam`: set the pose, search for the robot, clear the map."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from ur_nodes.ports.node import Node

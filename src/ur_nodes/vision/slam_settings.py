@@ -1,7 +1,5 @@
 """Parameters of fiducial mapping, with the names of fiducial_slam."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

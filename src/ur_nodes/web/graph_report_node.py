@@ -5,8 +5,6 @@ Each line of JSON that arrives is answered by one. {"topics": [NAME, ...]} wants
 messages since the last answer, by topic. With "frames" true it has `frames`, those of tf that are known.
 """
 
-from __future__ import annotations
-
 import os
 import socket
 import sys

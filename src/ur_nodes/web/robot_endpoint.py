@@ -1,7 +1,5 @@
 """The robot's end of the page: the robot's state for pages, and their requests."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, Protocol
 

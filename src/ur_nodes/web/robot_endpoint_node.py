@@ -6,8 +6,6 @@ VIEW and DRIVE are descriptors. Frames leave by VIEW; requests of pages, and the
 own, so that they never wait behind a map. The node ends when either is closed, or when another master has started.
 """
 
-from __future__ import annotations
-
 import socket
 import sys
 

@@ -1,7 +1,5 @@
 """Facts about the robot that do not change while it runs: its name, outline and limits."""
 
-from __future__ import annotations
-
 import math
 
 from ur.robot.base import Base, load_base

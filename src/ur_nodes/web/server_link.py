@@ -1,7 +1,5 @@
 """Nodes that the page's server starts, and the sockets between them: JSON lines arrive, bytes leave."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

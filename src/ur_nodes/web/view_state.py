@@ -1,7 +1,5 @@
 """The state of the robot as JSON for pages."""
 
-from __future__ import annotations
-
 import math
 
 from ur.source.printable import printable

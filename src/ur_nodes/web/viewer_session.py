@@ -1,7 +1,5 @@
 """The state of the robot as frames for pages, each sent when it has changed."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection
 from dataclasses import dataclass

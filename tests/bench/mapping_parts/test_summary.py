@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from bench.mapping_parts.summary import Drive, summarise
 
 

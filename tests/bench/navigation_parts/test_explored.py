@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from bench.navigation_parts.explored import align, surface_points

@@ -1,7 +1,5 @@
 """Goals are moved only where a base needs it, and to where it can get and turn."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

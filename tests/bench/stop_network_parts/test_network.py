@@ -1,7 +1,5 @@
 """Trials count when there is a record of the commands and the computer was free; a trial needs bases at rest."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The stand-in of a terminal."""
 
-from __future__ import annotations
-
 import pytest
 from bench.stop_network_parts.screen import Screen
 

@@ -1,7 +1,5 @@
 """The table of the bench: every cause and lane needs a trial that counts, and a ghost is printed with its direction."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 
 import pytest

@@ -1,7 +1,5 @@
 """Verdicts on motion: due to a fresh command, too late, a ghost, or without a record of commands."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

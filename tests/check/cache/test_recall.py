@@ -1,7 +1,5 @@
 """A check that recalls findings says what one says that finds everything again, whatever was edited between them."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """The cache on disk: what is damaged, old or somebody else's counts as nothing, and its size is bounded."""
 
-from __future__ import annotations
-
 import json
 import os
 from concurrent.futures import ThreadPoolExecutor

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from ur.check.catalogue import load_rules
 from ur.check.findings.fix import plan_repairs
 from ur.check.run import check_paths

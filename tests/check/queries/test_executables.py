@@ -1,7 +1,5 @@
 """Which programs count as there, and which do not."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.check.queries.executables import find_program

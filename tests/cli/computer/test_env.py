@@ -1,7 +1,5 @@
 """`ur env --graph`: the variables with which ROS 2 of this computer sees the nodes of a robot."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.cli.computer.env import guest_changes

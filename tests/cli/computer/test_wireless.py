@@ -1,7 +1,5 @@
 """Lines of `ur doctor --wireless`."""
 
-from __future__ import annotations
-
 from ur.cli.computer.wireless import describe_sample
 from ur.robot.doctor.wifi import WirelessLink
 from ur.robot.wireless.sample import Sample

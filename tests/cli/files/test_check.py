@@ -1,7 +1,5 @@
 """`ur check` and `ur explain` as they are typed."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`ur check --watch` in a process: a report at the start, and one for each change."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

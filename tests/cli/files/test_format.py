@@ -1,7 +1,5 @@
 """`ur format` as it is typed."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 from types import SimpleNamespace

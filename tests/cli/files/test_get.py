@@ -1,7 +1,5 @@
 """`ur get` as people run it, with stand-ins for apt: interrupted, without room, without a network."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

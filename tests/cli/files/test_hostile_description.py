@@ -1,7 +1,5 @@
 """`ur new base --from` in a hostile repository: nothing of it runs, and nothing outside of it is read."""
 
-from __future__ import annotations
-
 import io
 import os
 import re

@@ -1,7 +1,5 @@
 """No command reports that there is nothing in launch files that it has not read."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

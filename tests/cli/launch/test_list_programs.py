@@ -1,7 +1,5 @@
 """`ur list`: programs, summaries, and what the selected base lacks."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Packages that a launch file lacks: xacro is made before anything starts, others are named with the command."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable
 from contextlib import ExitStack

@@ -1,7 +1,5 @@
 """`ur run FILE.py`: the script gets the environment of the selection, and runs in place of `ur`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """`ur run PROGRAM --web`: program and page begin and end together."""
 
-from __future__ import annotations
-
 import asyncio
 import re
 import signal

@@ -1,7 +1,5 @@
 """Copies of maps to and from a robot. Its share runs in a real shell here, with maps of its own."""
 
-from __future__ import annotations
-
 import fcntl
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """`ur maps merge`, with the process that merges."""
 
-from __future__ import annotations
-
 import math
 import os
 

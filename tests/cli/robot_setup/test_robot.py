@@ -1,7 +1,5 @@
 """`ur robot setup`: what it asks, what it prints on the way, and which robot is selected afterwards."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`ur robot setup` of several robots: each process gets all answers, and no secret on its command line."""
 
-from __future__ import annotations
-
 from ur.cli.robot_setup.robot import make_argv, setup
 from ur.robot.setup.login import Task
 from ur.robot.setup.robot_states import WantedRobot

@@ -1,7 +1,5 @@
 """`ur devices` on this computer: rules for a base, and a list for programs."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

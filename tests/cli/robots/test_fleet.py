@@ -1,7 +1,5 @@
 """Verbs that take several robots: which ones they mean, and what they print about robots that are not there."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

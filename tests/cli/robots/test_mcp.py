@@ -1,7 +1,5 @@
 """`ur mcp list`, `end`, `log` and refusals of grants, with the files of servers that run."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`ur shell`: what reaches the robot, and what is said when nothing does. With a stand-in for ssh."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

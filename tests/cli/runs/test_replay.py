@@ -1,7 +1,5 @@
 """`ur replay`: what a recording holds, and wrong words."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

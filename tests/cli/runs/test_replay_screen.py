@@ -1,7 +1,5 @@
 """The screen of `ur replay` beside a replay that runs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Rows of verbs: each is complete, and agrees with the module that it names."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """`ur convert`: a file on standard output, a package in a folder, and a folder for `ros2 launch`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

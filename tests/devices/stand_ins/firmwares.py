@@ -4,8 +4,6 @@ RPLidar: Slamtec's "RPLIDAR interface protocol and application notes". XV-11: th
 xv_11_laser_driver reads them. Magni: the packets of ubiquity_motor's motor_message.h and motor_message.cc.
 """
 
-from __future__ import annotations
-
 import struct
 
 NUMBER = bytes(range(16))

@@ -1,7 +1,5 @@
 """Single files put together mean the same as resolving the whole tree from its root."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Markdown that shows what was meant, whatever people write."""
 
-from __future__ import annotations
-
 import pytest
 from markdown_it import MarkdownIt
 from tests.docs.helpers import document, document_one

@@ -1,7 +1,5 @@
 """Announcements of robots: packets of multicast DNS, and announcements with any fields."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """Robot descriptions: URDF with its meshes, and xacro. Meshes are also pipes, devices, folders and of huge sizes."""
 
-from __future__ import annotations
-
 import os
 from contextlib import suppress
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Bytes of boards and lidars, which noise, another device or a hostile one on the port may send."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Folders and archives of strangers: `ur get --missing`, `ur maps import`, and what `ur maps copy` receives."""
 
-from __future__ import annotations
-
 import gzip
 import io
 import tarfile

@@ -1,7 +1,5 @@
 """Launch files: the plan and what is shown of it, the whole check, the layout."""
 
-from __future__ import annotations
-
 import os
 from contextlib import suppress
 from pathlib import Path

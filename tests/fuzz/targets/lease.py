@@ -1,7 +1,5 @@
 """Leases and requests for them, which any computer of the network may send to a robot."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from pathlib import Path
 

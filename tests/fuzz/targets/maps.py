@@ -1,7 +1,5 @@
 """Maps, worlds, bases, waypoints, maps of fiducials and pictures."""
 
-from __future__ import annotations
-
 import io
 from contextlib import suppress
 from pathlib import Path

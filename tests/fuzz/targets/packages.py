@@ -1,7 +1,5 @@
 """package.xml and CMakeLists.txt, images of disks, core files, and messages of topics."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Recordings: MCAP files, from any recorder."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Sequence
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """Answers of a robot to the scripts that run there over ssh: facts, the doctor, networks, services, runs, sync."""
 
-from __future__ import annotations
-
 import shutil
 from contextlib import suppress
 from dataclasses import replace

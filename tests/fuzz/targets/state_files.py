@@ -1,7 +1,5 @@
 """Files that programs of this project have written, and that others may have changed: runs, memories, robot.yaml."""
 
-from __future__ import annotations
-
 import os
 from contextlib import suppress
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A laptop and robots on a network of their own: booted together, removed together."""
 
-from __future__ import annotations
-
 import secrets
 import signal
 import subprocess

@@ -4,8 +4,6 @@ systemd-nspawn without a systemd around it makes the group `payload` below the o
 group take each other's processes for their own: one that stops waits 90 s for each service of the other to end.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path

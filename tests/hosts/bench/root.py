@@ -1,7 +1,5 @@
 """The root file systems that computers of the bench share: made once, kept in a cache, never written to again."""
 
-from __future__ import annotations
-
 import fcntl
 import hashlib
 import os

@@ -1,7 +1,5 @@
 """The locked Python packages as wheels: fetched once through this computer's pip, for a package server on the bench."""
 
-from __future__ import annotations
-
 import fcntl
 import hashlib
 import re

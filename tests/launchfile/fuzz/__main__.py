@@ -7,8 +7,6 @@ more than 5 s, and a plan that differs from roslaunch's. Files that would start 
 given to roslaunch. Exit code 1 when something was reported.
 """
 
-from __future__ import annotations
-
 import argparse
 import random
 import sys

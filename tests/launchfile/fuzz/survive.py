@@ -1,7 +1,5 @@
 """What has to hold for any file at all."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ur.launchfile import SystemWorld, dump_plan, load_plan

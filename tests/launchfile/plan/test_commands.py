@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from functools import partial
 
 from ur.launchfile import MemoryWorld, dump_plan, load_plan, run_command

@@ -1,7 +1,5 @@
 """Expressions cost what they compute: the expensive are refused, and nothing reaches beyond what is given."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """One budget for all that a file holds: many small pieces of work are refused like one large one."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Where a value came from, layer by layer, in packages in memory."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.launchfile.query.explain import explain_name, format_layers

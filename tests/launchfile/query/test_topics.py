@@ -1,7 +1,5 @@
 """What launch files and the table of nodes tell of topics."""
 
-from __future__ import annotations
-
 from ur.launchfile import MemoryWorld, load_plan
 from ur.launchfile.query.topics import NameUse, find_name_uses
 

@@ -1,7 +1,5 @@
 """Plans of launch files of ROS 2 that tests write, in a world of their own."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from ur.launchfile.plan.specs import NodeSpec, Plan

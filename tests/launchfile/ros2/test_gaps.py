@@ -1,7 +1,5 @@
 """What is not known at any argument of the launch API is a gap, and the rest of the file is read; source trees."""
 
-from __future__ import annotations
-
 import pytest
 from tests.launchfile.ros2.plans import FILES, PACKAGES, describe_all, load, load_clean, python
 

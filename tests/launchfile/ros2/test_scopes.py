@@ -1,7 +1,5 @@
 """Scopes: configurations, namespaces, remaps, environment and parameters, in includes, groups and forwarding."""
 
-from __future__ import annotations
-
 import pytest
 from tests.launchfile.ros2.plans import describe_all, load, load_clean, parameters, python, rules, xml
 

@@ -1,7 +1,5 @@
 """Launch files of ROS 2 are named as such, and nothing else is said about them."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

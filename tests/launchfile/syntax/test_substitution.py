@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 
 from ur.launchfile.syntax import SubstitutionProblem, parse_substitutions

@@ -1,7 +1,5 @@
 """Texts laid over the files of a world."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Packages in folders of strangers: special files are named, links are followed once."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from pathlib import Path

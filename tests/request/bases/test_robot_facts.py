@@ -1,7 +1,5 @@
 """Who says what base the selected robot is."""
 
-from __future__ import annotations
-
 import socket
 
 import pytest

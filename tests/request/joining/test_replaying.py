@@ -1,7 +1,5 @@
 """A recording in place of the robot."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

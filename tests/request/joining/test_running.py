@@ -1,7 +1,5 @@
 """Launches beside nodes that run: what every program of the library offers for it."""
 
-from __future__ import annotations
-
 import os
 
 import pytest

@@ -1,7 +1,5 @@
 """The guard of a connection: proofs while numbers come back, none from before a cut."""
 
-from __future__ import annotations
-
 import struct
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The command line of a program that runs on a robot with ROS 2."""
 
-from __future__ import annotations
-
 import struct
 import subprocess
 import time

@@ -1,7 +1,5 @@
 """Parameter files of a new base, made from those of another."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import pytest

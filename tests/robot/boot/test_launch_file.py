@@ -1,7 +1,5 @@
 """Which launch file a robot is told to start, and with which arguments."""
 
-from __future__ import annotations
-
 import base64
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """How boot services are, in words."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.robot.boot.status import SCRIPT, describe_status, log_command, parse_status

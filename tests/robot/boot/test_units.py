@@ -1,7 +1,5 @@
 """Boot units: systemd reads them, and the words of a command arrive as they were given."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

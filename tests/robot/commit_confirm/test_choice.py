@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 
 from ur.robot.commit_confirm.choice import choose_network, find_known, refuse_wireless

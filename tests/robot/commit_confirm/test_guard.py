@@ -1,7 +1,5 @@
 """The guard on a robot, run for real in a folder of its own: whatever ends it, the old state is back."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Profiles, addresses and the commands for NetworkManager; what is refused."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.robot.commit_confirm.guarded import list_changes

@@ -1,7 +1,5 @@
 """What nmcli says, read."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.robot.commit_confirm.network_facts import NetworkDevice, Profile, SeenNetwork, parse_networks, split_terse

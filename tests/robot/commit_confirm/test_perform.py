@@ -1,7 +1,5 @@
 """The viewer's way back to a robot that changes, and what it says when there is none."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Another name for a robot: every place gets it, and what belongs to others stays."""
 
-from __future__ import annotations
-
 import base64
 import hmac
 

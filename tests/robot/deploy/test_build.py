@@ -1,7 +1,5 @@
 """What is needed to build, how many compilers there is memory for, and a command that ends with whoever started it."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """The copy of this project on a robot: what is in it, when it is made, and that nobody's changes are lost."""
 
-from __future__ import annotations
-
 import base64
 import json
 import subprocess

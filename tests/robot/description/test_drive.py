@@ -1,7 +1,5 @@
 """Driven wheels, supports and steering are told apart, however a description models them."""
 
-from __future__ import annotations
-
 from tests.robot.description.urdfs import FOUR_WHEELS, MESHES, SMALL
 
 from ur.robot.description.base_text import write_base_file

@@ -1,7 +1,5 @@
 """Descriptions and meshes of hostile sizes are refused or measured, within bounds of time and memory."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Callable

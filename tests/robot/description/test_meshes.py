@@ -1,7 +1,5 @@
 """Meshes of a description are measured, in whatever format and place they are; what cannot be read stays a mesh."""
 
-from __future__ import annotations
-
 from itertools import product
 from pathlib import Path
 

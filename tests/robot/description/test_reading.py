@@ -1,7 +1,5 @@
 """Descriptions of others become bases: every figure that they hold is read, and only the rest is asked for."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """What belongs to a description is found up to the first folder that somebody else may write to."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Robot descriptions as they are published, in the main kinds; written for these tests."""
 
-from __future__ import annotations
-
 # A small round-table robot with a ground frame, a ball, meshes to see, gazebo sensors and a gazebo drive.
 SMALL = """<?xml version="1.0"?>
 <robot name="small">

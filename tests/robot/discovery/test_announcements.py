@@ -1,7 +1,5 @@
 """Announcements of robots, as they are heard."""
 
-from __future__ import annotations
-
 import threading
 import uuid
 from typing import Any

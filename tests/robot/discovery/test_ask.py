@@ -1,7 +1,5 @@
 """Asking a robot for its clock and its services: as it answers, and when it does not."""
 
-from __future__ import annotations
-
 import threading
 import time
 from pathlib import Path

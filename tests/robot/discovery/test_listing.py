@@ -1,7 +1,5 @@
 """Listing robots: who is there, what they say, who is away, and whose name is taken twice."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

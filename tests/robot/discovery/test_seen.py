@@ -1,7 +1,5 @@
 """The memory of where robots were: kept, and never in the way."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

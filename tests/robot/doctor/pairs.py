@@ -1,7 +1,5 @@
 """A healthy pair of computers, from which tests take something away."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from ur.robot.doctor.findings import ComputerPair

@@ -1,7 +1,5 @@
 """What a computer answers is read as it was said."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 

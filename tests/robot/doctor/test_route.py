@@ -1,7 +1,5 @@
 """The route to a robot that cannot be reached: the step that fails is named, with what helps."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.robot.discovery.record import RobotRecord

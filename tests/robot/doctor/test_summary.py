@@ -1,7 +1,5 @@
 """Two computers side by side, as people read it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from tests.robot.doctor.pairs import LAPTOP, NOBODY, PAIR, ROBOT, WIFI

@@ -1,7 +1,5 @@
 """What iw and the kernel say of wireless links."""
 
-from __future__ import annotations
-
 import subprocess
 
 import pytest

@@ -1,7 +1,5 @@
 """Small images of the systems that robots run, made and read with the tools of others."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 from tests.robot.image.images import needs_tools
 

@@ -1,7 +1,5 @@
 """The program that finds ROS 2 on a computer, on this one."""
 
-from __future__ import annotations
-
 import os
 import pwd
 import socket

@@ -1,7 +1,5 @@
 """The graph of real nodes, read by a program of its own, and what the doctor makes of it."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -1,7 +1,5 @@
 """First contact: which host keys need the user's word, and which are refused whatever the user says."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Changes as they are applied: the proxy of those that fetch packages, and how far long ones are."""
 
-from __future__ import annotations
-
 import getpass
 import subprocess
 import threading

@@ -1,7 +1,5 @@
 """~/.ros_setup in the shells that read it: what is found, and what catkin fills in that nobody chose."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Which passwords a robot gets, and when: the new one only after the present one, at the first contact."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path

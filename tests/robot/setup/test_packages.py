@@ -1,7 +1,5 @@
 """A set-up installs all that programs need; and the computers of the test bench have it, or offer it."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Ways to be told that a robot cannot be set up; its clock."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.robot.setup.login import explain_sudo

@@ -1,7 +1,5 @@
 """What a robot shall be: the order of its making, and texts that their readers understand."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Wanted states: what they would change, and that doing it for real on files of this computer gives the wanted ones."""
 
-from __future__ import annotations
-
 import getpass
 from dataclasses import replace
 from pathlib import Path

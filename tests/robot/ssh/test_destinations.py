@@ -1,7 +1,5 @@
 """No destination of ssh can be taken for an option, whoever named it."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A password that has to be changed at the first login: which question gets which password."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

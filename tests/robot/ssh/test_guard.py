@@ -1,7 +1,5 @@
 """Folders and programs that end with their maker, also when that is killed."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

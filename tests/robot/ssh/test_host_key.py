@@ -1,7 +1,5 @@
 """Host keys: looked at without offering anything, shown as ssh-keygen shows them, and insisted on."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 

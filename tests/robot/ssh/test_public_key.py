@@ -1,7 +1,5 @@
 """A public key is one line of one type; nothing else gets into authorized_keys or known_hosts."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 

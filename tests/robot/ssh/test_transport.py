@@ -1,7 +1,5 @@
 """The transport: addresses, what ssh's words mean, and passwords that stay unseen."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import time

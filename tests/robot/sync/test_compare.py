@@ -1,7 +1,5 @@
 """Whose change is it: a table of single paths, and properties of whole workspaces."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Literal

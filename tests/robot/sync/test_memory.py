@@ -1,7 +1,5 @@
 """What was agreed at the last sync comes back as it was stored; whatever else lies there counts as nothing."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """A plan in words."""
 
-from __future__ import annotations
-
 from datetime import timezone
 
 import pytest

@@ -1,7 +1,5 @@
 """One side of a sync: what it lists, and what it does and leaves alone when it puts files in their places."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """How files are carried: rsync over the connection that is open, beside the workspace."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """One line of advice, from what was measured last."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

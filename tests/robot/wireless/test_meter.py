@@ -1,7 +1,5 @@
 """Measuring with real processes in place of ping and ssh."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """What ping says, second by second."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.robot.doctor.wifi import WirelessLink

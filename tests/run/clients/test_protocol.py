@@ -1,7 +1,5 @@
 """Events and commands as lines: what goes out comes back."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.run.clients.protocol import (

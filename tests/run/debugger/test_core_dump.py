@@ -1,7 +1,5 @@
 """Core files: where they are by the rules of core(5), whose they are, and why there is none."""
 
-from __future__ import annotations
-
 import os
 import resource
 import shutil

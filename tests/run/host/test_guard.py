@@ -1,7 +1,5 @@
 """The guard's script alone, with a host that is a shell."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import shlex

@@ -1,7 +1,5 @@
 """Which nodes of a plan start beside nodes that run already."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 
 from ur.run.master.monitor import BUSY, LinkState, MasterState, choose_limit, is_another, step_link

@@ -1,7 +1,5 @@
 """A server in the master's place is named soon; a master that is busy is waited for; a port that is free is used."""
 
-from __future__ import annotations
-
 import os
 import socket
 import threading

@@ -1,7 +1,5 @@
 """Our XML-RPC against the standard library's, which roslaunch uses."""
 
-from __future__ import annotations
-
 import itertools
 import socket
 import threading

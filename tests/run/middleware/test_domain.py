@@ -1,7 +1,5 @@
 """A domain of ROS 2 as the middleware of a run."""
 
-from __future__ import annotations
-
 import fcntl
 import json
 import os

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from pathlib import Path
 
 from ur.run.middleware.facts import clear_facts, read_facts, write_facts

@@ -1,7 +1,5 @@
 """One process as the middleware of a run, where no ROS is installed."""
 
-from __future__ import annotations
-
 import json
 import os
 import socket

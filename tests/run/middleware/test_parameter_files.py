@@ -1,7 +1,5 @@
 """Parameters of a launch file as ROS 2 reads them."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

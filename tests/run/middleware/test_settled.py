@@ -1,7 +1,5 @@
 """Graphs that are read until nothing changes any more."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 
 from ur.cli.files.graph import read_settled

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 
 from ur.run.output.messages import LossLines, describe_death, describe_link, describe_status

@@ -1,7 +1,5 @@
 """Reports of a run: the severity of each, on the console and to clients."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any, cast

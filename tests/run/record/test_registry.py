@@ -1,7 +1,5 @@
 """Runs that are registered: found while they live, removed when they do not."""
 
-from __future__ import annotations
-
 import json
 import os
 from dataclasses import replace

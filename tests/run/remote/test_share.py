@@ -1,7 +1,5 @@
 """A robot's share of a run and its clients, all on this computer: the robot is the machine `bob`."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path

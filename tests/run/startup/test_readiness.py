@@ -1,7 +1,5 @@
 """What a node lacks to be up: decided from what the master and publishers say."""
 
-from __future__ import annotations
-
 import socket
 import struct
 import threading

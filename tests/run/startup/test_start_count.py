@@ -1,7 +1,5 @@
 """The count on the terminal while a program that takes it is loaded."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import select

@@ -1,7 +1,5 @@
 """Histories: how units end, and come again."""
 
-from __future__ import annotations
-
 from signal import SIGINT, SIGTERM
 
 import pytest

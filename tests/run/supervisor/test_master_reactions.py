@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from ur.run.supervisor.actions import Action, ReportLink, ReportRevival, ReportStop, SetParameters, StartShare
 from ur.run.supervisor.events import (
     Begin,

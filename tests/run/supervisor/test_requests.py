@@ -1,7 +1,5 @@
 """Histories: what people want of one node."""
 
-from __future__ import annotations
-
 from signal import SIGINT, SIGKILL, SIGTERM
 
 from tests.run.histories import CLEAN, FAILED, KILLED, RunHistory

@@ -1,7 +1,5 @@
 """Histories: how a run ends."""
 
-from __future__ import annotations
-
 from signal import SIGINT, SIGKILL, SIGTERM
 
 from tests.run.histories import CLEAN, KILLED, RunHistory

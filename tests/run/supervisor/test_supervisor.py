@@ -1,7 +1,5 @@
 """Histories: what happens, and what the supervisor wants done."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from signal import SIGINT, SIGTERM
 from typing import Any

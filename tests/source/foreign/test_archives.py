@@ -1,7 +1,5 @@
 """Archives whose headers promise more than anything may hold, and archives with other files than expected."""
 
-from __future__ import annotations
-
 import io
 import tarfile
 import zlib

@@ -1,7 +1,5 @@
 """Special files, endless files and files outside of a folder are refused without waiting for them."""
 
-from __future__ import annotations
-
 import os
 import socket
 from collections.abc import Callable

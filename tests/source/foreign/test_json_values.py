@@ -1,7 +1,5 @@
 """JSON of other people as values: the limits of a type hold, and a refusal says what was expected."""
 
-from __future__ import annotations
-
 import gc
 import json
 from collections.abc import Iterator

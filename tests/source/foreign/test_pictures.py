@@ -1,7 +1,5 @@
 """Pictures within limits."""
 
-from __future__ import annotations
-
 import io
 import os
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """XML within limits."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.source.foreign.xml_text import parse_xml

@@ -1,7 +1,5 @@
 """YAML within limits."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.source.foreign.yaml_text import load_yaml

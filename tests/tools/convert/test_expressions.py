@@ -1,7 +1,5 @@
 """Expressions: each form keeps its value for `ros2 launch`, and one that cannot be written there says why."""
 
-from __future__ import annotations
-
 import pytest
 from tests.tools.convert.ros2_launch import Ros2LaunchReader
 

@@ -1,7 +1,5 @@
 """Findings: what is named with its place and help, and what is converted beside it."""
 
-from __future__ import annotations
-
 import pytest
 from tests.tools.convert.ros2_launch import Ros2LaunchReader
 from tests.tools.convert.test_run import FILE, convert, start

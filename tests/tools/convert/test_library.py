@@ -1,7 +1,5 @@
 """The launch library for `ros2 launch`: each file starts the same nodes as `ur launch`, for every base and option."""
 
-from __future__ import annotations
-
 import json
 import os
 import shlex

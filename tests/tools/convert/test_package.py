@@ -1,7 +1,5 @@
 """Packages: all launch files of a folder with their places, what is left out, and the folder they are written to."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Parameter files: which text stays as it is, and which is written anew or refused."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """One launch file for `ros2 launch`: what each tag becomes, and what is named because it has no counterpart."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

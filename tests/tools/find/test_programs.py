@@ -1,7 +1,5 @@
 """Programs of nodes: the files that are run, and those in which parameters may be read."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.launchfile import MemoryWorld

@@ -1,7 +1,5 @@
 """Another name for an argument: everywhere, or not at all."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Definitions and uses over a workspace."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.launchfile import MemoryWorld

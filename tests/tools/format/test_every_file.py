@@ -1,7 +1,5 @@
 """Every launch file that Debian installs and every one of the corpus: formatted, and meaning what it meant."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

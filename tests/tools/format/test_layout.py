@@ -1,7 +1,5 @@
 """How one launch file is laid out."""
 
-from __future__ import annotations
-
 from textwrap import dedent
 
 import pytest

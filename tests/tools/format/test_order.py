@@ -1,7 +1,5 @@
 """The order of arguments, and when it stays as it is."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`ur new` on a real terminal asks for what is not given."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What `ur new` writes, as text."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from typing import Any

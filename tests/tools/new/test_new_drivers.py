@@ -1,7 +1,5 @@
 """A new base whose drivers are part of this project."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 
 from ur.tools.new.node_defaults import add_defaults, read_defaults

@@ -1,7 +1,5 @@
 """package.xml and CMakeLists.txt as texts."""
 
-from __future__ import annotations
-
 from ur.tools.package.cmake import choose_folders, describe_changes, put_block, write_block
 from ur.tools.package.uses import add_run_dependencies, read_optional, read_run_dependencies
 

@@ -1,7 +1,5 @@
 """Which packages a launch package uses."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.launchfile import MemoryWorld

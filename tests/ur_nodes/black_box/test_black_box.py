@@ -1,7 +1,5 @@
 """The black box on a bus: what it takes, when it writes, and what it writes."""
 
-from __future__ import annotations
-
 import socket
 from collections.abc import Callable, Sequence
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Messages in a bounded ring, read back in order of time."""
 
-from __future__ import annotations
-
 from collections import deque
 
 import pytest

@@ -1,7 +1,5 @@
 """Recordings on the disk, read back with the library that viewers use."""
 
-from __future__ import annotations
-
 import mmap
 import shutil
 import signal

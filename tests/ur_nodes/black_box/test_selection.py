@@ -1,7 +1,5 @@
 """The topics that the black box records."""
 
-from __future__ import annotations
-
 from ur_nodes.black_box.selection import PICTURE_PERIOD, select_topics
 from ur_nodes.ports.graph import Graph, Topic
 

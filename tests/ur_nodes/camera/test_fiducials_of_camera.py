@@ -1,7 +1,5 @@
 """Fiducials mapped with the pictures of raspicam_node: its camera sees what the simulator renders."""
 
-from __future__ import annotations
-
 import json
 import math
 import sys

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from tests.ur_nodes.camera.fake_device import make_jpeg

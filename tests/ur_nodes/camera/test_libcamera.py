@@ -1,7 +1,5 @@
 """The process that reads libcamera, with a stand-in for picamera2. On a Raspberry Pi it was not tried."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from tests.ur_nodes.camera.fake_device import FakeCamera, make_jpeg

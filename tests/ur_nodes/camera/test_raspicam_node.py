@@ -1,7 +1,5 @@
 """The node raspicam_node on a bus, with cameras that answer as V4L2 does."""
 
-from __future__ import annotations
-
 import functools
 from pathlib import Path
 

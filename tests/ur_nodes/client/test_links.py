@@ -1,7 +1,5 @@
 """Mux, patrol, map saving and exploration, as user interfaces reach them, on a bus."""
 
-from __future__ import annotations
-
 import threading
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The topics of navigation on a bus: goals of this client and of others, and paths that arrive late."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The client of navigation for another thread, on a bus."""
 
-from __future__ import annotations
-
 from ur_nodes.client.navigation import Names
 from ur_nodes.client.navigator import RobotNavigator
 from ur_nodes.client.snapshot import LastGoalState

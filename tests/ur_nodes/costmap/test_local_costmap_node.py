@@ -1,7 +1,5 @@
 """The local costmap alone, on a bus: of a sonar, with the parameters of a base that has no lidar."""
 
-from __future__ import annotations
-
 import math
 import subprocess
 from pathlib import Path

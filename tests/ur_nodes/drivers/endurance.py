@@ -5,8 +5,6 @@ size. Every frame that the stand-in sent has to be understood, none may be rejec
 of the wheels.
 """
 
-from __future__ import annotations
-
 import random
 import sys
 import time

@@ -6,8 +6,6 @@ device, and whether it drives again without a restart. A lidar scans in place of
 after the fault, and whether beams are wrong. Exit code 1 where one of them is not as it should be.
 """
 
-from __future__ import annotations
-
 import random
 import sys
 from collections.abc import Callable

@@ -4,8 +4,6 @@ Frames of the stand-ins are damaged (flipped, lost, doubled, cut, mixed with noi
 raise; the memory of each stays bounded, and good frames are read again after the second one.
 """
 
-from __future__ import annotations
-
 import random
 import sys
 import time

@@ -1,7 +1,5 @@
 """Pipes to guards that read nothing, for tests that see what a guard would read."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 

@@ -5,8 +5,6 @@ compared with the angle and the time at which it was measured. Bytes take their 
 protocol. Exit code 1 where a beam is off by more than the limits.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 import time

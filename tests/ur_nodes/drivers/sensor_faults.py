@@ -5,8 +5,6 @@ and is sound again: no reading may be wrong, a line names the device where it is
 a restart. Exit code 1 where one of them is not as it should be.
 """
 
-from __future__ import annotations
-
 import random
 import sys
 from collections.abc import Callable, Iterator

@@ -3,8 +3,6 @@
 Edges of echo pins and registers of inertial units are damaged. No reader may raise, nor fail to read again.
 """
 
-from __future__ import annotations
-
 import random
 import sys
 import time

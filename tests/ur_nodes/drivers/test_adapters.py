@@ -1,7 +1,5 @@
 """The adapter between a driver and the rest, on a bus."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

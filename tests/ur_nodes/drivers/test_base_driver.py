@@ -1,7 +1,5 @@
 """Drivers of bases behind stand-ins, with the faults that boards and lines have."""
 
-from __future__ import annotations
-
 import math
 import random
 from dataclasses import replace

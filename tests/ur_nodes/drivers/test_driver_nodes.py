@@ -1,7 +1,5 @@
 """The nodes of drivers: what they take from the base file and from parameters, and what they refuse."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import random
 
 from ur_nodes.drivers.frames import MORE, NONE, FrameReader, fixed

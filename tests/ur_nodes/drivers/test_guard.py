@@ -1,7 +1,5 @@
 """The guard process on a pseudo-terminal: what the boards' motors get when the process of the driver dies or stalls."""
 
-from __future__ import annotations
-
 import os
 import signal
 import socket

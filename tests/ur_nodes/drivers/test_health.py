@@ -1,7 +1,5 @@
 """What drivers report of their devices, as `ur doctor` reads it."""
 
-from __future__ import annotations
-
 import os
 import random
 import subprocess

@@ -1,7 +1,5 @@
 """Drivers of lidars behind stand-ins: their scans are what the stand-ins measured, when they measured it."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """A Neato's whole line: base, lidar, bumpers, cliff sensors and battery on one device."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from tests.ur_nodes.drivers.rig import DriverRig

@@ -1,7 +1,5 @@
 """The rows of `OWN_DRIVERS`: each names a driver with the baud rate of its row, and boards and lidars a stand-in."""
 
-from __future__ import annotations
-
 import ast
 from importlib import import_module
 from pathlib import Path

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 from tests.ur_nodes.drivers.sensor_faults import FAULTS, try_fault
 

@@ -1,7 +1,5 @@
 """The part of a node that a serial line needs, in real time, without a loop."""
 
-from __future__ import annotations
-
 import sys
 import threading
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Maps drawn with characters, for the tests of exploration."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ur_nodes.geometry.grid import Grid

@@ -1,7 +1,5 @@
 """The node `explore` on a bus: a map that somebody draws, and a navigation that arrives at once."""
 
-from __future__ import annotations
-
 import numpy as np
 from tests.ur_nodes.exploration.drawn import ROOM, draw, place
 

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from dataclasses import replace
 
 from tests.ur_nodes.exploration.drawn import ROOM, draw, place

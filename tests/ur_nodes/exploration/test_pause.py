@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from dataclasses import replace
 
 from ur_nodes.exploration.navigation import MuxMessages, note_time, reason_to_pause

@@ -1,7 +1,5 @@
 """The first drive in one process: simulator, mux, localisation and navigation, with the parameters of launch files."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from pathlib import Path

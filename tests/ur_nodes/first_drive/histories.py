@@ -3,8 +3,6 @@
 Whatever happened, the base is at rest `REST` after the last command has reached the mux, or after an emergency stop.
 """
 
-from __future__ import annotations
-
 import random
 from dataclasses import dataclass
 

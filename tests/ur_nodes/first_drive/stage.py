@@ -4,8 +4,6 @@ The clock is the bus's: each event of the simulator advances the simulation to i
 same seed and the same calls give the same run to the last bit; `lock_step.digest` compares two.
 """
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The whole first drive on a bus: goals are reached, and the same goals give the same path."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

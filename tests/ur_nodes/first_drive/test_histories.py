@@ -1,7 +1,5 @@
 """Random histories of a first drive."""
 
-from __future__ import annotations
-
 import pytest
 from tests.ur_nodes.first_drive.histories import run_history
 

@@ -1,7 +1,5 @@
 """The simulated robot on a bus: one time for all, and the same run for the same seed."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The node on a bus."""
 
-from __future__ import annotations
-
 from tests.ur_nodes.frames.test_links import URDF
 
 from ur_nodes.frames.robot_state_publisher_node import RobotStatePublisher

@@ -1,7 +1,5 @@
 """Scans of a robot that moves, against those of the same lidar at rest: a room of 4 x 3 m."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The node `amcl` on a bus: a robot without physics drives on a map, and the transform map -> odom is compared."""
 
-from __future__ import annotations
-
 import math
 import re
 

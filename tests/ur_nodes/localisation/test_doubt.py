@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from tests.ur_nodes.navigation.synthetic import make_room, scan_points

@@ -1,7 +1,5 @@
 """A bus on which a recording takes the place of all nodes but those under test. Time passes by its messages."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple, TypeVar, cast

@@ -1,7 +1,5 @@
 """Failures of a robot on a bus: what happens, so that it can be recorded and replayed."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from pathlib import Path

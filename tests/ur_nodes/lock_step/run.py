@@ -1,7 +1,5 @@
 """A replay in lock step: nodes start as they do in a run, and get what was recorded; and what they did then and now."""
 
-from __future__ import annotations
-
 import runpy
 import sys
 import threading

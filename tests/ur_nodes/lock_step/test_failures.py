@@ -1,7 +1,5 @@
 """Recorded failures, replayed: nodes do again what they did, and viewers show what they showed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

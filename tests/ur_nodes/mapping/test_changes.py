@@ -1,7 +1,5 @@
 """Requests to change the map that is served, from text that may come from anybody who reaches the ROS master."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """The node `map_server` on a bus: the map, its zones and its walls."""
 
-from __future__ import annotations
-
 import json
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Maps of topics that are saved on request."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

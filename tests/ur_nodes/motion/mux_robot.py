@@ -1,7 +1,5 @@
 """A mux on a bus, with clients and a base, for tests."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

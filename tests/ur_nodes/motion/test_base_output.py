@@ -1,7 +1,5 @@
 """Velocities leave as the messages that the base takes."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur_nodes.memory.bus import Bus

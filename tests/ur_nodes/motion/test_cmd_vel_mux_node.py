@@ -1,7 +1,5 @@
 """The mux on a bus: who drives, what is too late, and that the robot stops."""
 
-from __future__ import annotations
-
 import json
 from itertools import pairwise
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Joystick, keyboard and mux before a simulated robot, over a real master, wired by robot.launch."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

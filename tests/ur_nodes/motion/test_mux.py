@@ -1,7 +1,5 @@
 """Histories of the mux, replayed: what came when, and what goes out when."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field, replace
 from itertools import pairwise

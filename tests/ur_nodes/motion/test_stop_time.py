@@ -1,7 +1,5 @@
 """Mux, base and physics in lock step: a robot stands within 0.3 s of the last command, at any phase of anything."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The smoother on a bus."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

@@ -1,7 +1,5 @@
 """A kinematic robot in a grid world that closes the loop round the navigator: no ROS, no clock."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace

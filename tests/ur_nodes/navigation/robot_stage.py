@@ -3,8 +3,6 @@
 The robot lives in two rooms with a door (the map); its odometry is right, its localisation too.
 """
 
-from __future__ import annotations
-
 import math
 from pathlib import Path as FilePath
 from typing import Any

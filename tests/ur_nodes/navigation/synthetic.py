@@ -1,7 +1,5 @@
 """A small world for tests of localisation: rays marched over a grid, and a robot whose odometry drifts."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

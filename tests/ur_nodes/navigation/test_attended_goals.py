@@ -1,7 +1,5 @@
 """Attended goals of `move_base` on a bus: a mux that issues challenges and says who drives, a robot of mathematics."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import math

@@ -1,7 +1,5 @@
 """Legs of a path, driven by a kinematic robot."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

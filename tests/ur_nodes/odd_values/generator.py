@@ -1,7 +1,5 @@
 """Odd values of any kind: usable ones with one field, found by name, replaced by what no program should send."""
 
-from __future__ import annotations
-
 import math
 import types
 import typing

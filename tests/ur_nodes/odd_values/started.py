@@ -1,7 +1,5 @@
 """Every node of the project on a bus, as its module starts it, beside a small world that moves."""
 
-from __future__ import annotations
-
 import runpy
 import socket
 import sys

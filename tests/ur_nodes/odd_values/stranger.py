@@ -4,8 +4,6 @@
 of values that were sent and that no message can have, of answers, and the velocities other than zero that arrived.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import threading

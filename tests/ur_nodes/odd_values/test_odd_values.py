@@ -1,7 +1,5 @@
 """No value that a program may send ends a node or moves the robot: on every topic, action and service of every node."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import fields, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The odd values once more as messages of both ROS: each node is a process, and a stranger sends them."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

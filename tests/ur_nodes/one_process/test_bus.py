@@ -1,7 +1,5 @@
 """The bus in real time."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The socket at which viewers ask for nodes."""
 
-from __future__ import annotations
-
 import socket
 from collections.abc import Iterator, Sequence
 from pathlib import Path

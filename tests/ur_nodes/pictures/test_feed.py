@@ -1,7 +1,5 @@
 """Pictures of a topic on a bus: what has arrived, and why nothing does."""
 
-from __future__ import annotations
-
 import io
 
 import pytest

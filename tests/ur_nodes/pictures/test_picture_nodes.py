@@ -1,7 +1,5 @@
 """Compressed pictures over real ROS: unpacked for others, and looked at in a terminal or told of in lines."""
 
-from __future__ import annotations
-
 import contextlib
 import sys
 import threading

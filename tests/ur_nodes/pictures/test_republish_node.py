@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 from tests.ur_nodes.pictures.test_decode import make_picture as make_pixels
 from tests.ur_nodes.pictures.test_decode import pack

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from ur_nodes.pictures.silence import explain_silence
 
 

@@ -1,7 +1,5 @@
 """What every backend of `ur_nodes.ports` promises: checks that are given two nodes and a way to let time pass."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 from functools import partial

@@ -1,7 +1,5 @@
 """Checks of goals and of those who follow them."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Checks of messages of any type, and of the graph."""
 
-from __future__ import annotations
-
 import pytest
 from tests.ur_nodes.ports.stage import Stage
 

@@ -1,7 +1,5 @@
 """Values of every kind, and their comparison."""
 
-from __future__ import annotations
-
 import numpy as np
 from tests.ur_nodes.ports.stage import STAMP
 

@@ -1,7 +1,5 @@
 """Services, as every backend of `ur_nodes.ports` promises them."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

@@ -1,7 +1,5 @@
 """One contract for all backends."""
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Callable

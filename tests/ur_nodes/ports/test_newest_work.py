@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.newest_work import NewestWork
 

@@ -1,7 +1,5 @@
 """Long recordings: files that are split and complete, the disk guard, and the choice of topics."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Replays: what is published at which time, pauses, speeds and jumps, without a node and on a bus."""
 
-from __future__ import annotations
-
 import socket
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A room with exact walls, and robots in it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Whether pictures can be drawn here."""
 
-from __future__ import annotations
-
 import functools
 from pathlib import Path
 

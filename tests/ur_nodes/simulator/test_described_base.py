@@ -1,7 +1,5 @@
 """Bases that are read from descriptions: they stand on their wheels, and drive and stop as their base files say."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What holds for every base and variant of the library: it stands on its wheels, and drives and stops as it says."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from pathlib import Path

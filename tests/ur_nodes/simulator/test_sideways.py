@@ -1,7 +1,5 @@
 """A base whose wheels roll to all sides, in the simulator, beside one that drives ahead and turns only."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The node `simulator` on a bus: what it publishes, how it keeps time, and what it does when asked."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The node `simulator` with a master: topics and types, services, the camera's process, and the end."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import xmlrpc.client

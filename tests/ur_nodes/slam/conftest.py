@@ -1,7 +1,5 @@
 """The pose graph needs gtsam; where it is missing, one line says so and the tests of what imports it are left out."""
 
-from __future__ import annotations
-
 from importlib.util import find_spec
 
 import pytest

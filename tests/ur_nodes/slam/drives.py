@@ -1,7 +1,5 @@
 """Two rooms that differ, with a doorway between them, and drives through them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

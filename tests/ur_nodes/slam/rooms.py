@@ -1,7 +1,5 @@
 """Rooms made of straight walls, and the scans that a lidar at the robot's centre sees in them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Which place of the map several scans agree on."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

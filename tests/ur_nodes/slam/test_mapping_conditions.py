@@ -1,7 +1,5 @@
 """Maps that are made among people, doors and glass, with wheels that slip, and with lidars that see little."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The node `slam_gmapping` on a bus: a simulated robot in the maze; map -> odom is compared with the truth."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

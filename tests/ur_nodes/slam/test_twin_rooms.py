@@ -1,7 +1,5 @@
 """A robot in one of two rooms that differ by a box only, on a map of both."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from tests.ur_nodes.slam.rooms import CENTRE, box, scan_at, walls_of

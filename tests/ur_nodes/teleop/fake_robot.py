@@ -1,7 +1,5 @@
 """A robot that slides straight to its goals over a small empty map: for programs that send goals."""
 
-from __future__ import annotations
-
 import math
 import sys
 

@@ -1,7 +1,5 @@
 """A robot without a black box, and one whose black box answers."""
 
-from __future__ import annotations
-
 from ur_nodes.client.saving import Saving, save_recordings
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.services import Trigger

@@ -1,7 +1,5 @@
 """The two programs as users start them, with a real master."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import re

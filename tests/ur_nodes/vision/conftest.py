@@ -1,7 +1,5 @@
 """These tests need OpenCV and gtsam; where they are missing one line says so and nothing here is collected."""
 
-from __future__ import annotations
-
 from importlib.util import find_spec
 from pathlib import Path
 

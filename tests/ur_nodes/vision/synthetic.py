@@ -1,7 +1,5 @@
 """A robot with a camera and drifting wheels among fiducials, without pictures: corners are projected, with noise."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """fiducial_detect and fiducial_slam on a bus: pictures of fiducials that are drawn where a robot sees them."""
 
-from __future__ import annotations
-
 import functools
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """A robot's end of the page on a bus, with the mux of the robot, and pages that drive it."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The sockets between a node and the page's server."""
 
-from __future__ import annotations
-
 import json
 import socket
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """What pages see of a robot on a bus: its pose, map, scan and state, and only as much as their server takes."""
 
-from __future__ import annotations
-
 import math
 import struct
 from pathlib import Path

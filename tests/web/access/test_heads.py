@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 
 from ur.web.access.heads import find_cookies, find_head

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 
 from ur.web.access.origin import allows_host, allows_origin, allows_viewer, make_origins, read_origin

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from ur.web.access.rate import Buckets
 
 

@@ -1,7 +1,5 @@
 """Robot's ends without a process: what pages send and show is kept."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable, Collection, Mapping
 from typing import Any

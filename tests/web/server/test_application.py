@@ -1,7 +1,5 @@
 """The server with real connections: who is let in, and what is refused. No robot runs."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, suppress

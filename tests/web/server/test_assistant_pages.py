@@ -1,7 +1,5 @@
 """Grants to assistants on the page: a login that may drive gives them within limits, and any takes them back."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import AsyncIterator

@@ -1,7 +1,5 @@
 """Every route of the server, from its own table: a new one fails here until it is classified, and then is tested."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import AsyncIterator
 from dataclasses import dataclass

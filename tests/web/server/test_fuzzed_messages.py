@@ -3,8 +3,6 @@
 More of them: UR_WEB_FUZZ=100000 ./test tests/web/server/test_fuzzed_messages.py
 """
 
-from __future__ import annotations
-
 import json
 import os
 import random

@@ -1,7 +1,5 @@
 """Stored maps over HTTP, with real maps and the real `ur maps`: roles, names, and what changes on the disk."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import AsyncIterator
 from dataclasses import dataclass

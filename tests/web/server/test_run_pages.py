@@ -1,7 +1,5 @@
 """Requests about runs over a real web socket: who may send them, and which are too old. No run is active."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

@@ -1,7 +1,5 @@
 """The server as a process: as `ur boot install web` has a robot run it."""
 
-from __future__ import annotations
-
 import contextlib
 import http.client
 import json

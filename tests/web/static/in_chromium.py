@@ -1,7 +1,5 @@
 """Marks of tests that need a real browser."""
 
-from __future__ import annotations
-
 import pytest
 from tests.chromium import find_chromium
 

@@ -1,7 +1,5 @@
 """The page with a keyboard and with a screen reader: names, focus and announcements of every panel."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The panel of assistants in a real browser: one asks to drive, is let drive, and its grant is taken back."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The page as axe-core sees it, with each panel open, on a phone and on a desk: no serious finding."""
 
-from __future__ import annotations
-
 import pytest
 from tests.chromium import Chromium
 

@@ -1,7 +1,5 @@
 """The camera of the page in a real browser: one of several is chosen, and its picture takes the whole screen."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

@@ -1,7 +1,5 @@
 """Slider, gamepad and plots of the page in a real browser; the robot's end is played by the test."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The panel of devices in a real browser: a second one is invited, named and logged out."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The parts of the page on every size of screen: nothing covers a control, and fingers can hit each of them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """The page's state in its address: `static/link_state.js`, run by Node.js."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

@@ -1,7 +1,5 @@
 """The panel of stored maps in a real browser: what it offers, what it sends, and what it answers."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 

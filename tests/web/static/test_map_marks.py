@@ -1,7 +1,5 @@
 """What lies over the map: labels of places, frontiers, the robot beside the stick, and goals that others send."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

@@ -1,7 +1,5 @@
 """The map on the canvas of a real browser: a far view that is copied shows the same as one that is drawn anew."""
 
-from __future__ import annotations
-
 import pytest
 from tests.chromium import Chromium
 

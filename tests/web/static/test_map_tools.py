@@ -1,7 +1,5 @@
 """Tools of the map in a real browser: places that are named, moved and renamed, and distances that are measured."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

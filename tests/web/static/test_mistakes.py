@@ -1,7 +1,5 @@
 """What users get wrong on the page: it says so, and what they have typed or drawn stays."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

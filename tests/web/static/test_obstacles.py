@@ -1,7 +1,5 @@
 """The line above the stick about the obstacle stop."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """The panel of recordings in a real browser: what happened is saved, and the replay that runs is controlled."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """The page with a finger, in a real browser; the robot's end is played by the test."""
 
-from __future__ import annotations
-
 import pytest
 
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")

@@ -3,8 +3,6 @@
 Both come from npm, in the versions of requirements/npm.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Metres and pixels of the map: `static/view.js` and the bar of `static/map_scale.js`, run by Node.js."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Walls of the map in a real browser: drawn, erased, taken back, sent in one request, and kept until that is done."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Requests about data of the robot, as they come from a browser."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Requests of pages that draw and erase walls: every limit that is named holds."""
 
-from __future__ import annotations
-
 import json
 from contextlib import suppress
 from typing import Any

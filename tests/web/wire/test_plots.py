@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 
 from ur.web.wire.plots import MOST_PLOTS, read_plots, split_plot

@@ -1,7 +1,5 @@
 """What a page asks to see."""
 
-from __future__ import annotations
-
 import json
 import random
 

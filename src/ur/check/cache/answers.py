@@ -1,7 +1,5 @@
 """Digests of a world's answers: answers with equal digests lead to the same findings."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable, Set
 

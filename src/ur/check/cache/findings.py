@@ -1,7 +1,5 @@
 """Encoding and decoding of stored findings: the texts that their spans refer to are read again, not stored."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 
 from ur.check.findings.merge import Hit

@@ -1,7 +1,5 @@
 """Outlines of launch files: the data that a check needs of a file with stored findings, so that it is not parsed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ur.check.findings.suppress import Suppression, read_line_suppressions, read_xml_suppressions

@@ -2,8 +2,6 @@
 
 # ruff: noqa: PTH118, PTH123
 
-from __future__ import annotations
-
 import hashlib
 import os
 import sys

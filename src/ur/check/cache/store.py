@@ -7,8 +7,6 @@ file that cannot be read, or was written by another program, is ignored: the che
 # Exact paths and descriptors throughout.
 # ruff: noqa: PTH123, PTH108, PTH120
 
-from __future__ import annotations
-
 import hashlib
 import os
 import stat

@@ -1,7 +1,5 @@
 """`ur check --fix`: safe fixes of findings by their rules."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 

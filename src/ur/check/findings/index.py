@@ -1,7 +1,5 @@
 """Findings by file and by the unit of work that found them, so that a part can be replaced."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass
 

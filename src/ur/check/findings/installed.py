@@ -1,7 +1,5 @@
 """Packages that are not on this computer: the severity of a finding about one, and the list of all of them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Merging of findings: those that several cases of a file have in common are reported once."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 

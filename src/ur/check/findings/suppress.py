@@ -1,7 +1,5 @@
 """Comments that suppress a finding, with a reason."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field

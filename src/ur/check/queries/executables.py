@@ -1,7 +1,5 @@
 """Lookup of a node's program: installed, in the source tree, or built by the package."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from typing import Literal, NamedTuple

@@ -1,7 +1,5 @@
 """Directories and documentation comments of launch files, as the rules about conventions expect them."""
 
-from __future__ import annotations
-
 import re
 
 from ur.check.rule import LaunchView

@@ -3,8 +3,6 @@
 Source of the format and of its escapes: GitHub's documentation, "Workflow commands for GitHub Actions".
 """
 
-from __future__ import annotations
-
 from ur.check.run import CheckReport
 from ur.source.diagnostic import Diagnostic
 from ur.source.printable import printable

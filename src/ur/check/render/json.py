@@ -1,7 +1,5 @@
 """A report as JSON, for programs."""
 
-from __future__ import annotations
-
 import json
 
 from ur.check.run import CheckReport

@@ -1,7 +1,5 @@
 """Reference pages of the rules in Markdown, generated from the rules and their examples."""
 
-from __future__ import annotations
-
 import re
 
 from ur.check.render.text import shorten_paths

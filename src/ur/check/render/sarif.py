@@ -3,8 +3,6 @@
 Source of the format: OASIS, "Static Analysis Results Interchange Format (SARIF) Version 2.1.0".
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from urllib.parse import quote

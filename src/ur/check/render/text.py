@@ -1,7 +1,5 @@
 """Reports as text, for display."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import groupby

@@ -1,7 +1,5 @@
 """Rules that compare the arguments a launch file declares with those it uses."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 

@@ -1,7 +1,5 @@
 """Rules about arguments, reported by the parser and resolver of launch files."""
 
-from __future__ import annotations
-
 from ur.check.example_parts import make_launch, make_speed_launch, passing_example, speed_example
 from ur.check.rule import Rule, RuleGroup, launch_example, launch_examples
 from ur.source.diagnostic import Severity

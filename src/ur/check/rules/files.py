@@ -1,7 +1,5 @@
 """Rules about files: YAML, and files and includes that the parser and resolver of launch files report."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 
 import yaml

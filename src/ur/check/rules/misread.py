@@ -1,7 +1,5 @@
 """Rule for values that YAML and roslaunch read otherwise than they look."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 

@@ -1,7 +1,5 @@
 """Rule for missing files that a launch file names."""
 
-from __future__ import annotations
-
 import shlex
 from collections.abc import Iterable, Iterator
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Rules about the names of nodes, namespaces, remappings and machines."""
 
-from __future__ import annotations
-
 from ur.check.example_parts import group_example, make_launch
 from ur.check.rule import Rule, RuleGroup, launch_examples
 from ur.source.diagnostic import Severity

@@ -1,7 +1,5 @@
 """Rules about the packages and executables of nodes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from ur.check.example_parts import make_launch

@@ -1,7 +1,5 @@
 """Rules about `<param>` and `<rosparam>`."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 

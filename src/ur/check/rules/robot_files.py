@@ -1,7 +1,5 @@
 """Rules about YAML files of bases, worlds and maps: their readers must accept them."""
 
-from __future__ import annotations
-
 import errno
 import re
 from collections.abc import Callable, Iterable

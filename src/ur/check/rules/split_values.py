@@ -1,7 +1,5 @@
 """Rules about values that roslaunch splits into words: `args` and `launch-prefix`."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 

@@ -1,7 +1,5 @@
 """Rules about transforms: arguments of static_transform_publisher, and transforms that two nodes publish."""
 
-from __future__ import annotations
-
 import math
 import shlex
 from collections.abc import Iterable, Mapping

@@ -1,7 +1,5 @@
 """Rules about the values of attributes, and about attributes that exclude one another."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from ur.check.example_parts import group_example, make_launch

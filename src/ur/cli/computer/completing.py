@@ -5,8 +5,6 @@ characters are not offered, since shells insert them incorrectly. It does not im
 names, and the user is waiting.
 """
 
-from __future__ import annotations
-
 import gc
 import os
 import sys

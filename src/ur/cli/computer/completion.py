@@ -1,7 +1,5 @@
 """`ur completion`: the lines that make a shell complete `ur` with Tab."""
 
-from __future__ import annotations
-
 import os
 from pathlib import PurePath
 

@@ -1,7 +1,5 @@
 """`ur setup`: set up this computer as a viewer."""
 
-from __future__ import annotations
-
 import getpass
 import os
 import sys

@@ -1,7 +1,5 @@
 """`ur doctor --wireless`: signal, latency and loss between this computer and a robot, once or continuously."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import socket

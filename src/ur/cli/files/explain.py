@@ -1,7 +1,5 @@
 """`ur explain`: the origin of a value in a launch file."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`ur lsp`: the language server for launch files."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """`ur new`: launch directories, programs, bases and packages that follow the conventions of `ur check`."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

@@ -1,7 +1,5 @@
 """The command of `ur launch` for click: its help, completion, and messages about mistakes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import click

@@ -1,7 +1,5 @@
 """`ur list`: list the programs, and mark those that the selected robot cannot run."""
 
-from __future__ import annotations
-
 import json
 import os
 import sys

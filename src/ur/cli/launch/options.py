@@ -4,8 +4,6 @@ They are read without click, whose import takes longer than a large launch file:
 of this table, for help, completion, and messages about mistakes.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from itertools import chain

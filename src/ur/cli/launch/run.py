@@ -1,7 +1,5 @@
 """`ur run`: run a program on the selected robot."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Callable, Sequence

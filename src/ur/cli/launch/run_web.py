@@ -1,7 +1,5 @@
 """`ur run PROGRAM --web`: a program and its page, which end together."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import signal

@@ -1,7 +1,5 @@
 """Transfer of maps between this computer and robots over ssh. A received map is checked before it is stored."""
 
-from __future__ import annotations
-
 import base64
 import binascii
 

@@ -1,7 +1,5 @@
 """`ur maps edit`: change a stored map by hand."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """`ur maps merge`: merge two stored maps into a third one, by a process of the mapping node's package."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

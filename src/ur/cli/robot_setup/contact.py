@@ -1,7 +1,5 @@
 """First contact of `ur robot setup`: host keys confirmed by the user, and the robot's login to this computer."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence

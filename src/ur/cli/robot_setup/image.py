@@ -1,7 +1,5 @@
 """`ur image`: images whose first boot makes the robot reachable."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

@@ -1,7 +1,5 @@
 """Settings of `ur image prepare`, from options, a file or questions, and their validation."""
 
-from __future__ import annotations
-
 import getpass
 import re
 import socket

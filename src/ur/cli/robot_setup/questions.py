@@ -1,7 +1,5 @@
 """Settings of `ur robot setup`: read from options and files, else asked at the terminal."""
 
-from __future__ import annotations
-
 import getpass
 import os
 import sys

@@ -1,7 +1,5 @@
 """`ur robot setup`: set up freshly flashed robots."""
 
-from __future__ import annotations
-
 import getpass
 import os
 import signal

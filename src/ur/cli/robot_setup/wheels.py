@@ -1,7 +1,5 @@
 """`ur robot wheels`: the test of a base's wheels, off the ground."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """`ur boot`: services that a robot starts when it boots."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Sequence

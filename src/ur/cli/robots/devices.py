@@ -1,7 +1,5 @@
 """`ur devices`: devices connected to this computer or a robot, their permissions, and the programs that use them."""
 
-from __future__ import annotations
-
 import json
 import os
 import socket

@@ -1,7 +1,5 @@
 """`ur mcp`: the selected robot for an assistant, and the grants of persons."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import re

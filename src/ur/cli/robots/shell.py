@@ -1,7 +1,5 @@
 """`ur shell`: a shell, or one command, on a robot."""
 
-from __future__ import annotations
-
 import codecs
 import os
 import re

@@ -1,7 +1,5 @@
 """`ur use`: the selected robot."""
 
-from __future__ import annotations
-
 import os
 import socket
 import sys

@@ -1,7 +1,5 @@
 """`ur web`: one page that shows and drives a robot."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 from functools import partial

@@ -1,7 +1,5 @@
 """`ur attach`: show the output of a run, from any terminal."""
 
-from __future__ import annotations
-
 import os
 import select
 import signal

@@ -1,7 +1,5 @@
 """Functions that verbs about runs share: find a run, and follow it."""
 
-from __future__ import annotations
-
 import os
 import time
 

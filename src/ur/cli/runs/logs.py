@@ -1,7 +1,5 @@
 """`ur logs`: the output of a node."""
 
-from __future__ import annotations
-
 import os
 import sys
 import time

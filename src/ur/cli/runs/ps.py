@@ -1,7 +1,5 @@
 """`ur ps`: the runs on this computer."""
 
-from __future__ import annotations
-
 import json
 import sys
 import time

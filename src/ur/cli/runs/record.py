@@ -1,7 +1,5 @@
 """`ur record`: write topics to MCAP files for as long as wanted."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """`ur replay`: play a recording, into a program if one is named."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The replay that runs, on a terminal: its position, and keys that pause it, jump, and change its speed."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """`ur report`: what happened in a run, as one archive."""
 
-from __future__ import annotations
-
 import os
 import time
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`ur restart`: stop a node of a run and start it again."""
 
-from __future__ import annotations
-
 import sys
 
 import click

@@ -1,7 +1,5 @@
 """`ur stop`: end a run, or one of its nodes."""
 
-from __future__ import annotations
-
 import os
 import select
 import sys

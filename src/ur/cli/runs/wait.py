@@ -1,7 +1,5 @@
 """`ur wait`: wait until every node of a run is ready; and the start of detached runs."""
 
-from __future__ import annotations
-
 import select
 import sys
 import time

@@ -1,7 +1,5 @@
 """Verbs that set this computer up."""
 
-from __future__ import annotations
-
 from ur.cli.verbs.verb import PLUMBING, Below, Trust, Verb
 
 _SECTION = "This computer"

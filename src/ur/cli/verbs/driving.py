@@ -1,7 +1,5 @@
 """Verbs that drive robots."""
 
-from __future__ import annotations
-
 from ur.cli.verbs.verb import SSH, START, Below, Trust, Verb
 
 _SECTION = "Drive"

@@ -1,7 +1,5 @@
 """Verbs about runs of launch files."""
 
-from __future__ import annotations
-
 from ur.cli.verbs.verb import FILE, START, Trust, Verb
 
 _SECTION = "Launch"

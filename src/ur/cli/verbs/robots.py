@@ -1,7 +1,5 @@
 """Verbs that find, set up and inspect robots, and that work on them over the network."""
 
-from __future__ import annotations
-
 from ur.cli.verbs.verb import SSH, Below, Trust, Verb
 
 _SECTION = "Robots"

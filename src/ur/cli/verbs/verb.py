@@ -1,7 +1,5 @@
 """The declaration of a verb of `ur`: its module, its help, the completion of its arguments, and its trust."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Verbs that check, write and explain launch files."""
 
-from __future__ import annotations
-
 from ur.cli.verbs.verb import FILE, LAUNCH, Below, Trust, Verb
 
 _SECTION = "Write"

@@ -1,7 +1,5 @@
 """`ur build`: build the catkin workspace on this computer or on a robot."""
 
-from __future__ import annotations
-
 import base64
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """`ur mount`: mount a folder of a robot, and unmount it."""
 
-from __future__ import annotations
-
 import errno
 import os
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """`ur sync`: synchronise the workspaces of this computer and a robot."""
 
-from __future__ import annotations
-
 import os
 import sys
 import time

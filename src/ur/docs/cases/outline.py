@@ -1,7 +1,5 @@
 """The tags of a launch file that documents show, with their conditions."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

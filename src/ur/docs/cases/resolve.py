@@ -1,7 +1,5 @@
 """A launch file in every case: per base and variant, with default options and with one option changed at a time."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """The graph of a launch file: its includes and nodes, over all cases, at least two arrows deep."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """A launch file and all facts on its page."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 
 from ur.check.rule import LaunchView

@@ -1,7 +1,5 @@
 """The documents of a launch file of another launcher than roslaunch: from its plan, as it has no tree of tags."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 
 from ur.check.cases import resolve_cases

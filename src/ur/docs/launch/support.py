@@ -1,7 +1,5 @@
 """Supported bases and variants of a launch file, and the unmet needs of the others."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 
 from ur.docs.cases.resolve import ResolvedCase

@@ -1,7 +1,5 @@
 """The tree of launch files and nodes that a launch file starts, per base; equal trees are one object."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 
 from ur.check.rule import LaunchView

@@ -1,7 +1,5 @@
 """One launch file as a section of the page."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 from ur.docs.documents import (

@@ -1,7 +1,5 @@
 """The page as a whole: how to run, programs, launch directories, bases, launch files."""
 
-from __future__ import annotations
-
 import shlex
 from collections.abc import Sequence
 from typing import Literal

@@ -1,7 +1,5 @@
 """Markdown that GitHub and other renderers show equally: headings with known anchors, tables, code."""
 
-from __future__ import annotations
-
 import posixpath
 import re
 from collections.abc import Sequence

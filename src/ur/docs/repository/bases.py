@@ -1,7 +1,5 @@
 """The bases of a repository: their sensors, and the bases that a launch file supports."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 

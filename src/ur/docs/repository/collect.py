@@ -1,7 +1,5 @@
 """The contents of a launch repository: packages, bases, launch files and programs, each read once."""
 
-from __future__ import annotations
-
 import os
 import posixpath
 import re

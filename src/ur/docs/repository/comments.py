@@ -1,7 +1,5 @@
 """Documentation in a launch file: summary, overview, needs, and a text for each argument."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from collections.abc import Iterator

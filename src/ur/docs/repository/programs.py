@@ -1,7 +1,5 @@
 """Documentation in programs, and the launch files and arguments that they start."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

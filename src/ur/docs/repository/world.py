@@ -1,7 +1,5 @@
 """The world of a launch repository alone, so that documents are the same with any installed packages."""
 
-from __future__ import annotations
-
 import posixpath
 from collections.abc import Iterable, Mapping
 

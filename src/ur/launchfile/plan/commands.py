@@ -1,7 +1,5 @@
 """`<param command=...>`: execution of the programs whose output is a parameter, if the caller wants it."""
 
-from __future__ import annotations
-
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """A plan under construction: its collected parts, and the findings."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from ur.launchfile.plan.names import parents_of

@@ -1,7 +1,5 @@
 """Missing programs of nodes. roslaunch detects them when it starts them; `ur` reports them before."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 
 from ur.launchfile.plan.specs import NodeSpec, Plan

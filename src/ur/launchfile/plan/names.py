@@ -1,7 +1,5 @@
 """ROS names, joined and validated as rosgraph does. Source of the rules: `rosgraph.names` as Debian ships it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 

@@ -3,8 +3,6 @@
 A check of many files in many cases resolves each file once per arguments, and combines the results.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from ur.launchfile.plan.draft import Draft, TooMuch

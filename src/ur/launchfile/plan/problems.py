@@ -1,7 +1,5 @@
 """Exceptions for refused tags, and the kinds of their diagnostics."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from ur.source.diagnostic import Diagnostic, Note, Severity, error

@@ -1,7 +1,5 @@
 """The resolved plan: the content of a launch file, every item with its origin."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """`--ros-args`: the arguments of a launch file, with their documentation."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

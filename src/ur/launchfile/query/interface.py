@@ -1,7 +1,5 @@
 """The topics, services and actions of a node."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

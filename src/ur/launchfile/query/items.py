@@ -1,7 +1,5 @@
 """Queries about a plan."""
 
-from __future__ import annotations
-
 from ur.launchfile.plan.names import join_names
 from ur.launchfile.plan.specs import Plan
 from ur.source.diagnostic import UserError, error

@@ -1,7 +1,5 @@
 """Topics, services and actions of a node, from its launch file and the table of well-known nodes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal

@@ -1,7 +1,5 @@
 """Tags and attributes of launch files: all names, where they are allowed, and their meaning."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from ur.launchfile.plan.tags.arguments import ARG_ATTRIBUTES

@@ -1,7 +1,5 @@
 """Collection of texts of values, findings and gaps while a description is carried out."""
 
-from __future__ import annotations
-
 import re
 
 from ur.launchfile.plan.draft import Draft

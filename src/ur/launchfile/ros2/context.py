@@ -1,7 +1,5 @@
 """The state in which a description is carried out: configurations, environment, the file, and what was found."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any

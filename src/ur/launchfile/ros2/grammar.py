@@ -1,7 +1,5 @@
 """Substitutions in XML and YAML: `$(command words)`, nested and quoted, as upstream's grammar has them."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Loader of launch files of ROS 2: from a file and arguments to a Plan."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ur.launchfile.plan.draft import Draft, TooMuch

@@ -4,8 +4,6 @@ Their text is the path of a temporary file; here it is `REWRITTEN`, a number, an
 is kept in the context. Source of the rules: nav2_common 1.3.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping
 from functools import partial

@@ -1,7 +1,5 @@
 """Nodes, programs and components: from what a launch file writes to the values of the plan."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace

@@ -3,8 +3,6 @@
 Source of the rules: `normalize_parameters` and `evaluate_parameters` of launch_ros; rcl's for sections of files.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import PurePosixPath

@@ -1,7 +1,5 @@
 """Substitutions and conditions: from what a launch file writes to a text, in a context."""
 
-from __future__ import annotations
-
 import shlex
 import shutil
 from collections.abc import Callable, Mapping

@@ -3,8 +3,6 @@
 What an event starts later (an end, a timer) is visited when all else has been, in the order of the file.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Parser of text to a syntax tree, with the standard library's expat. Never raises for the content of a file."""
 
-from __future__ import annotations
-
 import codecs
 import re
 from collections import Counter

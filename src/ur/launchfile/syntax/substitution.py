@@ -1,7 +1,5 @@
 """The small language inside attribute values: `$(find pkg)`, `$(arg name)`, `$(eval expression)` and others."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

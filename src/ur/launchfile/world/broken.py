@@ -1,7 +1,5 @@
 """The error for a package.xml that ROS does not accept; a separate module that is slow to import and rarely needed."""
 
-from __future__ import annotations
-
 from ur.source.diagnostic import UserError, error_about
 
 

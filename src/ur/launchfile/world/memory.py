@@ -1,7 +1,5 @@
 """A world of plain dictionaries, for tests and for tools that ask "what if"."""
 
-from __future__ import annotations
-
 import posixpath
 from collections.abc import Iterable, Mapping
 

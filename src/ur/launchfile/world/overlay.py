@@ -1,7 +1,5 @@
 """A world with texts laid over its files: unsaved ones of an editor, or those of a tentative change."""
 
-from __future__ import annotations
-
 import posixpath
 from collections.abc import Callable, Iterable, Mapping
 

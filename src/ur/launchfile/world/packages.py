@@ -7,8 +7,6 @@ ROS_PACKAGE_PATH are walked, first match wins; below `/usr/share`, which Debian'
 # Paths are texts here: pathlib would change what roslaunch prints, and costs too much in hot loops.
 # ruff: noqa: PTH113, PTH114, PTH118, PTH119
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterator, Mapping

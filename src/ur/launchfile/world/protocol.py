@@ -1,7 +1,5 @@
 """The interface between the launch language and a computer: packages, files and variables."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Protocol
 

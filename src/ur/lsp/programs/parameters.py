@@ -1,7 +1,5 @@
 """Documentation, values and places of a program's parameters."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field

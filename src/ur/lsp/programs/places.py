@@ -1,7 +1,5 @@
 """Definitions and uses in files beside launch files: keys of YAML files, and starts of programs."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Set
 from os.path import normpath

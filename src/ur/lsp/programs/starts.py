@@ -1,7 +1,5 @@
 """The nodes that run a program, and those that load a YAML file."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from os.path import normpath

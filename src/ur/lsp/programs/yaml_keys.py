@@ -5,8 +5,6 @@ files beside it. A comment at a key there is its documentation. The keys of a pa
 of the nodes that load it.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress

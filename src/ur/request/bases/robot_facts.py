@@ -1,7 +1,5 @@
 """The selected robot's base, from its parameter server, the selection, or robot.yaml."""
 
-from __future__ import annotations
-
 import os
 import socket
 from collections.abc import Callable, Iterable, Mapping

@@ -1,7 +1,5 @@
 """Mode of a run if another client drives the selected robot: from the options, or from the user at the terminal."""
 
-from __future__ import annotations
-
 import os
 import socket
 import sys

@@ -1,7 +1,5 @@
 """A recording in place of the robot: the files that a replay starts, and the nodes that it leaves out."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The command that `ur boot install` writes: of a launch file, a program, or a command."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

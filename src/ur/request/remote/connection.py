@@ -1,7 +1,5 @@
 """Connections to the robot of a command: the named ROBOT, else the selected one."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, suppress

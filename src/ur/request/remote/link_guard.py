@@ -5,8 +5,6 @@ it was sent: that time (s, monotonic) is written to the file that is its argumen
 while it is recent. It ends with its connection, and removes the file.
 """
 
-from __future__ import annotations
-
 import os
 import select
 import struct

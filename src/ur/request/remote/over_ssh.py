@@ -3,8 +3,6 @@
 DDS stays on the robot. A guard verifies the connection many times per second, so that keys drive only while it works.
 """
 
-from __future__ import annotations
-
 import secrets
 import subprocess
 from collections.abc import Collection, Iterator, Sequence

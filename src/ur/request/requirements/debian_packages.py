@@ -1,7 +1,5 @@
 """Debian packages that only some programs need, installed when such a program is first started."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence

@@ -17,8 +17,6 @@ it, and what to do: where it is missing, a line says so, and all starts.
 RViz is installed likewise where a node of the plan needs it and there is a display; only a view insists on it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path

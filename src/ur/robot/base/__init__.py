@@ -5,8 +5,6 @@ times in s, voltages in V, currents in A; poses are in `base_footprint` (REP 103
 a field gives another unit.
 """
 
-from __future__ import annotations
-
 from ur.robot.base.files import list_bases, list_variants, load_base, read_base
 from ur.robot.base.properties import Base, Caster, MotionLimits, OdometryErrors, UpstreamDriver, Wheels
 from ur.robot.base.sensors import (

@@ -1,7 +1,5 @@
 """Triangle mesh of a base's body: the hull of its outline, extruded upwards, with wells for the wheels."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Iterable, Sequence
 from itertools import pairwise

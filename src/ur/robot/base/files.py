@@ -1,7 +1,5 @@
 """Base files of a launch package, and their variants."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ur.robot.base.properties import Base

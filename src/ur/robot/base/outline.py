@@ -1,7 +1,5 @@
 """Outlines: polygons of (x, y) points, in order."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 

@@ -1,7 +1,5 @@
 """The registry of this project's drivers, by the names that base files use: `driver: create2`."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

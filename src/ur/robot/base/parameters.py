@@ -1,7 +1,5 @@
 """Parameter files of one base, adapted to another base's outline and speeds."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 

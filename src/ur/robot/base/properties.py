@@ -1,7 +1,5 @@
 """A base as data: body, wheels, motion limits, sensors and drivers."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from ur.robot.base.sensors import Sensors

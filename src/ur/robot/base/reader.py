@@ -1,7 +1,5 @@
 """Reader of base files. Every function raises UserError, with file, line and column, for an invalid value."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace

@@ -6,8 +6,6 @@ a file `.catkin` and, below `share/ubiquity_launches`, the files that are named 
 has made are remembered for the user, after those of the environment.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 `base_footprint` lies on the ground (REP 105 uses it as the base's planar frame), `base_link` above it at axle height.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ur.robot.base import Base

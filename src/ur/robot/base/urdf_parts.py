@@ -1,7 +1,5 @@
 """Links and joints, as lines of URDF."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 
 

@@ -3,8 +3,6 @@
 The names are those of the robot: the left wheel is the left one of the robot.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Launch file of a boot service on the robot, and its arguments."""
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """State of boot services: read from systemd and the journal with one script, and formatted. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Boot services of a robot as systemd units: a ROS master that is kept running, and programs. Pure."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

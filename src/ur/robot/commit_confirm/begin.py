@@ -1,7 +1,5 @@
 """Start of a guarded change: become root on the robot, check that no change is pending, and send the change."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from ur.robot.commit_confirm.guarded import GuardedChange, Order

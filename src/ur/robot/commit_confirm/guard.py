@@ -13,8 +13,6 @@ While the guard runs it has the lock of `ur robot setup`. Whenever it starts and
 it takes that back. Nothing of it stays at the end.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ur.robot.setup.lock import LOCK_FILE

@@ -1,7 +1,5 @@
 """A guarded change as a value: the desired files, and the scripts that apply them to the running robot. Pure."""
 
-from __future__ import annotations
-
 import base64
 import io
 import tarfile

@@ -1,7 +1,5 @@
 """Changes of a robot's networks by NetworkManager. Pure."""
 
-from __future__ import annotations
-
 import ipaddress
 import re
 import uuid

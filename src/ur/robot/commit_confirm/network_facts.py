@@ -3,8 +3,6 @@
 The format is that of `nmcli --terse` (nmcli(1)): fields with a colon between them, colons and backslashes escaped.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass

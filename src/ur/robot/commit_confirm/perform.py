@@ -1,7 +1,5 @@
 """The client's side of a guarded change: send it to the robot, connect again afterwards, confirm."""
 
-from __future__ import annotations
-
 import secrets
 import time
 from collections.abc import Callable, Iterable, Sequence

@@ -1,7 +1,5 @@
 """A new name for a robot, in every file that contains the name. Pure."""
 
-from __future__ import annotations
-
 import base64
 import hmac
 import re

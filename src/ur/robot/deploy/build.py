@@ -1,7 +1,5 @@
 """Building a catkin workspace: the required facts about its computer, and the build command. Pure."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

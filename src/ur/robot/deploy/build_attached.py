@@ -5,8 +5,6 @@ command over ssh ends with Ctrl-C, with ssh and with the terminal, and leaves no
 the remote computer. Run as a program: python -I build_attached.py COMMAND-LINE.
 """
 
-from __future__ import annotations
-
 import os
 import queue
 import signal

@@ -4,8 +4,6 @@ The copy is in ~/ubiquity_launches, outside the workspace, so that `ur sync` doe
 has a clone of the project, in that folder or in the workspace, keeps the clone.
 """
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import json

@@ -6,8 +6,6 @@ symbolic link, with its target as content. The copy stores the hashes of the fil
 was changed since is saved beside the folder before it is replaced.
 """
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import json

@@ -4,5 +4,3 @@
 questions, `base_text` writes the base.yaml. All of these are pure. `surroundings` finds the folders that may be read,
 `expansion` runs xacro.
 """
-
-from __future__ import annotations

@@ -1,7 +1,5 @@
 """The text of a base.yaml from a robot description; each value with its source in a comment."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Iterator, Sequence

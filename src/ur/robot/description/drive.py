@@ -1,7 +1,5 @@
 """Drive wheels and casters of a description."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping

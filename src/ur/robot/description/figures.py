@@ -1,7 +1,5 @@
 """Properties of a base in a robot description: wheels, heights, masses, speeds."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

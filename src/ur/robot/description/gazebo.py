@@ -3,8 +3,6 @@
 Their tags differ between releases and plugins, so unknown tags are ignored instead of rejected.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from xml.etree.ElementTree import Element

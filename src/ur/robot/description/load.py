@@ -1,7 +1,5 @@
 """Loader of robot descriptions: expand xacro, parse the URDF, and measure the meshes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache

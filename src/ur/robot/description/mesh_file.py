@@ -4,8 +4,6 @@ Files are measured, not displayed: a file that is no mesh, or too large for one 
 read in chunks, so that memory use does not grow with their size.
 """
 
-from __future__ import annotations
-
 import math
 import re
 import warnings

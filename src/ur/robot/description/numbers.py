@@ -1,7 +1,5 @@
 """Parsing of numbers in a robot description."""
 
-from __future__ import annotations
-
 import math
 
 MOST = 1e6

@@ -1,7 +1,5 @@
 """Dimensions of a description: its outline on the ground, its height, and its ground clearance."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Parser of URDF. Every function raises UserError, with the link or joint, for an invalid value."""
 
-from __future__ import annotations
-
 import math
 import re
 import shlex

@@ -4,8 +4,6 @@ The origin of a base is on the ground between the driven wheels; a robot with se
 one with two driven wheels between them and a passive support below the first and the last axle.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """Sensors of a description: those that Gazebo simulates, and links with typical names of sensors."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections import deque

@@ -4,8 +4,6 @@ The search for parent folders ends at the first folder that another user may wri
 user could have placed a package around the description.
 """
 
-from __future__ import annotations
-
 import os
 import stat
 from collections.abc import Iterable, Iterator, Mapping

@@ -1,7 +1,5 @@
 """A robot description as data. Lengths are in m, masses in kg, angles in rad, rates in Hz."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Query of a robot's clock and boot services: over one ssh connection by key, for a limited time."""
 
-from __future__ import annotations
-
 import subprocess
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence

@@ -1,7 +1,5 @@
 """Evidence that a robot exists: it was set up from this computer, seen on the network, or answers now."""
 
-from __future__ import annotations
-
 import socket
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

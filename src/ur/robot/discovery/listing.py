@@ -1,7 +1,5 @@
 """List of robots: visible ones with their announcements, known ones that are away, and name conflicts. Pure."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """ROS masters of the robots that this computer knows: those that were set up from here, seen here, or are simulated."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Records of the robots that were set up from this computer: one file each, written by `ur robot setup`."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

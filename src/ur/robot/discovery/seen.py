@@ -1,7 +1,5 @@
 """Last known addresses of robots, used when a name no longer resolves."""
 
-from __future__ import annotations
-
 import fcntl
 import json
 import os

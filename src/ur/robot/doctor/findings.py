@@ -1,7 +1,5 @@
 """Values of the doctor: two computers, findings, and the commands that fix them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field

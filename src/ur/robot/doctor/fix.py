@@ -1,7 +1,5 @@
 """Fixes of findings: run their commands, and inspect the computers again until the fixes take effect."""
 
-from __future__ import annotations
-
 import fcntl
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext

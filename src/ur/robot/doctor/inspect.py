@@ -1,7 +1,5 @@
 """Inspection of one or two computers for the rules: run the script of `observe`, and test the connections."""
 
-from __future__ import annotations
-
 import re
 import socket
 from collections.abc import Sequence

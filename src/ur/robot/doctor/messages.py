@@ -5,8 +5,6 @@ that are not built yet are compared by their text without comments and blanks, f
 (gentools); a nested message is compared separately.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 # Python of the robot's system. A package in the workspace takes precedence over the system's, as it does in ROS.

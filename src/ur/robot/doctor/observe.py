@@ -1,7 +1,5 @@
 """Inspection of one of two computers: one script, and the parser of its output. Both are pure."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 

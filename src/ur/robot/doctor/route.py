@@ -3,8 +3,6 @@
 `inspect_route` uses the network; the other functions are pure.
 """
 
-from __future__ import annotations
-
 import socket
 from contextlib import suppress
 from dataclasses import dataclass

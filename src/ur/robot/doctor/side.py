@@ -1,7 +1,5 @@
 """One of two computers: its facts, and its view of the other. Values only."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 

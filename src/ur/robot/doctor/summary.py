@@ -1,7 +1,5 @@
 """Comparison of two computers side by side, and of packages that differ. Pure."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 

@@ -3,8 +3,6 @@
 The formats are those of `iw dev DEVICE link`, `iw dev DEVICE get power_save` and of /proc/net/wireless (proc(5)).
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ Sources: Microsoft, "FAT: General Overview of On-Disk Format" 1.03; the Linux ke
 block); file(1) for the rest.
 """
 
-from __future__ import annotations
-
 import struct
 from dataclasses import dataclass
 from typing import Literal

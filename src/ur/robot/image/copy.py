@@ -1,7 +1,5 @@
 """Copies of images: decompressed, sparse, and renamed to their final path in one step."""
 
-from __future__ import annotations
-
 import bz2
 import gzip
 import lzma

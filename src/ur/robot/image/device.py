@@ -1,7 +1,5 @@
 """Devices with a flashed system: their properties, and whether they may be written to."""
 
-from __future__ import annotations
-
 import os
 import stat
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Hashes that are written to an image in place of passwords."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 

@@ -1,7 +1,5 @@
 """The host key of a robot that has not booted yet: generated on this computer, and written to the robot's seed."""
 
-from __future__ import annotations
-
 import getpass
 
 from ur.robot.image.seed import HostKeyPair

@@ -4,8 +4,6 @@ Sources: cloud-init's data source NoCloud (cloudinit/sources/DataSourceNoCloud.p
 Raspberry Pi OS: pi-gen (stage2/04-cloud-init) and raspberrypi-sys-mods (firstboot, init_config, sshswitch).
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager

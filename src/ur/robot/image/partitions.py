@@ -4,8 +4,6 @@ Sources: UEFI specification 2.10, chapter 5 (GPT, and the protective MBR); for l
 boot records as Linux reads it (block/partitions/msdos.c).
 """
 
-from __future__ import annotations
-
 import struct
 import zlib
 from collections.abc import Callable, Iterator

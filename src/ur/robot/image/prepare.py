@@ -1,7 +1,5 @@
 """Conversion of a seed to the files to write into an image, and its removal."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The text files of a seed, which configure a robot's first boot."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import re

@@ -1,7 +1,5 @@
 """Access to files in file systems of an image or device, without mounting: mtools for FAT, debugfs for ext4."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import tempfile

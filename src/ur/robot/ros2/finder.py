@@ -8,8 +8,6 @@ to robots on which this project is not installed.
 # A program for small computers, which run it before this project is installed.
 # ruff: noqa: PTH110, PTH111, PTH112, PTH113, PTH115, PTH116, PTH119, PTH120, PTH123, PTH207, PTH208
 
-from __future__ import annotations
-
 import glob
 import json
 import os

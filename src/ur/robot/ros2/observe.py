@@ -1,7 +1,5 @@
 """Inspection of ROS 2 on a computer: send the finder to it, and parse its answer, which is untrusted."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from importlib.resources import files

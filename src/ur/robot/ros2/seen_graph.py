@@ -1,7 +1,5 @@
 """Values about ROS 2 on a computer, with limits on the size of a robot's answer. Values only."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """A change to a computer: the difference, and the scripts that make it. Values, made by pure functions."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from difflib import unified_diff
 

@@ -4,8 +4,6 @@ A robot whose set-up was interrupted keeps its confirmed host key in a note on t
 continues without asking again.
 """
 
-from __future__ import annotations
-
 import os
 from contextlib import suppress
 from dataclasses import dataclass

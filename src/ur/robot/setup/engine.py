@@ -1,7 +1,5 @@
 """Engine of the set-up: gather facts, plan changes, apply them, and check the result."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence

@@ -1,7 +1,5 @@
 """The ROS environment of a user's shells: ~/.ros_setup, sourced by the first line of their start-up files."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ur.robot.setup.wanted import Wanted, WantedFile, WantedFolder, WantedLine

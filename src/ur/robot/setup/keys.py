@@ -1,7 +1,5 @@
 """Wanted states of ssh: key pairs, and authorized keys."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ur.robot.setup.change import Change, ChangeScript

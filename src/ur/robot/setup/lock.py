@@ -1,7 +1,5 @@
 """Lock for one set-up of a robot at a time, also from two viewers; the robot releases it when the holder ends."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress

@@ -1,7 +1,5 @@
 """The task of a set-up, and the login to its robot: by key, or by a password as long as the key is not installed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace

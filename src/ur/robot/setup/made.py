@@ -4,8 +4,6 @@ The record has a line for each file and folder that did not exist before, and `u
 had no line end. Replaced files are saved beside the record. The scripts that create files write the record first.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ur.robot.setup.change import Change, ChangeScript

@@ -1,7 +1,5 @@
 """Wanted states of the system: Debian packages and their services."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ur.robot.setup.change import Change, ChangeScript

@@ -1,7 +1,5 @@
 """Set-up of a robot from a freshly flashed system. After an interruption, the next run continues."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import re

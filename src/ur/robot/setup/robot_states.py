@@ -1,7 +1,5 @@
 """The wanted state of a robot."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The wanted state of the viewer, the user's computer."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 `plan` returns None if the computer is already in the state. `undo` returns None if there is nothing to revert.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from typing import Protocol

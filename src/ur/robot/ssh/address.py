@@ -1,7 +1,5 @@
 """The address of a login: user and host."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ answers that user's processes, one password prompt per permission, and nothing e
 answered. Run as a program: python -I askpass.py PROMPT, with the socket's path in UR_ASKPASS.
 """
 
-from __future__ import annotations
-
 import os
 import shlex
 import socket

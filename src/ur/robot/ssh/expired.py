@@ -1,7 +1,5 @@
 """Password change at the first login, as Ubuntu's images require it: a dialogue with passwd on the remote computer."""
 
-from __future__ import annotations
-
 import os
 import re
 import select

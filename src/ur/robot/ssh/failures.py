@@ -1,7 +1,5 @@
 """Failures of ssh, explained from its output: failed logins, and broken connections."""
 
-from __future__ import annotations
-
 from ur.robot.ssh.address import Address
 from ur.source.diagnostic import UserError, error_about
 

@@ -4,8 +4,6 @@ A small shell script beside it reads from a pipe into which no program writes: w
 ended.
 """
 
-from __future__ import annotations
-
 import os
 import select
 import subprocess

@@ -1,7 +1,5 @@
 """Host keys: the one that a computer offers, its fingerprint, and a known_hosts file that accepts only that key."""
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import re

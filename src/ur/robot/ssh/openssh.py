@@ -1,7 +1,5 @@
 """One connection to another computer: the OpenSSH client's master mode, so that a command takes one round trip."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Public keys as computers report them: one line, one type, one comment; any other text is refused."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 

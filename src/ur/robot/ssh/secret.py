@@ -1,7 +1,5 @@
 """A text that must not be displayed."""
 
-from __future__ import annotations
-
 
 class Secret:
     """A password. Only `reveal` returns its text: str, repr, formats and comparisons with a text do not reveal it."""

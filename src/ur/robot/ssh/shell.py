@@ -1,7 +1,5 @@
 """Shells: the protocol of a shell on any computer, and the shell of this computer."""
 
-from __future__ import annotations
-
 import os
 import selectors
 import shlex

@@ -1,7 +1,5 @@
 """Three-way comparison of two workspaces with their common state at the last sync. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 
 from ur.robot.sync.side import is_ignored

@@ -1,7 +1,5 @@
 """The state at the last sync with a robot, stored on this computer."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Paths to which a sync is limited, and the lock of a sync."""
 
-from __future__ import annotations
-
 import fcntl
 import getpass
 import os

@@ -1,7 +1,5 @@
 """Text of a sync's plan for display. Pure."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from datetime import datetime, timezone, tzinfo

@@ -9,8 +9,6 @@ of a file, the target of a link, and empty for a folder. Paths are relative to t
 # A robot's small computer lists thousands of files here; pathlib would take most of the time.
 # ruff: noqa: PTH101, PTH103, PTH105, PTH106, PTH108, PTH111, PTH113, PTH115, PTH116, PTH118, PTH120, PTH123, PTH208, PTH211
 
-from __future__ import annotations
-
 import fnmatch
 import hashlib
 import json

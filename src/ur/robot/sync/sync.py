@@ -1,7 +1,5 @@
 """A sync: inspect both sides, compare, transfer with rsync, move files into place, store the new state."""
 
-from __future__ import annotations
-
 import base64
 import subprocess
 import sys

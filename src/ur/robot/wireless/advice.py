@@ -1,7 +1,5 @@
 """Advice about a wireless link, in one line, from its last seconds. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ur.robot.doctor.rules.network import LATENCY_SECONDS

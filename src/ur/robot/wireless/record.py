@@ -1,7 +1,5 @@
 """Measured seconds as comma-separated values (RFC 4180). Pure but for the file."""
 
-from __future__ import annotations
-
 from datetime import datetime, timezone
 from typing import TextIO
 

@@ -1,7 +1,5 @@
 """Samples of a link, one a second, and the parser of ping(8). Pure."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field

@@ -5,8 +5,6 @@ node, then `Synchronised`; from there on every event. Output lines and statistic
 requested them.
 """
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 

@@ -1,7 +1,5 @@
 """Events about the state of a run for its subscribers; node usage and log lines are read only while subscribed."""
 
-from __future__ import annotations
-
 import os
 import socket
 from collections.abc import Callable, Iterable, Iterator, Mapping

@@ -1,7 +1,5 @@
 """The state of a run and its nodes, derived from its events, for every client. Pure."""
 
-from __future__ import annotations
-
 import re
 import signal
 from collections.abc import Sequence

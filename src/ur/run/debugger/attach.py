@@ -1,7 +1,5 @@
 """The debugger of a running or crashed node, from outside its run. Pure."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ur.run.debugger.choice import PACKAGES, DebugTarget, DebugTools, choose_terminal

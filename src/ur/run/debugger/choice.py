@@ -1,7 +1,5 @@
 """Selection of a debugger, its terminal, and its command line from the installed tools. Pure."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Debuggers, terminals and core dumps on this computer, for the decisions of `ur.run.debugger.choice`."""
 
-from __future__ import annotations
-
 import glob
 import importlib.util
 import os

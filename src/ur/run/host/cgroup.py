@@ -6,8 +6,6 @@ once. Root may create one, and other users where systemd has delegated theirs: `
 Documentation/admin-guide/cgroup-v2.rst of the Linux kernel.
 """
 
-from __future__ import annotations
-
 import os
 import select
 import time

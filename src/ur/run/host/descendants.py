@@ -1,7 +1,5 @@
 """Find, signal and reap the processes below this one."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import select

@@ -1,7 +1,5 @@
 """Decision about the nodes of a plan that are already running at the same master. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A lock per master: one launch at a time lists the nodes that are running and registers its run."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import time

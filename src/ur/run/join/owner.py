@@ -1,7 +1,5 @@
 """Runs that own nodes which other runs use: wait for their start, monitor their end, list joined runs."""
 
-from __future__ import annotations
-
 import os
 import select
 import threading

@@ -1,7 +1,5 @@
 """A client of a ROS master (http://wiki.ros.org/ROS/Master_API and Parameter_Server_API)."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Monitor of a master that another process runs."""
 
-from __future__ import annotations
-
 import socket
 import threading
 import time

@@ -1,7 +1,5 @@
 """Search for the master of a run: its address, its answer, and other programs that listen there."""
 
-from __future__ import annotations
-
 import shutil
 import time
 from collections.abc import Iterator, Mapping

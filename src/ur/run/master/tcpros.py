@@ -3,8 +3,6 @@
 Nothing is registered with the master: the publisher is contacted directly, so the graph shows no additional subscriber.
 """
 
-from __future__ import annotations
-
 import socket
 import struct
 from urllib.parse import urlsplit

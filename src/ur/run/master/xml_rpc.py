@@ -5,8 +5,6 @@ which is what roslaunch uses; a test compares the two. A server that sends slowl
 timeout at most.
 """
 
-from __future__ import annotations
-
 import socket
 import time
 from base64 import b64decode, b64encode

@@ -1,7 +1,5 @@
 """Facts of a domain of ROS 2, in a file: settings for all nodes of its runs. `ur_nodes` reads and changes it."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from contextlib import suppress

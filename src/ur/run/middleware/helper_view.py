@@ -1,7 +1,5 @@
 """The graph of ROS 2 as a helper node sees it, which runs while the graph is read: `ur` itself imports no ROS."""
 
-from __future__ import annotations
-
 import json
 import os
 import select

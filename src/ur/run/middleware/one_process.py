@@ -1,7 +1,5 @@
 """One process for all nodes of a run, if no ROS is installed."""
 
-from __future__ import annotations
-
 import json
 import re
 import sys

@@ -5,8 +5,6 @@ for all nodes. The values of ROS 2 are numbers, texts, flags and lists of one ki
 their `name`, other nested lists become texts, as in Nav2.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 

@@ -1,7 +1,5 @@
 """A master of ROS 1 as the middleware of a run."""
 
-from __future__ import annotations
-
 import os
 import select
 import threading

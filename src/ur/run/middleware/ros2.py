@@ -1,7 +1,5 @@
 """A domain of ROS 2 as the middleware of a run: there is no master, and each node gets its parameters in a file."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import threading

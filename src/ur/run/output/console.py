@@ -1,7 +1,5 @@
 """Lines on the terminal: node output on standard output and error, reports of the run on standard error."""
 
-from __future__ import annotations
-
 import os
 import select
 import time

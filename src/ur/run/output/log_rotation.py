@@ -1,7 +1,5 @@
 """Limits on the log files of a run: the oldest part of a file above its limit is removed."""
 
-from __future__ import annotations
-
 import ctypes
 import fcntl
 import os

@@ -1,7 +1,5 @@
 """Messages of a run for the user, as text. Pure."""
 
-from __future__ import annotations
-
 import re
 import signal
 from collections.abc import Sequence

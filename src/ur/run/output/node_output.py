@@ -1,7 +1,5 @@
 """Output of nodes, to log files and line by line to the user."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections import deque

@@ -3,8 +3,6 @@
 Sources: roslaunch's `node_args.create_local_process_args`, `core.setup_env` and `nodeprocess.LocalProcess`.
 """
 
-from __future__ import annotations
-
 import os
 import shlex
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The supervisor's end of the process host: start it, send requests, receive events."""
 
-from __future__ import annotations
-
 import os
 import socket
 import sys

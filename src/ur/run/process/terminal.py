@@ -1,7 +1,5 @@
 """The terminal, lent to one node and restored afterwards."""
 
-from __future__ import annotations
-
 import array
 import fcntl
 import os

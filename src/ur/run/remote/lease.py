@@ -1,7 +1,5 @@
 """The lease of a robot: its driver, start time and program; stored on its master's parameter server."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Iterable

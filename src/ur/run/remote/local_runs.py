@@ -1,7 +1,5 @@
 """Runs of this computer that are the robot's share of a program, or have its nodes."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Names of nodes that also run elsewhere: ROS ends a node whose name is registered again."""
 
-from __future__ import annotations
-
 import re
 import socket
 from collections.abc import Callable, Collection, Iterable, Mapping

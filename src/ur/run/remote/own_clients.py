@@ -1,7 +1,5 @@
 """Clients on this computer: each holds a locked file until its process ends for any reason."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 from collections.abc import Collection, Iterator, Mapping

@@ -1,7 +1,5 @@
 """Requests to a robot for its share of a run, and the answers: values, and each as JSON that is checked when read."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal

@@ -5,8 +5,6 @@ is a separate detached run: it survives the connection that requested it, and th
 line; its clients are registered in its control folder.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

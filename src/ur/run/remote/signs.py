@@ -1,7 +1,5 @@
 """Signs of life of a share's clients: answers of each client's nodes, or its process that displays the run."""
 
-from __future__ import annotations
-
 import os
 import threading
 import time

@@ -1,7 +1,5 @@
 """Start of a robot's share of a run, detached from the connection that requested it."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Selection of the nodes of a plan that run, and refusal of plans that cannot run, before anything starts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePath

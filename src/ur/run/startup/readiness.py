@@ -1,7 +1,5 @@
 """Readiness of nodes: registration with the master, and the conditions of their `ready:` comments."""
 
-from __future__ import annotations
-
 import math
 import threading
 import time

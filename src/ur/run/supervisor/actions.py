@@ -1,7 +1,5 @@
 """Actions and reports that the supervisor requests. Values only."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from signal import SIGINT, SIGKILL, SIGTERM

@@ -1,7 +1,5 @@
 """Events that the supervisor handles. Values only."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ur.run.supervisor.state import ExitStatus

@@ -1,7 +1,5 @@
 """State of a run: its units, and the status of each. Values only."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum

@@ -5,8 +5,6 @@ actions and passes events back. `lifecycle` handles the start and the end of one
 `shutdown` the end of the whole run.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import replace
 from signal import SIGINT, SIGKILL, SIGTERM

@@ -4,8 +4,6 @@ The headers of an archive can have any length, and the libraries that unpack arc
 this module unpacks its standard input.
 """
 
-from __future__ import annotations
-
 import re
 import resource
 import shutil

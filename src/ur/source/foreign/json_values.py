@@ -5,8 +5,6 @@ A limit is declared with its field: `Annotated[int, Meta(ge=0, le=100)]` or one 
 Where start-up time matters, import this module in a function.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass

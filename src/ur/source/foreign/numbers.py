@@ -1,7 +1,5 @@
 """Parsing of numbers in texts from other programs and computers; None for an invalid one."""
 
-from __future__ import annotations
-
 import re
 
 _INTEGER = re.compile(r"[+-]?[0-9]{1,18}")

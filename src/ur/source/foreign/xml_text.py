@@ -1,7 +1,5 @@
 """Untrusted XML: parsed without document types, and within limits of depth and number."""
 
-from __future__ import annotations
-
 from xml.etree.ElementTree import Element, ParseError, TreeBuilder, XMLParser
 
 MAX_DEPTH = 100

@@ -1,7 +1,5 @@
 """Untrusted YAML, with limits on its nesting (before parsing), its numbers, and the expansion of its aliases."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import yaml

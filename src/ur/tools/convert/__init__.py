@@ -1,3 +1,1 @@
 """Launch files of ROS 1 as launch files of ROS 2, in XML."""
-
-from __future__ import annotations

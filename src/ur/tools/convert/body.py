@@ -4,8 +4,6 @@ An `<include>` of ROS 1 hands over its `<arg>`s and nothing else, and changes no
 that is a `<group>` which forwards nothing but its `<keep>`s.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 

@@ -5,8 +5,6 @@ expression before Python reads it. So each use of an argument decides as what it
 number, or as a test that holds for all but an empty text, `false` and `0`.
 """
 
-from __future__ import annotations
-
 import ast
 import builtins
 import math

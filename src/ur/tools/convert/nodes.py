@@ -1,7 +1,5 @@
 """`<node>` as ROS 2 has it."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """Conversion of a launch file, or of all below a folder, with the place of each file in its package."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from ur.check.collect import Targets, collect_targets

@@ -1,7 +1,5 @@
 """Files of parameters of ROS 1 as those of ROS 2, which say whose parameters they are."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

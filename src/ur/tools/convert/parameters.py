@@ -1,7 +1,5 @@
 """`<param>` and `<rosparam>` of a node as ROS 2 has them."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """Conversion of a launch file, and of all of a package."""
 
-from __future__ import annotations
-
 import fnmatch
 import os
 import re

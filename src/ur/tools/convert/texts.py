@@ -1,7 +1,5 @@
 """Texts of attributes: `$(find ...)`, `$(arg ...)` and the others as ROS 2 writes them."""
 
-from __future__ import annotations
-
 import re
 
 from ur.launchfile.syntax import Substitution, SubstitutionProblem, is_eval, parse_substitutions

@@ -1,7 +1,5 @@
 """Converted files in a folder, or in one from which `ros2 launch` starts a package."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,3 +1,1 @@
 """Definitions and uses of names in launch files, over a whole workspace."""
-
-from __future__ import annotations

@@ -3,8 +3,6 @@
 With `pass_all_args`, an argument of the including file and that of the included one are the same.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Mapping, Set
 

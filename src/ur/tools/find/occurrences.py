@@ -1,7 +1,5 @@
 """Definitions and uses of names."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from fnmatch import translate

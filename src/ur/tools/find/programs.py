@@ -1,7 +1,5 @@
 """Programs of nodes: their files, the modules that they run, and the files that may load a YAML file."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """Renaming of an argument in all files, verified by the plans: they differ only in that name."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace

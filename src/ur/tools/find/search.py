@@ -1,7 +1,5 @@
 """Search of launch files and programs for everything that has a name."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress

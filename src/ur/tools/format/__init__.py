@@ -1,3 +1,1 @@
 """Order and layout of launch files, without a change of their meaning."""
-
-from __future__ import annotations

@@ -1,7 +1,5 @@
 """Layout of pieces as text: two blanks a level, attributes in one order, one blank line at most."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 from ur.tools.format.pieces import CommentPiece, Piece, Tag

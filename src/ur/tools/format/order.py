@@ -1,7 +1,5 @@
 """The order of a launch file: Summary, Overview, required, convenience and optional arguments, the rest."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace

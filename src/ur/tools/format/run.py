@@ -1,7 +1,5 @@
 """Formatting of a launch file: read, lay out, order, verify."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields, is_dataclass

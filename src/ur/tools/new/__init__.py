@@ -1,3 +1,1 @@
 """New launch directories, programs, bases and packages that follow the conventions of `ur check`."""
-
-from __future__ import annotations

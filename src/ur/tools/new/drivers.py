@@ -1,7 +1,5 @@
 """Drivers of a new base, chosen by the names of this project's drivers: lines of base.yaml, and a launch file."""
 
-from __future__ import annotations
-
 from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean

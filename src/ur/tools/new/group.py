@@ -1,7 +1,5 @@
 """Launch files that include others: m_<name>, rviz_<name>, and the program that starts one."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 from ur.tools.new.launch_text import LOCALHOST, hand_on, write_launch

@@ -1,7 +1,5 @@
 """The text of a launch file that follows the conventions of `ur check`."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from textwrap import fill
 from xml.sax.saxutils import escape, quoteattr

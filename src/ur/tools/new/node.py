@@ -1,7 +1,5 @@
 """A launch directory for one node: n_<name>."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 

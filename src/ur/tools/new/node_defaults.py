@@ -1,7 +1,5 @@
 """Default values of a node's private parameters, read from its Python source without running it."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator, Mapping
 from dataclasses import replace

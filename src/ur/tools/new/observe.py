@@ -1,7 +1,5 @@
 """Observation of a running node: it is started with a separate master, and its registrations are recorded."""
 
-from __future__ import annotations
-
 import os
 import signal
 import socket

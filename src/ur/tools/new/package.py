@@ -1,7 +1,5 @@
 """A package for launch files, and a base in one."""
 
-from __future__ import annotations
-
 import json
 from xml.sax.saxutils import escape as escape_text
 

@@ -1,7 +1,5 @@
 """Requests for new files, and the resulting files."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """The first script of a user, written by `ur new script`."""
 
-from __future__ import annotations
-
 from ur.tools.new.parts import NewFile
 
 _SCRIPT = '''"""{summary}"""

@@ -1,7 +1,5 @@
 """The package, or the workspace of a base, that receives new files."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """Writing of new files: all of them or none, also when this process is killed, without overwriting any."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress

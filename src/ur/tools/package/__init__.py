@@ -1,3 +1,1 @@
 """The required content of package.xml and CMakeLists.txt, from what the launch files of a package use."""
-
-from __future__ import annotations

@@ -1,7 +1,5 @@
 """The install rules in a CMakeLists.txt: a separate block, written and replaced as a whole."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 

@@ -1,7 +1,5 @@
 """Packages that a launch package depends on."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 

@@ -1,7 +1,5 @@
 """A Textual application whose caller reports its crash. To be imported only when a screen is shown."""
 
-from __future__ import annotations
-
 from typing import ClassVar, Generic, TypeVar
 
 from textual.app import App

@@ -1,7 +1,5 @@
 """Pictures on a terminal: two pixels to a cell, an upper half block in the colours of both. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """Size and background colour of a terminal."""
 
-from __future__ import annotations
-
 import os
 import re
 import select

@@ -3,8 +3,6 @@
 The HTTP server parses them again. This module only decides how much of the server's time a connection gets.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ A browser that shows another site sends that site's name as Host (DNS rebinding)
 Programs may send no Origin, so it is required only for changes and for opening a web socket.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Rate limits for events: token buckets, without a clock."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 
 

@@ -6,8 +6,6 @@ the secret of a *viewer link*; the link ends with the server. Only hashes of all
 since 1970.
 """
 
-from __future__ import annotations
-
 import hashlib
 import itertools
 import json

@@ -1,7 +1,5 @@
 """Commands of `ur` in separate processes: they take seconds, and must not delay driving."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import signal

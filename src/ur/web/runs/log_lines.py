@@ -1,7 +1,5 @@
 """The last output lines of a run's nodes, numbered, so that each page continues after the last line it has."""
 
-from __future__ import annotations
-
 import os
 from collections import deque
 from dataclasses import dataclass

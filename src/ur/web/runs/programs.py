@@ -1,7 +1,5 @@
 """Programs for the page: their list, their start, and the content of their launch files, by commands of `ur`."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass

@@ -1,7 +1,5 @@
 """Stored maps of this computer for the page: list, new names and deletion, by `ur maps` and with its checks."""
 
-from __future__ import annotations
-
 import asyncio
 import math
 import time

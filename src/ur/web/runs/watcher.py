@@ -1,7 +1,5 @@
 """Monitor of this computer's runs over their sockets, while a page displays them."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 from collections import deque

@@ -1,7 +1,5 @@
 """Routes of the page: files, login, the two web sockets, and a few other requests."""
 
-from __future__ import annotations
-
 import asyncio
 import hashlib
 import re

@@ -1,7 +1,5 @@
 """Assistants on the page: give them grants to drive, and take these back."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """Pages that show the camera: a separate web socket each, so that pictures never delay map or motion."""
 
-from __future__ import annotations
-
 import asyncio
 import time
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Pages that may drive: a separate web socket each, for small messages, so that commands never wait behind a map."""
 
-from __future__ import annotations
-
 import asyncio
 import itertools
 import json

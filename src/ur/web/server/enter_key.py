@@ -1,7 +1,5 @@
 """The Enter key of the terminal that runs a server."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import sys

@@ -4,8 +4,6 @@ The file has the hash of the link's token as its name, and a role as its content
 on a command line.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import re

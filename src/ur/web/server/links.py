@@ -1,7 +1,5 @@
 """Links to the page, as text and as a QR code. Imports nothing of the server."""
 
-from __future__ import annotations
-
 import io
 import socket
 

@@ -1,7 +1,5 @@
 """Stored maps over the web: the list for every login; renaming and deletion with the right to drive."""
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable
 from typing import TypeVar
 

@@ -1,7 +1,5 @@
 """The process that talks to ROS: started when a master answers, and restarted when it has ended."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import os

@@ -1,7 +1,5 @@
 """Programs and runs over the web: a separate web socket for state, log and requests; documents by GET."""
 
-from __future__ import annotations
-
 import asyncio
 import itertools
 import json

@@ -1,7 +1,5 @@
 """Start and end of the server: its port, links and log, and the browser on this computer."""
 
-from __future__ import annotations
-
 import asyncio
 import errno
 import html

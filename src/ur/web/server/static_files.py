@@ -1,7 +1,5 @@
 """The files of the page: read and compressed once, and served by name from a list made at the start."""
 
-from __future__ import annotations
-
 import gzip
 import hashlib
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """The process that offers topics to Foxglove: started for the first viewer, ended after the last one."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager

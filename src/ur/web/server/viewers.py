@@ -1,7 +1,5 @@
 """Pages that view: each gets the newest frame of every key, at the rate that its connection supports."""
 
-from __future__ import annotations
-
 import asyncio
 import time
 from collections.abc import AsyncIterator, Iterator, Mapping

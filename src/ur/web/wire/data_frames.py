@@ -4,8 +4,6 @@ A newer frame of a key replaces an unsent one, so that a slow page gets the newe
 delivered.
 """
 
-from __future__ import annotations
-
 import json
 import struct
 from collections.abc import Mapping

@@ -5,8 +5,6 @@ question has a number, `id`, which its answer repeats. A change also has `n`, th
 page has received: an old beat reveals a request that was delayed in a connection.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated
 

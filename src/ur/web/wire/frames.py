@@ -4,8 +4,6 @@ A frame begins with its key (kind, layer, column, row; little endian), and a new
 one. So a slow viewer gets the newest state, not a queue. `static/wire.js` decodes them.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import struct

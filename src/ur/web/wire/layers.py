@@ -4,8 +4,6 @@ Layers that no page shows are not computed. `SHOWN` is their only table: `tools/
 `static/wire_numbers.js` and `static/layers.css` of it.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

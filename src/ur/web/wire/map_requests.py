@@ -1,7 +1,5 @@
 """Requests of pages that change the map and its annotations: places, zones and walls."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated

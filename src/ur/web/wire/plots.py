@@ -1,7 +1,5 @@
 """Plots that a page shows: numeric fields of topics, as the page names them when it connects."""
 
-from __future__ import annotations
-
 import re
 
 from ur.web.wire.reading import BadRequestError

@@ -1,7 +1,5 @@
 """Types that requests of pages share: numbers, names and poses from a browser, with their limits."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any
 
 from msgspec import Meta

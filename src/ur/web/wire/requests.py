@@ -3,8 +3,6 @@
 A request that causes motion has `n`, the newest challenge of the mux that the page has received.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from msgspec import Meta

@@ -4,8 +4,6 @@ Each has `n`, the newest beat of the server that the page has received: an old b
 in a connection. `id` is the page's number of the request, which the answer repeats.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal

@@ -1,7 +1,5 @@
 """Requests of pages that view: in the address of the web socket, and in messages when the view changes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal

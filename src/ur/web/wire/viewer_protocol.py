@@ -5,8 +5,6 @@ publishes become requests like those of a page, and never reach that server. Pub
 1. The protocol is described at https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md.
 """
 
-from __future__ import annotations
-
 import math
 import struct
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """A printed chessboard: its page, and its corners in pictures."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

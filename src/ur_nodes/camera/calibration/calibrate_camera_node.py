@@ -1,7 +1,5 @@
 """Calibrates a camera with a printed chessboard; the terminal shows where views are missing."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

@@ -1,7 +1,5 @@
 """Views of a chessboard that a calibration has, and those that are missing. Pure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Collect views of the board, with their progress on a terminal or in lines, until they suffice."""
 
-from __future__ import annotations
-
 import sys
 import threading
 import time

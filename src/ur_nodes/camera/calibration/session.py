@@ -1,7 +1,5 @@
 """A calibration in progress: the choice of views among pictures, and texts about it. Pure but for OpenCV's corners."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

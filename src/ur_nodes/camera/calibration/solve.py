@@ -1,7 +1,5 @@
 """The calibration of a camera from views of a chessboard, and its quality."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Velocities of a client, sent until they are ended, and at most for the time that was requested."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from ur_nodes.motion.challenge.link import FreshPublisher

@@ -1,7 +1,5 @@
 """Errors of requests to a robot."""
 
-from __future__ import annotations
-
 import math
 
 

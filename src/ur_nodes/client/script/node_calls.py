@@ -1,7 +1,5 @@
 """Calls from a program's thread on the thread of its node, and waiting for their results."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from ur_nodes.client.script.errors import Interrupted, Lost

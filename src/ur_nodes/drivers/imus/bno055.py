@@ -5,8 +5,6 @@ buildings it turns the robot. Registers are little-endian: force in hundredths o
 the orientation w, x, y, z in 16384ths.
 """
 
-from __future__ import annotations
-
 import struct
 import time
 from collections.abc import Callable

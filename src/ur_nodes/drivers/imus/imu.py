@@ -1,7 +1,5 @@
 """The shape of a driver of an inertial unit on I2C: a class that sets it up, and turns its registers into readings."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Protocol
 

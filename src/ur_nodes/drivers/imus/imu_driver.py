@@ -1,7 +1,5 @@
 """A driver of an inertial unit: its readings to messages, at the rate of the base file."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from ur.robot.base import ImuErrors

@@ -1,7 +1,5 @@
 """The driver of an inertial unit, as a node: the kind that the base file names, on its I2C bus."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from functools import partial

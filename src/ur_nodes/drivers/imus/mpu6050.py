@@ -4,8 +4,6 @@ Gyroscope and accelerometer, no orientation. Registers are big-endian: force (x,
 Its gyroscope is off by up to 20 degrees/s, so what it shows while the robot rests is taken as zero.
 """
 
-from __future__ import annotations
-
 import math
 import struct
 import time

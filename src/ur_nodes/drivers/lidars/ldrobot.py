@@ -6,8 +6,6 @@ are little-endian, angles hundredths of a degree, clockwise. The eye of an LDS-0
 beam is corrected by its distance, as transform.cpp of Robotis' ld08_driver does.
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Iterator, Sequence
 

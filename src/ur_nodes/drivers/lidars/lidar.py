@@ -1,7 +1,5 @@
 """The shape of a driver of a lidar: a class that turns bytes into beams."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from typing import Protocol
 

@@ -1,7 +1,5 @@
 """The head of a lidar that keeps a table of its last turn: where it was when the table was read. Pure."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

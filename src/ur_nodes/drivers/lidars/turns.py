@@ -1,7 +1,5 @@
 """Turns of a lidar from its beams: scans in the frame and with the angles that the base file gives. Pure."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -5,8 +5,6 @@ number of the packet (0 to 89), 64ths of a turn a minute, four times a distance 
 are little-endian; the beams turn counter-clockwise, a degree apart.
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Iterator, Sequence
 

@@ -1,7 +1,5 @@
 """The line to a device, as drivers know it: bytes both ways, opened again and again while the device is not there."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The guard of a device's motors: a process that receives each command, and is started again when it was killed."""
 
-from __future__ import annotations
-
 import os
 import signal
 import socket

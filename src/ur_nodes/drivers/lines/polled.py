@@ -1,7 +1,5 @@
 """A device that is asked again and again on a worker, and opened again after an error."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial

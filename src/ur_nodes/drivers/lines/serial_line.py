@@ -1,7 +1,5 @@
 """A serial device, or one behind TCP, as a line: it is opened, read, and opened again when it was unplugged."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import select

@@ -1,7 +1,5 @@
 """A device behind a TCP port, as a lidar on Ethernet."""
 
-from __future__ import annotations
-
 import socket
 from urllib.parse import urlsplit
 

@@ -1,7 +1,5 @@
 """Distances of sonars as messages."""
 
-from __future__ import annotations
-
 import math
 
 from ur.robot.base import Sonars

@@ -1,7 +1,5 @@
 """A driver of sonars on pins: they take turns, and each echo becomes a range."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from functools import partial
 

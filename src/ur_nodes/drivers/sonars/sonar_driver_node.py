@@ -1,7 +1,5 @@
 """The driver of sonars on the pins of a Raspberry Pi, as a node: the board that the base file names."""
 
-from __future__ import annotations
-
 import sys
 import time
 from collections.abc import Callable, Iterable

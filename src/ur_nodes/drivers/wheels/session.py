@@ -1,7 +1,5 @@
 """A board during the test of its wheels: handshake, commands and readings over a line. No clock and no terminal."""
 
-from __future__ import annotations
-
 import math
 from typing import Protocol
 

@@ -1,7 +1,5 @@
 """The test of wheels off the ground: its motions, and the wiring that counts and a person's answers show. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 

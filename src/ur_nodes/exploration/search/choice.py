@@ -1,7 +1,5 @@
 """The next place to drive to: the first of the shortest tour through the places that frontiers are seen from."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Corners: frontiers that hide little. They are left to the end, and the least of them are left out."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The floor of a growing map: known, free, wide enough for the robot, and how far each place is to drive."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

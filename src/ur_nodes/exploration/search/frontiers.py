@@ -1,7 +1,5 @@
 """Frontiers: the edges between known free floor and unknown space, joined to groups, each with what may lie behind."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Reachable viewpoints: poses from which a frontier is visible."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

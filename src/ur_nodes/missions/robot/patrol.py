@@ -5,8 +5,6 @@ before it; what cannot be sent by then pauses the patrol, and only another reque
 run for `STALLED` seconds (a computer that was suspended) pauses it, too: navigation may have held its goal meanwhile.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 
 from ur_nodes.client.patrol_text import PatrolAnswer, PatrolRoute, PatrolStatus, PatrolStop, name_stop

@@ -1,7 +1,5 @@
 """The last goal of a patrol, and its state."""
 
-from __future__ import annotations
-
 import itertools
 
 from ur_nodes.client.goal_tracker import GoalTracker, is_unconfirmed, report_at, track_result, track_sent, track_status

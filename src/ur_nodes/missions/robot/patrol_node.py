@@ -3,8 +3,6 @@
 It holds the lease of the mux while the patrol is active, so every program shows who drives, and a take-over pauses it.
 """
 
-from __future__ import annotations
-
 import sys
 
 from ur_nodes.missions.robot.patrol_runner import PatrolRunner, PatrolSettings

@@ -1,7 +1,5 @@
 """The patrol's connection to topics: requests, the lease, the emergency stop, goals and its status."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 

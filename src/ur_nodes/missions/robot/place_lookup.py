@@ -1,7 +1,5 @@
 """Places of a route that a request gives by name: the waypoints of the map on the computer of this node."""
 
-from __future__ import annotations
-
 import os
 from collections import deque
 from collections.abc import Callable

@@ -8,8 +8,6 @@ the middleware stamps messages, it is as old as its stamp shows beside the faste
 All functions are pure; `now` is in seconds of a steady clock, `unix` in seconds since 1970.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field, replace
 from typing import Literal, TypeVar

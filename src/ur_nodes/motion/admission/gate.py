@@ -1,7 +1,5 @@
 """Commands, locks and lease requests from topics: what `admission` lets through reaches the mux."""
 
-from __future__ import annotations
-
 import math
 import random
 import time

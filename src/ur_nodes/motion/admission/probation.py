@@ -15,8 +15,6 @@ publisher proves its own rhythm. These rules are a filter, not a proof: a comman
 (see `freshness`). All functions are pure; `now` is in seconds of a steady clock.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

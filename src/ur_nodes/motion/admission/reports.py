@@ -1,7 +1,5 @@
 """Reports of commands that were refused: lines in the log, not one a command, `/diagnostics`, and `ur doctor`."""
 
-from __future__ import annotations
-
 import math
 from contextlib import suppress
 from functools import partial

@@ -8,8 +8,6 @@ that the mux did not issue within the horizon has no age.
 All functions are pure; `now` is in seconds of a steady clock that also runs while the computer sleeps.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 FRESHNESS = 0.15  # s: how old the challenge may be that a velocity command answers

@@ -1,7 +1,5 @@
 """Answers to the challenges of a mux, and velocity commands that carry them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -5,8 +5,6 @@ little-endian on the machines that ROS runs on: time (ms, u32), value (s16), typ
 records of the initial state.
 """
 
-from __future__ import annotations
-
 import struct
 from dataclasses import dataclass, replace
 from typing import TypeVar

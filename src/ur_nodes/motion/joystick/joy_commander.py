@@ -1,7 +1,5 @@
 """Destination of a joystick's velocities: stamped commands for a mux with a lease, or plain ones for any subscriber."""
 
-from __future__ import annotations
-
 from typing import Protocol
 
 from ur_nodes.motion.challenge.link import AdaptivePublisher, FreshPublisher

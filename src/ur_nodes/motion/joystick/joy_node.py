@@ -3,8 +3,6 @@
 Publishes `joy` on every change, and again at the autorepeat rate.
 """
 
-from __future__ import annotations
-
 import sys
 
 from ur_nodes.motion.joystick.device import JoystickSettings

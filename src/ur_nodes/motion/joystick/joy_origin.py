@@ -1,7 +1,5 @@
 """Origin of `joy`: its messages have no proof of their age, so they must not come over a network."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from functools import partial

@@ -1,7 +1,5 @@
 """Reading of a joystick: its device is opened again when it was removed, and each change is published as `joy`."""
 
-from __future__ import annotations
-
 import errno
 import os
 import select

@@ -1,7 +1,5 @@
 """Joystick to velocities: nothing moves unless the dead-man button is held."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -4,8 +4,6 @@ Turns each `joy` into at most one command: it never repeats a command without a 
 `joy` that it is made of, so reader and teleop have to run on the same computer.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Sequence
 from dataclasses import replace

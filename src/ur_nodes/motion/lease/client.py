@@ -1,7 +1,5 @@
 """A client of the lease: requests, renewals, and who drives."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 

@@ -20,8 +20,6 @@ part: it is a node on the robot that follows the lease by itself, as move_base
 does, and sends to a source for such nodes.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field, replace
 

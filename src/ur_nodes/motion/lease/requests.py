@@ -1,7 +1,5 @@
 """Requests of a client about the lease: what to send next, as a step function without clock or topics."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from ur_nodes.motion.lease.text import Action, Lease

@@ -1,7 +1,5 @@
 """The lease on the robot's disk, so that no published change is lost if the mux is killed."""
 
-from __future__ import annotations
-
 import json
 import os
 import zlib

@@ -1,7 +1,5 @@
 """Lease and requests as JSON, their form on topics. Input is untrusted until it is checked here."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, replace
 from typing import Annotated, Literal

@@ -1,7 +1,5 @@
 """A client's view of the lease, and how a client behaves: what to request next, as pure functions."""
 
-from __future__ import annotations
-
 import os
 import re
 import socket

@@ -3,8 +3,6 @@
 All points are in the base's frame in m; velocities in m/s and rad/s.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

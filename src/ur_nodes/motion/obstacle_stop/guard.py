@@ -12,8 +12,6 @@ leaves no motion, a slow one is permitted along what is nearer (`CREEP`), and a 
 What no sensor sees is taken for neither free nor blocked: towards it the base drives at most `BLIND`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The obstacle stop from topics: readings of the base's sensors in, guards of the mux and reports out."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

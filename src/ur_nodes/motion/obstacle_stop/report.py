@@ -1,7 +1,5 @@
 """The state of the obstacle stop: as a line for screens, and as JSON on a topic."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Literal, TypeAlias

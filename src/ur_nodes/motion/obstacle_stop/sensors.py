@@ -1,7 +1,5 @@
 """The sensors of a base as the obstacle stop uses them: their fields of view, rates, and the area before the base."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ A reading replaces the one before of the same sensor. Points that have left the 
 remembered for `MEMORY` s. What is nearer than a sensor can measure (-inf, REP 117) counts as at its least range.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field, replace
 from typing import Literal

@@ -1,7 +1,5 @@
 """The recent track of a base by odometry: its pose when a sensor measured, and now."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

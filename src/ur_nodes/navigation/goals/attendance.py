@@ -9,8 +9,6 @@ script or RViz without any program of ours.
 `step_attendance` has no clock; times are in s of a steady clock unless stated otherwise.
 """
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass, replace
 from enum import Enum

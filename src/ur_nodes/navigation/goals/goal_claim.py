@@ -8,8 +8,6 @@ newest one that it has received into the id of its goal, with its own id: `<any>
 remembers when each challenge arrived, so the age of the goal is at most the time since then.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The lease and the challenges of the mux, as `move_base` uses them: which goals to accept, pursue, hold and cancel."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 

@@ -5,8 +5,6 @@ still: what has not moved for longer is furniture. Velocities come from an alpha
 index: a generalized parameter for alpha-beta and alpha-beta-gamma target trackers, 1984).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The path to a goal on the inflated grid: a search of the cheapest cells, then straightened and smoothed."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 

@@ -6,8 +6,6 @@ search over cells follows it with some room on both sides. The window grows whil
 cheaper, and until a path is found or the whole map was searched, so that a path is found where there is one.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

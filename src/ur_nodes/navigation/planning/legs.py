@@ -1,7 +1,5 @@
 """Paths as legs: each is driven ahead or back, some after a turn on the spot."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Blocked headings of a robot's outline: for each cell, those of 64 at which it touches obstacles, as bits."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

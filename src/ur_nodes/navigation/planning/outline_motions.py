@@ -1,7 +1,5 @@
 """Short pieces of motion that a search puts together, and the robot's way to steer that decides which there are."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """Paths that the outline of a long robot fits on: a path is checked, and mended where it touches something."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ headings are the 64 of `outline_grid`, and of the motions to one cell with one h
 Thrun, Montemerlo, Diebel: Practical search techniques in path planning for autonomous driving, 2008).
 """
 
-from __future__ import annotations
-
 import heapq
 import math
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Polylines (n, 2) in m: lengths, even spacing, curvature, the nearest place."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Smoothing of a chain of cells: straight where possible, with wide turns elsewhere."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ A region is a part of a block whose cells are connected within it, so that a cha
 driven, however thin walls are: unlike cells that are merely enlarged, regions neither close a door nor open a wall.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

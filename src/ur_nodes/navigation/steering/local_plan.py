@@ -4,8 +4,6 @@ The first choice is the plain law. Variants of it (slower, to the left or right 
 footprint would touch something.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

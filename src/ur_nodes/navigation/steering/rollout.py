@@ -4,8 +4,6 @@ Steering is pure pursuit (Coulter, Implementation of the pure pursuit path track
 of the path ahead. Far from its direction the robot turns on the spot, and near the end it brakes by the distance left.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Speeds along a path and of turns on the spot, within the limits of the robot."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple

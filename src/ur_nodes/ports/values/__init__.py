@@ -4,8 +4,6 @@ Simple ones travel as Python's own: str, bool, float, int. Arrays are not to be 
 all who receive it.
 """
 
-from __future__ import annotations
-
 from ur_nodes.ports.values.basics import NO_MATRIX, ClockTime, Level, LogLine, Number, Result, Signal, Time
 from ur_nodes.ports.values.motion import DriverOdometry, Joints, Joystick, Odometry, StampedTwist, Twist
 from ur_nodes.ports.values.pictures import Calibration, PackedPicture, Picture

@@ -1,7 +1,5 @@
 """Values of no frame: signals, numbers, lines of the log, moments, and answers."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Velocities, odometry, joints and joysticks."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pictures, and the calibration of their cameras."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

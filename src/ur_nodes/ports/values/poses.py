@@ -1,7 +1,5 @@
 """Poses in frames, paths, maps and transforms."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

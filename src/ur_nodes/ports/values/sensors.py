@@ -1,7 +1,5 @@
 """Scans, sonars, inertia and batteries."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

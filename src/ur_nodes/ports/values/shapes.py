@@ -1,7 +1,5 @@
 """Shapes and points in space, for viewers."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Literal
 

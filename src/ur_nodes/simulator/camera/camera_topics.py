@@ -1,7 +1,5 @@
 """The topics of simulated cameras: what raspicam_node publishes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The devices of a simulated robot: those that the drivers of its base file open, each with a stand-in behind it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol

@@ -1,7 +1,5 @@
 """A simulated robot as its devices know it: wheels with encoders, battery, switches, and the beams of its lidar."""
 
-from __future__ import annotations
-
 import math
 from typing import Protocol
 

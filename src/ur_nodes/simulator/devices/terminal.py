@@ -1,7 +1,5 @@
 """A pseudo-terminal under the name that a device has, at the end of which a driver opens it."""
 
-from __future__ import annotations
-
 import contextlib
 import fcntl
 import os

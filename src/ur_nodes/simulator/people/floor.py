@@ -1,7 +1,5 @@
 """The floor for simulated people: free positions, destinations, and routes between them."""
 
-from __future__ import annotations
-
 import math
 from functools import cached_property
 

@@ -3,8 +3,6 @@
 Deterministic: the same seed and the same robots give the same walks. They decide ten times a second and move between.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Contacts with people that a robot caused by its own motion."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 

@@ -1,7 +1,5 @@
 """A battery whose charge is counted."""
 
-from __future__ import annotations
-
 from ur.robot.base import BatteryProperties
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality

@@ -1,7 +1,5 @@
 """Bumpers: which sectors of a robot's outline are pressed by what it touches."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 

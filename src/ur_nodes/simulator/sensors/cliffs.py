@@ -1,7 +1,5 @@
 """Cliff sensors: the floor below each of them, or a drop."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Level lidars: rays as lines in a plane, where all that they can hit is upright, faster than in space."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 Axes and signs after REP 145: at rest, and level, the accelerometer reads +g along z.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

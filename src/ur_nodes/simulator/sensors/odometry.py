@@ -1,7 +1,5 @@
 """Odometry from wheel encoders, with the errors of real odometry."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rays of range sensors against the shapes of a MuJoCo model, and ranges after REP 117 from their lengths."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 import numpy.typing as npt

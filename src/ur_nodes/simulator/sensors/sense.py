@@ -1,7 +1,5 @@
 """A sensor of one simulated robot: sampled at its rate, sent while its topics have subscribers."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

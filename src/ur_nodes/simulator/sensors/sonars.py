@@ -1,7 +1,5 @@
 """Sonars: the nearest surface in a cone, found with a fan of rays against the shapes of a MuJoCo model."""
 
-from __future__ import annotations
-
 import math
 
 import mujoco

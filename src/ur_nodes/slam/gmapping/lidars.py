@@ -1,7 +1,5 @@
 """The lidars of a robot: their readings as one scan in the robot's frame."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Draws the map of a mapping node, publishes it, and serves it on request."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 from ur_nodes.geometry.difference import describe_poses

@@ -1,7 +1,5 @@
 """Reports of the node `slam_gmapping` on its pose, wheels and gyroscope."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """The parameters of the node `slam_gmapping`, under upstream's names (https://wiki.ros.org/gmapping), checked."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

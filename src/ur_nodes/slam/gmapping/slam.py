@@ -1,7 +1,5 @@
 """The work of the node `slam_gmapping` on scans."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

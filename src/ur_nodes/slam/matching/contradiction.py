@@ -1,7 +1,5 @@
 """Walls that a scan passes through: evidence that it was taken elsewhere, beyond the agreement of its points."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle

@@ -5,8 +5,6 @@ Sources: Olson, Real-time correlative scan matching, 2009; Hess et al., Real-tim
 are scored at once.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Generator
 from dataclasses import dataclass

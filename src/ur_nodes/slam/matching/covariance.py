@@ -1,7 +1,5 @@
 """Covariances (3, 3) of planar poses: x and y in m, yaw in rad."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

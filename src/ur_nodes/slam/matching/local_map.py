@@ -1,7 +1,5 @@
 """The surfaces around the robot, from several keyframes, to which a scan is matched."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """Find the pose of a scan on the map around the robot: from a guess, or else by widening searches."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

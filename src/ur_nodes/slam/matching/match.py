@@ -5,8 +5,6 @@ Zhang, Kaess, Singh, On degeneracy of optimization-based state estimation proble
 nothing about are left to the prior).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

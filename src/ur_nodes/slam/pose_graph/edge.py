@@ -1,7 +1,5 @@
 """An edge of the pose graph: the relative pose of two keyframes, and its uncertainty."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

@@ -3,8 +3,6 @@
 Source of the incremental solution: Kaess et al., iSAM2: incremental smoothing and mapping using the Bayes tree, 2012.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Closes loops: verifies places that may have been seen before, some with each scan, and adds the links found."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Loop candidates: places to check, and whether a scan was taken there."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ distances. Edges between all neighbours average them out. Source of the idea: Lu
 scan alignment for environment mapping, 1997.
 """
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Keyframes and edges of a map as the values that `ur.maps.scan_file` stores, and back."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Stores the map of a mapping node: every few seconds, on request, and at the end."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Callable

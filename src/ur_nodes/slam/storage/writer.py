@@ -1,7 +1,5 @@
 """Writes a map while it is made: the picture, the pose graph and the scans, consistent at every moment."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace

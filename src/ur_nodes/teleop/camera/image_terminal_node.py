@@ -1,7 +1,5 @@
 """Show a camera's pictures in the terminal; without a terminal, print lines about their rate, or why none arrives."""
 
-from __future__ import annotations
-
 import os
 import sys
 import threading

@@ -1,7 +1,5 @@
 """A picture and a status line as lines of text for a terminal: half-blocks, two pixels to a cell. Pure."""
 
-from __future__ import annotations
-
 import textwrap
 
 from ur.source.ansi import RESET, REVERSE

@@ -1,7 +1,5 @@
 """Show the pictures of a topic on a terminal, or describe them in lines, until the user ends it."""
 
-from __future__ import annotations
-
 import sys
 import threading
 import time

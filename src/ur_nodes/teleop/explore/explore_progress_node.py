@@ -1,7 +1,5 @@
 """The program `explore_progress`: shows an exploration with its map on a terminal, or as lines, until it ends."""
 
-from __future__ import annotations
-
 import os
 import sys
 import threading

@@ -1,7 +1,5 @@
 """An exploration on a terminal with its map, or as lines, until it ends."""
 
-from __future__ import annotations
-
 import shutil
 import signal
 import sys

@@ -1,7 +1,5 @@
 """Destination of the keys' velocities: stamped commands for a mux with a lease, or plain ones for any subscriber."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Protocol
 

@@ -8,8 +8,6 @@ The layout is that of teleop_twist_keyboard, plus the arrows. How a key's end is
   press holds for as long as that pause may take, and a repeat for a fraction of it. The pause is learnt once seen.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """The screen of keyboard_drive, as lines with ANSI colours of the terminal's own palette."""
 
-from __future__ import annotations
-
 import re
 import textwrap
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Driving with keys that a user presses, on the node's thread."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 

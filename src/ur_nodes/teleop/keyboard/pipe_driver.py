@@ -1,7 +1,5 @@
 """Driving with keys from a pipe, each for half a second, on the node's thread."""
 
-from __future__ import annotations
-
 import os
 import select
 import sys

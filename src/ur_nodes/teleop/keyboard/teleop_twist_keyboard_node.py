@@ -1,7 +1,5 @@
 """Drive with the keys: the stand-in for teleop_twist_keyboard."""
 
-from __future__ import annotations
-
 import os
 import struct
 import sys

@@ -1,7 +1,5 @@
 """Characters over the map: waypoints, goal, robot, and the scale bar. Pure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

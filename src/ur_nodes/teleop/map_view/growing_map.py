@@ -1,7 +1,5 @@
 """A growing map as lines for a terminal in raw mode: the whole map if it fits, else the robot's surroundings."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum

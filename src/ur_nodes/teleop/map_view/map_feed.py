@@ -1,7 +1,5 @@
 """Lines of a growing map with the robot and its scan, drawn a few times a second."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 from ur_nodes.client.navigation import RobotState

@@ -1,7 +1,5 @@
 """Colours of the map, dark and light, which differ on terminals of 256 colours, too."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ur.tui.screen.half_blocks import Colour

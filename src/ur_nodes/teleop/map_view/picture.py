@@ -3,8 +3,6 @@
 A pixel is half a terminal cell: cells are about twice as high as wide.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """The map on the screen: shows a snapshot, follows the robot, turns clicks into goals."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Mapping

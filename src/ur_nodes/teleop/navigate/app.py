@@ -1,7 +1,5 @@
 """The program `keyboard_navigate` on a terminal: commands and keys. Depends on a `Navigator`, not on ROS."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import singledispatchmethod
 

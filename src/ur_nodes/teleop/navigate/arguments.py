@@ -1,7 +1,5 @@
 """The arguments of a command: words, numbers and names, with their limits, and the errors about them."""
 
-from __future__ import annotations
-
 import math
 import shlex
 

@@ -1,7 +1,5 @@
 """Commands without a terminal: one after another, one result line each."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Lines about the goals of a batch: results, reasons to give up, changes while driving. Pure."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The input line, which receives every key: history, and the map's keys."""
 
-from __future__ import annotations
-
 from typing import Protocol
 
 from textual import events

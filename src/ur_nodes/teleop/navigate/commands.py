@@ -1,7 +1,5 @@
 """Commands from text. Angles are in degrees here and in radians everywhere else."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import cast

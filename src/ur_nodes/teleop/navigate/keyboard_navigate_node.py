@@ -1,7 +1,5 @@
 """The node keyboard_navigate: a map on a terminal, or commands from a pipe."""
 
-from __future__ import annotations
-
 import os
 import sys
 import threading

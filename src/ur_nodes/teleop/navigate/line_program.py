@@ -1,7 +1,5 @@
 """`keyboard_navigate` with commands from a pipe, or from a terminal that takes lines only."""
 
-from __future__ import annotations
-
 import os
 import select
 import signal

@@ -1,7 +1,5 @@
 """Messages about goals and requests, one line each."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """A box of text over the map, and the list of waypoints for one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 from rich.console import RenderableType

@@ -1,7 +1,5 @@
 """`keyboard_navigate` on a terminal that can draw."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import sys

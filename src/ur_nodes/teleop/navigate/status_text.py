@@ -1,7 +1,5 @@
 """The lines of text below the map."""
 
-from __future__ import annotations
-
 import math
 
 from rich.console import RenderableType

@@ -1,7 +1,5 @@
 """The target poses of commands, and the file of waypoints."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The screen of `keyboard_navigate`: map, status, message, command line."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import ClassVar

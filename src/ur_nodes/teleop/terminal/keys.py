@@ -4,8 +4,6 @@ The protocol: https://sw.kovidgoyal.net/kitty/keyboard-protocol/. Release events
 escape codes" (8) beside "report event types" (2); 4 adds the shifted key, so that `<` is known without a layout table.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from typing import Literal

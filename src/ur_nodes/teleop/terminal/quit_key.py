@@ -1,7 +1,5 @@
 """The key that ends a program which prints lines."""
 
-from __future__ import annotations
-
 import os
 import select
 import threading

@@ -1,7 +1,5 @@
 """The terminal in raw mode: keys at once and unechoed, everything restored at the end."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import select

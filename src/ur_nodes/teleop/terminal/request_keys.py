@@ -1,7 +1,5 @@
 """The keys that every program on a terminal has: emergency stop, obstacle stop, who drives, and to save."""
 
-from __future__ import annotations
-
 from ur_nodes.client.driver_text import DriverRequest
 from ur_nodes.client.mux import MuxRequest, MuxView
 from ur_nodes.teleop.terminal.keys import Key, KeyEvent

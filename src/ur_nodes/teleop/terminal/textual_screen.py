@@ -1,7 +1,5 @@
 """The terminal as Textual's screen: nothing else writes on it."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import sys

@@ -1,7 +1,5 @@
 """Factors for mapping and localisation with gtsam. Rotation precedes translation, as in gtsam's Pose3."""
 
-from __future__ import annotations
-
 import math
 
 import gtsam

@@ -1,7 +1,5 @@
 """Localisation on a fixed map of fiducials."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 

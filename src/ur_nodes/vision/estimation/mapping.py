@@ -1,7 +1,5 @@
 """A map of fiducials built while driving: a factor graph of robot poses, odometry and sightings (gtsam's iSAM2)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass

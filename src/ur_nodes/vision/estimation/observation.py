@@ -1,7 +1,5 @@
 """Observations: fiducials that the robot sees at one moment, for mapping and localisation."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

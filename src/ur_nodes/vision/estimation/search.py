@@ -1,7 +1,5 @@
 """Search for a robot's pose from sightings of a known map alone, and for sightings that contradict others."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping

@@ -1,7 +1,5 @@
 """Answers to pages that ask for names, types and values, and that publish, call services or set parameters."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from functools import partial

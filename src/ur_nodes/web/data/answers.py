@@ -1,7 +1,5 @@
 """Answers to requests of pages: `ok` and `text`, and `value` where a form needs it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 from ur.source.printable import printable

@@ -1,7 +1,5 @@
 """Data of the robot for pages: what they show, and their requests."""
 
-from __future__ import annotations
-
 from ur.web.wire.data_frames import ALL, pack_json
 from ur.web.wire.data_requests import Show, read_data_request
 from ur.web.wire.reading import BadRequestError

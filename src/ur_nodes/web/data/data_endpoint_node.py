@@ -7,8 +7,6 @@ holds is decoded here and not where the robot is driven from. The node ends when
 has started.
 """
 
-from __future__ import annotations
-
 import socket
 import sys
 

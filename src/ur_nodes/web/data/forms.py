@@ -1,7 +1,5 @@
 """Empty messages as JSON for forms, and the fields of a message from JSON."""
 
-from __future__ import annotations
-
 from ur.source.foreign.json_values import BadJsonError, read_json
 from ur_nodes.web.messages.definition import MOMENTS, PRIMITIVES, Definition
 

@@ -1,7 +1,5 @@
 """Rules for what a page may publish, call and set: nothing that moves a base without the limits of the mux."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 
 _DRIVE = "expected the stick of the page, whose commands prove their age to the mux"

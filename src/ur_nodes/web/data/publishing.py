@@ -1,7 +1,5 @@
 """Messages that pages publish, through publishers that are kept for a while."""
 
-from __future__ import annotations
-
 from functools import partial
 
 from ur.web.wire.data_requests import Publish

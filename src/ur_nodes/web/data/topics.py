@@ -1,7 +1,5 @@
 """Topics for pages: rates of those in view, and the messages of the one that a page prints."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial

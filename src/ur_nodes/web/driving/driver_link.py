@@ -4,8 +4,6 @@ The mux checks the age of each command itself, by its own clock. The check here 
 at once that its press is over.
 """
 
-from __future__ import annotations
-
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Requests of pages that drive: each is checked, answered, and passed on to the mux and to navigation."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import dataclass, replace
 

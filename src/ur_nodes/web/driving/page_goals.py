@@ -1,7 +1,5 @@
 """Goals and pose estimates that pages send to navigation."""
 
-from __future__ import annotations
-
 import itertools
 import time
 from collections.abc import Callable

@@ -4,8 +4,6 @@ Each page is a client of its own. Its requests carry the challenge that the page
 lost when the page, and not only this program, is out of reach.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from ur_nodes.motion.lease.requests import PATIENCE, LeaseRequests, step_requests

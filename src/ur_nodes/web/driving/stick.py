@@ -6,8 +6,6 @@ that was held back by a network, and no stick that was forgotten in a hidden pag
 Pure functions; `now` and ages are in seconds of a steady clock.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Literal

@@ -1,7 +1,5 @@
 """The picture of the robot's camera for pages, subscribed to while a page shows it."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Iterable, Sequence
 from functools import partial

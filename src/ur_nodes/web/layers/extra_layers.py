@@ -1,7 +1,5 @@
 """Costmaps and the localiser's particles as layers of the map, subscribed to while a page shows them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """Frames on their way to the page's server."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from typing import Protocol
 

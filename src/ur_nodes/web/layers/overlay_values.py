@@ -1,7 +1,5 @@
 """Overlays of the map as JSON for pages: from the newest values of their topics, in the map frame."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

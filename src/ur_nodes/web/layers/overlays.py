@@ -3,8 +3,6 @@
 They are found by the types and names of their topics, since each robot has others.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Sequence
 from functools import partial
 

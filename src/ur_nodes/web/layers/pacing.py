@@ -1,7 +1,5 @@
 """Pacing of work within a step that is called often."""
 
-from __future__ import annotations
-
 import math
 
 

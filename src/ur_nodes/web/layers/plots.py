@@ -1,7 +1,5 @@
 """Numbers of topics over time, for the plots that pages show: any numeric field of any topic, while a page plots it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Occupancy grids as tiles on a fixed lattice of cells, so that a map that grows sends only the tiles that changed."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 

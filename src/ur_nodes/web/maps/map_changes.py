@@ -1,7 +1,5 @@
 """Requests of pages about the map: the owners of places, zones and walls change them, and the page gets the result."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 from ur.web.wire.map_requests import (

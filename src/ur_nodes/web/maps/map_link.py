@@ -1,7 +1,5 @@
 """The stored map of the robot's programs, for pages: its name, and the service that saves a map during mapping."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """The file of the map's places, which pages and other programs change."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Places of the map that pages show: the waypoints that `keyboard_navigate` keeps, in the same file."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """State of another node that pages show, and requests to change it, whose answers come back with the state."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Mapping
 from typing import Generic, TypeVar

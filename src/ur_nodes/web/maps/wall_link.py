@@ -1,7 +1,5 @@
 """Walls of the map in use, for pages: the map server draws, erases and restores them on request."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import asdict
 

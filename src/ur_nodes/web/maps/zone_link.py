@@ -1,7 +1,5 @@
 """Zones of the map for pages: the map server changes and stores them on request."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any

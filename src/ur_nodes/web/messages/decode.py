@@ -1,7 +1,5 @@
 """Decoding of messages into bounded values, by their definition: a publisher may send anything, of any length."""
 
-from __future__ import annotations
-
 import math
 import struct
 from collections.abc import Iterator, Mapping

@@ -3,8 +3,6 @@
 `genpy.dynamic` makes Python code of such a text and runs it; the text comes from the network, so it is read here.
 """
 
-from __future__ import annotations
-
 import re
 import struct
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """Point clouds in a compact form: a bounded number of points, as integers of a unit around their middle."""
 
-from __future__ import annotations
-
 import struct
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Frames, markers and point clouds, sent while a page shows them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial

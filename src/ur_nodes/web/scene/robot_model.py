@@ -1,7 +1,5 @@
 """The shapes that a robot's description (URDF) shows, as plain values, and its meshes by the address that it names."""
 
-from __future__ import annotations
-
 import base64
 import math
 import re

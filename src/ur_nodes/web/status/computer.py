@@ -1,7 +1,5 @@
 """Figures of a computer from the texts of /proc and /sys. `computer_files` reads them."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping

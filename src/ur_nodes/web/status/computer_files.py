@@ -1,7 +1,5 @@
 """The files of /proc and /sys with the figures of this computer, and its disk."""
 
-from __future__ import annotations
-
 import os
 from contextlib import suppress
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The newest diagnostics of each component, from decoded messages of the type diagnostic_msgs/DiagnosticArray."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from ur.source.printable import printable

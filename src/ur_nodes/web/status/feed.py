@@ -1,7 +1,5 @@
 """Diagnostics and figures of the computer, sent while a page shows them."""
 
-from __future__ import annotations
-
 import os
 import socket
 import time

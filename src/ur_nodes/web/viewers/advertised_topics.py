@@ -1,7 +1,5 @@
 """Topics that are offered to viewers, and subscribed to while a viewer wants them. Bytes are never decoded."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial

@@ -10,8 +10,6 @@ listens at an address of the loopback interface that is drawn by chance: another
 address and port. Users of this computer can find it, as they can reach the master.
 """
 
-from __future__ import annotations
-
 import secrets
 import socket
 import sys

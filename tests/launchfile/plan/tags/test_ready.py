@@ -1,7 +1,5 @@
 """`ready:` comments: conditions with full names, and what is none of them."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.launchfile.plan.specs import ReadyCondition

@@ -1,7 +1,5 @@
 """Descriptions that escape from xacro's filter compute, and do nothing else: no file, program, socket or signal."""
 
-from __future__ import annotations
-
 import socket
 import sys
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """xacro files are expanded by the xacro of this computer, which reads the description and packages alone."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from functools import partial

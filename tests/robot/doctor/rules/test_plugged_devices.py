@@ -1,7 +1,5 @@
 """The rules about devices, on a computer whose devices are stand-ins."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The doctor's rules on what was seen: silent on a healthy pair, one finding for one thing that differs."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path

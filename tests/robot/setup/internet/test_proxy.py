@@ -1,7 +1,5 @@
 """The proxy of a set-up: who may use it, for which servers, and that answers arrive whole."""
 
-from __future__ import annotations
-
 import base64
 import socket
 import threading

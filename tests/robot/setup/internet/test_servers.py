@@ -1,7 +1,5 @@
 """The package servers that a robot's settings name."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.robot.setup.internet.proxy import Server

@@ -1,7 +1,5 @@
 """The serial line and the I2C bus of a Raspberry Pi's header: what is added to the firmware's files, and taken back."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.devices.device import Expected

@@ -1,7 +1,5 @@
 """Taking back the serial line of a Raspberry Pi's header over the connection to the robot."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

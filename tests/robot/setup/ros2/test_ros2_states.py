@@ -1,7 +1,5 @@
 """The set-up of a robot that has ROS 2: what is found there, and what is written."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

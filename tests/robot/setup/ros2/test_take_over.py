@@ -1,7 +1,5 @@
 """The remap of a base's driver: the unit's command with other topics, or the reason why there is none."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.robot.robot_file import Ros2Robot

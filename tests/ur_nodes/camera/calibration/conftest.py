@@ -1,7 +1,5 @@
 """These tests need OpenCV; where it is missing nothing here is collected."""
 
-from __future__ import annotations
-
 from importlib.util import find_spec
 from pathlib import Path
 

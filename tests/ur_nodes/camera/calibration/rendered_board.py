@@ -1,7 +1,5 @@
 """Pictures of a chessboard by a camera whose calibration is known."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """Views of a rendered board that a camera on a bus shows, on a pseudo-terminal and in lines."""
 
-from __future__ import annotations
-
 import os
 import threading
 

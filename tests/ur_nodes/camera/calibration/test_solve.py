@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from tests.ur_nodes.camera.calibration.rendered_board import MATRIX, Studio, list_poses, project_views

@@ -1,7 +1,5 @@
 """Programs with asyncio: their tasks are cancelled while the robot drives."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Programs of users on a bus, with simulator, mux, localisation and navigation."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """A program of a user's on ROS 1, beside a launched robot."""
 
-from __future__ import annotations
-
 import subprocess
 import time
 import xmlrpc.client

@@ -1,7 +1,5 @@
 """Services that need not be installed: ROS 1 has the one that loads a map, and the others are not offered there."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

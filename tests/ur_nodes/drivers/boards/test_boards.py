@@ -1,7 +1,5 @@
 """The bytes of boards, against the examples of their documents."""
 
-from __future__ import annotations
-
 from dataclasses import astuple
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Loki's board: the lines of its firmware, and its sonars and wheels behind its stand-in."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 from typing import Any

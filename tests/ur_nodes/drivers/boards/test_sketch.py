@@ -1,7 +1,5 @@
 """The sketch ur_base, compiled for this computer, behind the driver of an Arduino."""
 
-from __future__ import annotations
-
 import math
 import shutil
 import subprocess

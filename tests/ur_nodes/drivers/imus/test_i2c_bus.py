@@ -1,7 +1,5 @@
 """An I2C bus through smbus2, whose calls are played by the test."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ur_nodes.drivers.imus.imu_driver_node import open_bus

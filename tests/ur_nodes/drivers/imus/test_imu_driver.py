@@ -1,7 +1,5 @@
 """The driver of inertial units behind stand-ins: their readings, their zero, and their faults."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable

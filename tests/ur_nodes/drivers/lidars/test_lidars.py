@@ -1,7 +1,5 @@
 """The bytes of lidars, against the examples and tables of their documents."""
 
-from __future__ import annotations
-
 import math
 import struct
 

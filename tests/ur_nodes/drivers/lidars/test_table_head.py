@@ -1,7 +1,5 @@
 """The times of beams that a lidar gives as a table of its last turn."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray

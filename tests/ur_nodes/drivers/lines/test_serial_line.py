@@ -1,7 +1,5 @@
 """The serial line on pseudo-terminals: opened again after it was unplugged, with a guard."""
 
-from __future__ import annotations
-
 import os
 import threading
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The serial line, job by job: bytes before it is open, a full pipe to its guard, and its end while a job runs."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path

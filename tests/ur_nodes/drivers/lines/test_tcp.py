@@ -1,7 +1,5 @@
 """A device behind TCP: a lidar on Ethernet is opened, lost and opened again as one on a serial line."""
 
-from __future__ import annotations
-
 import socket
 from collections.abc import Iterator
 from contextlib import closing

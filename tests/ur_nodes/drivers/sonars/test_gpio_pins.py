@@ -1,7 +1,5 @@
 """The pins of a GPIO chip through libgpiod, whose lines are played by the test."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass, field
 from datetime import timedelta

@@ -1,7 +1,5 @@
 """The driver of sonars on pins, behind a board of them: their ranges, times, faults and turns."""
 
-from __future__ import annotations
-
 import math
 import random
 from typing import Any

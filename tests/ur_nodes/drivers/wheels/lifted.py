@@ -1,7 +1,5 @@
 """A robot with its wheels off the ground, wired in any way, at the end of a line whose time is counted."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from tests.ur_nodes.drivers.mutations import StillPlant

@@ -1,7 +1,5 @@
 """The program of `ur robot wheels` in this process: what it asks, prints and writes, and each way to stop it."""
 
-from __future__ import annotations
-
 import io
 import sys
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """The test of wheels off the ground: each board, wired in any way, with a person who reports what turned."""
 
-from __future__ import annotations
-
 import itertools
 import os
 import select

@@ -1,7 +1,5 @@
 """A stand-in board on a pseudo-terminal in this process, whose clock runs while the program of the wheels reads it."""
 
-from __future__ import annotations
-
 import os
 import select
 from pathlib import Path

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 
 from ur_nodes.exploration.search.corners import CornerSettings, sort_corners

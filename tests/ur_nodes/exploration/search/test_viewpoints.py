@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import math
 
 from tests.ur_nodes.exploration.drawn import ROOM, draw, place

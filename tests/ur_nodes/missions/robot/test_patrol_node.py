@@ -1,7 +1,5 @@
 """The node `patrol` on a bus, with the real mux, a navigation that obeys the test, and clients that send requests."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Admission and mux together: what is late never moves the robot, and one client drives at a time."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import pytest

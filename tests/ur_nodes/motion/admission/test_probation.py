@@ -1,7 +1,5 @@
 """Plain commands: a steady rhythm drives, what a network has held back does not."""
 
-from __future__ import annotations
-
 from itertools import accumulate
 
 import pytest

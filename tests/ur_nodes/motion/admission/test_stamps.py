@@ -1,7 +1,5 @@
 """Ages from stamps, on histories of (sent, arrived) as they were recorded over networks, by clocks that disagree."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import pytest

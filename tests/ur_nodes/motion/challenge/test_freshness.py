@@ -1,7 +1,5 @@
 """Challenges: ages of answers by the issuer's clock alone."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

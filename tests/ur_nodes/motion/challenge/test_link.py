@@ -1,7 +1,5 @@
 """The clients' end of challenges on a bus."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur_nodes.memory.bus import Bus

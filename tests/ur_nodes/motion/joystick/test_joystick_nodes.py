@@ -1,7 +1,5 @@
 """The joystick's reader and its teleop on a bus, before a mux."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

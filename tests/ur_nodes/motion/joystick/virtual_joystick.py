@@ -3,8 +3,6 @@
 Either has an xbox pad's first axes (x, y of the left stick) and eight buttons, numbered as the driver xpad does.
 """
 
-from __future__ import annotations
-
 import fcntl
 import os
 import struct

@@ -1,7 +1,5 @@
 """Clients and a mux over a real master: who drives, and that what is late does not move the robot."""
 
-from __future__ import annotations
-
 import json
 import signal
 import subprocess

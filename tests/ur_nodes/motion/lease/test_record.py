@@ -1,7 +1,5 @@
 """Histories of the lease, replayed: who drives after what was requested when."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import pytest

@@ -1,7 +1,5 @@
 """What a client sends about the lease after it has let go of it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from ur_nodes.motion.lease.requests import LeaseRequests, apply_lease, let_go, step_requests, want

@@ -1,7 +1,5 @@
 """The file of the lease: complete or not there, and damage is no reason not to start."""
 
-from __future__ import annotations
-
 import json
 import os
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Lease and requests as JSON: everything from outside is checked."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

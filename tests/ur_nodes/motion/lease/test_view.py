@@ -1,7 +1,5 @@
 """A client's view of the lease, and what it requests."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur_nodes.motion.lease.text import FREE, Action, Lease, Viewer

@@ -1,7 +1,5 @@
 """The outline swept along an arc, compared with small steps of the same arc."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

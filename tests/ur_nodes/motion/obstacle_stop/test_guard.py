@@ -1,7 +1,5 @@
 """Velocities that are permitted before walls, bumpers and what no sensor sees."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

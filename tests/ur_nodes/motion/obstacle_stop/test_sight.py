@@ -1,7 +1,5 @@
 """Points that scans and ranges leave behind, and for how long."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

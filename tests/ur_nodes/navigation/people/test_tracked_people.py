@@ -1,7 +1,5 @@
 """The robot keeps room to people, and may leave where they come near."""
 
-from __future__ import annotations
-
 import numpy as np
 from tests.ur_nodes.navigation.closed_loop import LIMITS, STAGE
 from tests.ur_nodes.navigation.steering.test_local_plan import window

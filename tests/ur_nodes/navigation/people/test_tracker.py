@@ -1,7 +1,5 @@
 """Tracks of people in scans of a round person, from a sensor at the origin."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The robot waits for people at some distance, makes room for those who do not leave, and gives up in the end."""
 
-from __future__ import annotations
-
 import math
 from copy import deepcopy
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Where an outline touches something, as bits for headings."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

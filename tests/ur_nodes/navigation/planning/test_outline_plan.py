@@ -1,7 +1,5 @@
 """Paths for the outline of long robots."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

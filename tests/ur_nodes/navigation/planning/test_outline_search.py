@@ -1,7 +1,5 @@
 """The search over place and heading."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

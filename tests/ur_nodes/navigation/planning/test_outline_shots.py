@@ -1,7 +1,5 @@
 """Ways of arcs and a line between poses."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

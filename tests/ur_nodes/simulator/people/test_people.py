@@ -1,7 +1,5 @@
 """People of a simulated world: they walk on free floor, give way to robots, and are seen and touched."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Beams in a plane end where beams in space do."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Callable

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 from tests.ur_nodes.slam.rooms import CENTRE, ROOM, box, scan_at, walls_of
 

@@ -1,7 +1,5 @@
 """Pictures of a bus on a pseudo-terminal, and in lines."""
 
-from __future__ import annotations
-
 import os
 import threading
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """An exploration of a bus on a pseudo-terminal, and in lines."""
 
-from __future__ import annotations
-
 import os
 import threading
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The keyboard program's node on a bus, with a mux that only its user asks for something, or a whole one."""
 
-from __future__ import annotations
-
 import itertools
 from typing import Any
 

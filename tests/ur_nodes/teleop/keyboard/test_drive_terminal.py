@@ -1,7 +1,5 @@
 """The drive on a pseudo-terminal: keys are passed on, the screen follows, and every way out restores it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Keys to commands on a bus."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

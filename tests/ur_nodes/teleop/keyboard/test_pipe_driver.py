@@ -1,7 +1,5 @@
 """Keys of a pipe on a bus."""
 
-from __future__ import annotations
-
 import os
 import threading
 from collections.abc import Callable

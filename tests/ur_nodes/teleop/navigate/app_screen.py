@@ -1,7 +1,5 @@
 """The running app, for its tests."""
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import AsyncIterator
 from typing import Any

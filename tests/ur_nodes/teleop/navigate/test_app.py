@@ -1,7 +1,5 @@
 """Commands, the emergency stop, the command line and the end of the navigation screen."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The navigation screen while goals are held, the link is lost, or another client drives."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Goals on the navigation screen: sent, shown, ended."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Keys and clicks in quick succession, small screens, and terminals with few colours."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncIterator
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The map of the navigation screen: mouse, keys, colours."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

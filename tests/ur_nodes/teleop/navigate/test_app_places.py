@@ -1,7 +1,5 @@
 """Waypoints, patrols and the saving of the map on the navigation screen."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from tests.ur_nodes.teleop.navigate.app_screen import AppScreen

@@ -1,7 +1,5 @@
 """Commands of a pipe to a robot on a bus."""
 
-from __future__ import annotations
-
 import os
 import signal
 import threading

@@ -1,7 +1,5 @@
 """What goes wrong among real fiducials: none in view, a robot that was carried away, one moved, one there twice."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import replace

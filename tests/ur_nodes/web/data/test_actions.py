@@ -1,7 +1,5 @@
 """Requests of pages, carried out on a bus."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from typing import Any

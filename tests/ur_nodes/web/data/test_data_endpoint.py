@@ -1,7 +1,5 @@
 """What pages show of topics, on a bus."""
 
-from __future__ import annotations
-
 import json
 import socket
 from collections.abc import Iterator

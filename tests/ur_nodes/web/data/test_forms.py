@@ -1,7 +1,5 @@
 """Fields of messages from JSON."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur_nodes.web.data.forms import BadValueError, make_template, read_fields, read_value

@@ -1,7 +1,5 @@
 """Rules for what pages publish, call and set."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur_nodes.web.data.guard import refuse_parameter, refuse_service, refuse_topic

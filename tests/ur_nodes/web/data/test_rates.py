@@ -1,7 +1,5 @@
 """Rates and bandwidths of topics."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur_nodes.web.data.topics import RateMeter

@@ -1,7 +1,5 @@
 """Pages that drive a robot with a mux, on a bus: who may, what is too late, and that the robot stops."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from ur_nodes.web.driving.driver_link import ChallengeTimes, age_of_answer, keep_challenge
 from ur_nodes.web.driving.stick import GAP, StickState, end_stick, expire_stick, let_go, step_stick
 

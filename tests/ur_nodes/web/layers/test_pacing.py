@@ -1,7 +1,5 @@
 """Work that a step which is called often does from time to time."""
 
-from __future__ import annotations
-
 from ur_nodes.web.layers.pacing import Every
 
 

@@ -1,7 +1,5 @@
 """Plots of pages, on a bus."""
 
-from __future__ import annotations
-
 import json
 import struct
 from typing import Any

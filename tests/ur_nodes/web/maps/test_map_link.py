@@ -1,7 +1,5 @@
 """The map in use on a bus: requests of pages to save one, and to change its walls, zones and places."""
 
-from __future__ import annotations
-
 import zlib
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Point clouds made small."""
 
-from __future__ import annotations
-
 import struct
 
 import numpy as np

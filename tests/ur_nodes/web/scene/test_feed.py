@@ -1,7 +1,5 @@
 """What pages show of frames, markers and clouds, on a bus."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

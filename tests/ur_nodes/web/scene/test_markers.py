@@ -1,7 +1,5 @@
 """Markers and frames of a 3D view, which may be anything."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

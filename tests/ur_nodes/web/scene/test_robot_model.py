@@ -1,7 +1,5 @@
 """Shapes of a robot's description, and the files of its meshes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

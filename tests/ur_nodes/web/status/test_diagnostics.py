@@ -1,7 +1,5 @@
 """Components from decoded diagnostics, which may be anything."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ur_nodes.web.messages.decode import Cut

@@ -1,7 +1,5 @@
 """Diagnostics and figures of the computer, on a bus."""
 
-from __future__ import annotations
-
 import json
 import struct
 from typing import Any

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from ur_nodes.ports.node import Sender
 from ur_nodes.ports.raw import RawMessage
 from ur_nodes.web.viewers.advertised_topics import Latched, compare_topics

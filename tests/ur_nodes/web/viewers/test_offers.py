@@ -1,7 +1,5 @@
 """Topics that are offered to viewers, on a bus."""
 
-from __future__ import annotations
-
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.web.viewers.advertised_topics import AdvertisedTopics

@@ -3,8 +3,6 @@
 `bench/web_attack` measures the delays.
 """
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import json

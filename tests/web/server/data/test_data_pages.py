@@ -1,7 +1,5 @@
 """The web socket of data: roles, freshness and limits. No robot runs."""
 
-from __future__ import annotations
-
 import asyncio
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The script of three.js: served out of its package, and explained where that cannot be installed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Logins as `ur web --sessions` lists and ends them, in files as a server leaves them."""
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 

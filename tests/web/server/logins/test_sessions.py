@@ -1,7 +1,5 @@
 """Devices that have logged in: seen, named, ended and invited, over real connections."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The process that records: its limits, its end, and a real one with a real master."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import signal

@@ -1,7 +1,5 @@
 """Recordings over HTTP: roles, ids, download and removal. No robot runs."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncIterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Names, list and lock of recordings."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

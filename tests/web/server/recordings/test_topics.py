@@ -1,7 +1,5 @@
 """Topics that may be recorded, and those that are left out."""
 
-from __future__ import annotations
-
 import pytest
 
 from ur.source.foreign.json_values import convert_json

@@ -1,7 +1,5 @@
 """Rules about the documentation comments of a launch file."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from ur.check.example_parts import (

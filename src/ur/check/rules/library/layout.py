@@ -1,7 +1,5 @@
 """Rules about the names and the order of launch files."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from ur.check.example_parts import (

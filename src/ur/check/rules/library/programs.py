@@ -1,7 +1,5 @@
 """Rules about the programs in a package's folder `bin`."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 

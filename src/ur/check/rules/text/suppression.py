@@ -1,7 +1,5 @@
 """Rules about the comments that hide findings."""
 
-from __future__ import annotations
-
 from ur.check.rule import Rule, RuleGroup, TextEdit, launch_example, launch_examples
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span

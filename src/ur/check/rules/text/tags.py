@@ -1,7 +1,5 @@
 """Rules about tags and attributes that roslaunch does not know."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 from ur.check.example_parts import group_example, make_launch

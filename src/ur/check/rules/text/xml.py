@@ -1,7 +1,5 @@
 """Rules about the XML of a launch file, reported by its parser."""
 
-from __future__ import annotations
-
 from ur.check.example_parts import make_launch, speed_example
 from ur.check.rule import Rule, RuleGroup, launch_example, launch_examples
 from ur.source.diagnostic import Severity

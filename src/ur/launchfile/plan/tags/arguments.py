@@ -1,7 +1,5 @@
 """`<arg>`: declares arguments, and passes them to an included file."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from ur.launchfile.plan.draft import Draft

@@ -1,7 +1,5 @@
 """Reading of a tag's attributes: substituted, checked, converted. Errors point at the attribute."""
 
-from __future__ import annotations
-
 from functools import cache
 
 from ur.launchfile.plan.draft import Draft

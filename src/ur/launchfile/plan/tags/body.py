@@ -1,7 +1,5 @@
 """The body of `<launch>`: the tags in document order, groups, and included files."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from ur.launchfile.plan.draft import MAX_INCLUDES, Draft, TooMuch

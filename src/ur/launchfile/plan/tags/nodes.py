@@ -1,7 +1,5 @@
 """`<node>` and `<test>`."""
 
-from __future__ import annotations
-
 import re
 from typing import Literal, cast
 

@@ -1,7 +1,5 @@
 """`<param>` and `<rosparam>`."""
 
-from __future__ import annotations
-
 import errno
 
 from ur.launchfile.plan.draft import Draft

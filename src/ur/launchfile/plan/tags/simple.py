@@ -3,8 +3,6 @@
 # Paths are texts here: pathlib would change what roslaunch prints, and costs too much in hot loops.
 # ruff: noqa: PTH118
 
-from __future__ import annotations
-
 import os
 
 from ur.launchfile.plan.draft import Draft

@@ -5,8 +5,6 @@ of a microsecond, and at most about 100 bytes. `weigh` is linear in the data tha
 that take more than linear time have separate costs (`COSTS`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, ItemsView, Iterable, KeysView, Mapping, Sequence, ValuesView
 from operator import length_hint
 from typing import Any

@@ -1,7 +1,5 @@
 """Conversion of texts to values, as in roslaunch."""
 
-from __future__ import annotations
-
 from ur.launchfile.plan.specs import ParamType, ParamValue
 
 _TYPES: dict[str, ParamType] = {

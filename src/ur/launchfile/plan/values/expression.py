@@ -6,8 +6,6 @@ and quirks: constants and functions of `math` take precedence over arguments of 
 comprehension only its own variables and Python's built-in functions are known (before Python 3.12).
 """
 
-from __future__ import annotations
-
 import ast
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping

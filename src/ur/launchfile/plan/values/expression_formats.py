@@ -1,7 +1,5 @@
 """The three kinds of formats in `$(eval ...)`, limited in length and in the attributes they reach."""
 
-from __future__ import annotations
-
 import _string  # type: ignore[import-not-found]  # the base of string.Formatter, whose import takes longer
 import re
 from collections.abc import Callable, Mapping

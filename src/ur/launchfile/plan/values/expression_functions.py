@@ -1,7 +1,5 @@
 """Functions and operators of `$(eval ...)`, limited in time and memory."""
 
-from __future__ import annotations
-
 import ast
 import math
 import operator

@@ -1,8 +1,6 @@
 # ruff: noqa: N802 - methods have the names of the nodes of the syntax tree
 """Names, operators, containers and calls of the expressions in `$(eval ...)`, each charged to a budget."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Callable, ItemsView, Iterable, KeysView, Mapping
 from typing import Any

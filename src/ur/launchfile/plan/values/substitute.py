@@ -7,8 +7,6 @@ So the value of an argument may contain a `$(find)`, which is resolved; any othe
 # Paths are texts here: pathlib would change what roslaunch prints, and costs too much in hot loops.
 # ruff: noqa: PTH118, PTH120
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 

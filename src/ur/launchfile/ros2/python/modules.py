@@ -3,8 +3,6 @@
 Files are read through the World, with its limits; nothing is written, started or sent.
 """
 
-from __future__ import annotations
-
 import posixpath
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """PythonExpression: one expression, with the modules that it names."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Sequence
 

@@ -4,8 +4,6 @@ Straight code, conditions, loops and the file's own functions are followed as lo
 that depends on what is not certain is Unknown from there on. Nothing of the file is executed by Python.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator, Sequence
 from contextlib import suppress

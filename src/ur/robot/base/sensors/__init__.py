@@ -1,7 +1,5 @@
 """The sensors that a base may have: `Sensors` is their table, with a module for each beside it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import get_args, get_type_hints

@@ -9,8 +9,6 @@ The protocol is lines of JSON. The first line from the parent process is the req
 with `value`, or with `error`. The last line from this process has `end`.
 """
 
-from __future__ import annotations
-
 import ctypes
 import errno
 import glob

@@ -1,7 +1,5 @@
 """Parent of the process that expands a xacro file: it sets limits, and answers the requests within them."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

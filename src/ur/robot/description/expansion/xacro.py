@@ -4,8 +4,6 @@ xacro runs Python of the file and of the files that it includes. It does so in a
 is not possible, the user is asked first.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Rules of the doctor by subject: problems of one computer, or between two. Pure functions of what was observed."""
 
-from __future__ import annotations
-
 from ur.robot.doctor.findings import ComputerPair, Finding
 from ur.robot.doctor.rules import (
     clock,

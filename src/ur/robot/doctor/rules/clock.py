@@ -1,7 +1,5 @@
 """Clocks: tf rejects data whose timestamps seem to be in the past or the future."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand, Where

@@ -1,7 +1,5 @@
 """Devices of the robot: those that its base needs, and known ones that its user may not open."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ur.devices.device import Device, DeviceSnapshot

@@ -1,7 +1,5 @@
 """Rules about the drivers and muxes that run on a computer: devices, frames, motors, batteries, refused commands."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ur.devices.driver_health import OBSERVE_DRIVERS, DriverHealth, RefusedCommands, parse_drivers, parse_records

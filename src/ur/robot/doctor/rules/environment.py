@@ -1,7 +1,5 @@
 """The ROS variables in the shells of both computers: the address of the master, and the name that nodes announce."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from urllib.parse import urlsplit
 

@@ -1,7 +1,5 @@
 """Logins in both directions, and of each computer to itself, as roslaunch needs them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand, Where

@@ -1,7 +1,5 @@
 """The computers themselves: disk space, memory, supply voltage."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 

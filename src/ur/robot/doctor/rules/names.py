@@ -1,7 +1,5 @@
 """Names: the daemon that publishes them, the addresses they resolve to, and conflicts between them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand, Where

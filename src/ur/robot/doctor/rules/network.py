@@ -1,7 +1,5 @@
 """The network between the two: ports, full frames, packet loss, latency."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand, Where

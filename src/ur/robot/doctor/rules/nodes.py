@@ -1,7 +1,5 @@
 """The host names under which running nodes are registered: a node whose name cannot be resolved sends no data."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ur.robot.doctor.findings import AdvertisedNode, ComputerPair, Finding, FixCommand

@@ -1,7 +1,5 @@
 """Installed packages: those missing on one of the two computers, and messages that they define differently."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand, Where

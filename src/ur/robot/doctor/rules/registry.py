@@ -1,7 +1,5 @@
 """Types of the entries of `RULES`: a function that makes findings, and a description of each of its findings."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 

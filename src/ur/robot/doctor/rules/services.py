@@ -1,7 +1,5 @@
 """Services that fail: failed units, and boot services of a robot that restart again and again."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ur.robot.boot.units import PREFIX

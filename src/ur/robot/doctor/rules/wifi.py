@@ -1,7 +1,5 @@
 """Wireless links: signal, rate and power saving; no findings without a wireless link."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ur.robot.doctor.findings import Finding, FixCommand, Where

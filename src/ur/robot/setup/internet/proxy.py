@@ -4,8 +4,6 @@ apt sends GET requests with absolute URLs, or CONNECT for https; pip sends CONNE
 generated for one set-up. Their downloads are signed (apt) or pinned by hashes (pip), so the proxy checks no content.
 """
 
-from __future__ import annotations
-
 import asyncio
 import base64
 import hmac

@@ -1,7 +1,5 @@
 """Access to package servers for commands on a robot: direct, or by this computer over the ssh connection."""
 
-from __future__ import annotations
-
 import importlib
 import re
 import secrets

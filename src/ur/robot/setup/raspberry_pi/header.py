@@ -5,8 +5,6 @@ the line that keeps its speed (`/dev/ttyAMA0`) belongs to Bluetooth, until `disa
 has it free. The console of the kernel leaves it, too.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass

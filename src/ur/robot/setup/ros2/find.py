@@ -1,7 +1,5 @@
 """Inspection of a robot before its set-up: its ROS 2, if installed, and the settings of its nodes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The mux between all programs and the base of a robot with ROS 2: installed, tested, and reverted."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Wanted states of a robot that already has ROS 2: only what this project needs."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ur.robot.robot_file import COMMANDS, ROBOT_FILE, Ros2Robot

@@ -1,7 +1,5 @@
 """Handover of connections to the HTTP server, with the data that was already read from them."""
 
-from __future__ import annotations
-
 import asyncio
 import socket
 from collections.abc import Callable

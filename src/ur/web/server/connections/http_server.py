@@ -1,7 +1,5 @@
 """The HTTP server behind the listener, and the log of its errors."""
 
-from __future__ import annotations
-
 import asyncio
 import logging
 import socket

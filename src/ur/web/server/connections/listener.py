@@ -7,8 +7,6 @@ there are too many connections, the oldest ones of the address with the most are
 session is always accepted, and has time until hundreds of others have arrived from its address.
 """
 
-from __future__ import annotations
-
 import asyncio
 import errno
 import os

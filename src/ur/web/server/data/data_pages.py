@@ -1,7 +1,5 @@
 """Web sockets of pages that show data of the robot: requests are checked here, and answered by the robot's process."""
 
-from __future__ import annotations
-
 import asyncio
 import itertools
 import json

@@ -1,7 +1,5 @@
 """The process that reads data of the robot: it runs while a page shows data, separate from the driving process."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 from collections.abc import Callable, Mapping

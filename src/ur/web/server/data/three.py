@@ -1,7 +1,5 @@
 """The script of three.js from a Python package, which is installed when a page first opens its 3D view."""
 
-from __future__ import annotations
-
 import asyncio
 import gzip
 import importlib

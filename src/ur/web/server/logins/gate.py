@@ -1,7 +1,5 @@
 """Login gate for every request: it checks host, origin, session and role, and sets the headers of every response."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Collection
 from contextlib import AbstractContextManager, nullcontext

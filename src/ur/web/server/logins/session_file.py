@@ -1,7 +1,5 @@
 """The file of a server's sessions; another process may remove entries while the server runs, which ends them."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 from collections.abc import Collection, Iterator

@@ -1,7 +1,5 @@
 """The logins of all servers of this user, for a terminal. It imports nothing of the server."""
 
-from __future__ import annotations
-
 import re
 import time
 from collections.abc import Collection, Iterator

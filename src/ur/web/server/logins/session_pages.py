@@ -1,7 +1,5 @@
 """Pages about logged-in devices: list, names, logout, and links for other devices."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 

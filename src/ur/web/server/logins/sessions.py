@@ -1,7 +1,5 @@
 """The sessions of a running server: their file, their open connections, and reports of logins."""
 
-from __future__ import annotations
-
 import asyncio
 import time
 from collections.abc import Callable, Collection, Iterator

@@ -1,7 +1,5 @@
 """The recording of a page: the node of `ur record`, monitored, ended at a limit, and at the latest with the server."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import secrets

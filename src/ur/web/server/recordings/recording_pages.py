@@ -1,7 +1,5 @@
 """Recordings over the web: state and list, start, stop, download and removal; and the replay that runs."""
 
-from __future__ import annotations
-
 import asyncio
 import re
 from collections.abc import Callable, Mapping, Sequence

@@ -4,8 +4,6 @@ File names are those of `ur record`: `recording_2026-03-01_14-05-31_001.mcap`. O
 incomplete: `recording_2026-03-01_14-05-31_001_cut.mcap`.
 """
 
-from __future__ import annotations
-
 import fcntl
 import os
 import re

@@ -1,7 +1,5 @@
 """The parent server, which has started this one: it lists and opens the robots, and this server ends with it."""
 
-from __future__ import annotations
-
 import asyncio
 import socket
 import time

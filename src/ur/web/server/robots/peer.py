@@ -1,7 +1,5 @@
 """Requests and answers between two servers of this computer, as lines of JSON over a private socket pair."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 from collections.abc import Awaitable, Callable, Mapping

@@ -1,7 +1,5 @@
 """The list of robots for pages, and links to the pages of other robots."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import asdict

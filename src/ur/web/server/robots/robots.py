@@ -1,7 +1,5 @@
 """The interface to the robots that a page can change to, and its implementation for a single robot."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Protocol

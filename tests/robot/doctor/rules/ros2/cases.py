@@ -1,7 +1,5 @@
 """A healthy ROS 2 robot and laptop, and each fault that the doctor names."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The doctor's rules about ROS 2: silent on a healthy pair, one finding for each seeded fault, with its fix."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Discovery between the nodes of one computer: releases, domains, middlewares, and their requirements."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from urllib.parse import urlsplit
 

@@ -1,7 +1,5 @@
 """Nodes of ROS 2 and their data: names, time, lifecycle states, scans, batteries, tf."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ur.robot.doctor.findings import Finding, FixCommand, Where

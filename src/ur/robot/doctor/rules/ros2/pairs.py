@@ -1,7 +1,5 @@
 """Discovery between the nodes of two computers that both have ROS 2."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 
 from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand

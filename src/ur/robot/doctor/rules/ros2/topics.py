@@ -1,7 +1,5 @@
 """Topics of ROS 2 whose publishers and subscribers never connect: types, definitions, QoS; and velocity topics."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ur.robot.doctor.findings import Finding, Where
