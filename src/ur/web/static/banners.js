@@ -6,12 +6,13 @@ import { announce } from "./heard.js";
 import { TEXTS } from "./texts.js";
 
 /**
- * @typedef {{text: string, red?: boolean, buttons?: {label: string, act: () => void}[]}} Banner
+ * `subject` names what the text is about where one line tells of it in changing words.
+ * @typedef {{text: string, subject?: string, red?: boolean, buttons?: {label: string, act: () => void}[]}} Banner
  */
 
 /**
- * Shows banners, and announces new ones. An element stays while only numbers of its text change, so that neither a press
- * on a button nor the focus is lost.
+ * Shows banners, and announces new ones. An element stays while only numbers of its text change, or its subject
+ * and buttons stay, so that neither a press on a button nor the focus is lost.
  */
 export class Banners {
   /** @param {HTMLElement} box */
@@ -32,9 +33,9 @@ export class Banners {
     const after = new Map();
     for (const banner of banners) {
       const known = this.elements.get(identify(banner));
-      if (!known) announce(banner.text, banner.red);
       const element = known ?? makeBanner(banner);
       const [text] = element.children;
+      if (!known || withoutNumbers(text.textContent ?? "") !== withoutNumbers(banner.text)) announce(banner.text, banner.red);
       if (text.textContent !== banner.text) text.textContent = banner.text;
       after.set(identify(banner), element);
     }
@@ -46,9 +47,14 @@ export class Banners {
   }
 }
 
-/** What makes a banner another one: all but its numbers, such as an age. @param {Banner} banner */
-function identify({ text, red, buttons }) {
-  return JSON.stringify([text.replace(/\d+/g, "0"), red, buttons?.map(({ label }) => label)]);
+/** What makes a banner another one: all but its numbers, such as an age, or its subject and buttons. @param {Banner} banner */
+function identify({ text, subject, red, buttons }) {
+  return JSON.stringify([subject ?? withoutNumbers(text), red, buttons?.map(({ label }) => label)]);
+}
+
+/** @param {string} text */
+function withoutNumbers(text) {
+  return text.replace(/\d+/g, "0");
 }
 
 /** @param {Banner} banner */

@@ -27,7 +27,7 @@ export function listActions(patrol) {
 /** The line above the map about a patrol. @param {PatrolState} patrol @param {Send | null} send null: this page may look only */
 export function describePatrol(patrol, send) {
   const buttons = send ? listActions(patrol).map(([action, label]) => ({ label, act: () => send({ t: "patrol", do: action }) })) : [];
-  return { text: sentence(patrol.line), buttons };
+  return { text: sentence(patrol.line), subject: "patrol", buttons };
 }
 
 /** The part of a panel that chooses places and starts a patrol. */
