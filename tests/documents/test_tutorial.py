@@ -71,7 +71,10 @@ def run(terminal: TmuxTerminal, command: str) -> str:
 def drive(terminal: TmuxTerminal, first: TmuxTerminal, command: str) -> None:
     """Join the robot that runs, drive it, and leave it running."""
     terminal.type(f"clear; {command}; echo en''ded=$?", "Enter")
-    terminal.until("1 subscriber", 120.0)
+    end = time.monotonic() + 120.0
+    while not re.search(r"[1-9] subscriber", terminal.screen()):  # the mux, and the black box once it has looked
+        assert time.monotonic() < end, terminal.screen()
+        time.sleep(0.05)
     assert "■ stopped" in terminal.screen()
     end = time.monotonic() + 60.0
     while "▲ driving" not in terminal.screen():  # it ends soon after each press
