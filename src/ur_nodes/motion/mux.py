@@ -8,8 +8,9 @@ when the newest command is `age` old, the speed is at most
     slow_down * (stop_time - lag - age)
 
 where `lag` is the delay between an output and the wheels. So the robot is at rest `stop_time` after the last command
-that arrived, at any speed and with any timeout. Before obstacles the
-guard slows and stops it as well (`ur_nodes.motion.obstacle_stop.guard`).
+that arrived, at any speed and with any timeout. A base that cannot brake so hard has `brake_after`: from a motion that
+takes longer than `stop_time` to stop, its wheels brake that long after the last command, and all the way. Before
+obstacles the guard slows and stops it as well (`ur_nodes.motion.obstacle_stop.guard`).
 
 While something is active or the robot moves there is an output every
 `period`, while it brakes every `brake_period`; then `zeros` zeros, then silence. A base that has received nothing for
@@ -225,10 +226,12 @@ def _judge(state: MuxState, output: Velocity, now: float) -> GuardVerdict | None
 
 def _approach(before: Velocity, target: Velocity, settings: MuxSettings, left: float, seconds: float) -> Velocity:
     aside = before.left or target.left
+    more = settings.braking_beyond_stop_time
+    forward, turn, to_left = settings.forward, settings.turn, settings.left
     return Velocity(
-        _follow(before.forward, target.forward, settings.forward, left, seconds),
-        _follow(before.turn, target.turn, settings.turn, left, seconds),
-        _follow(before.left, target.left, settings.left, left, seconds) if aside else 0.0,
+        _follow(before.forward, target.forward, forward, left + more(target.forward, forward), seconds),
+        _follow(before.turn, target.turn, turn, left + more(target.turn, turn), seconds),
+        _follow(before.left, target.left, to_left, left + more(target.left, to_left), seconds) if aside else 0.0,
     )
 
 
@@ -244,9 +247,12 @@ def _next_output(settings: MuxSettings, output: Velocity, target: Velocity, left
         or abs(output.turn) > abs(target.turn)
         or abs(output.left) > abs(target.left)
     )
-    brake_in = left - max(
-        abs(output.forward) / settings.forward.slow_down,
-        abs(output.turn) / settings.turn.slow_down,
-        abs(output.left) / settings.left.slow_down,
+    axes = (
+        (output.forward, target.forward, settings.forward),
+        (output.turn, target.turn, settings.turn),
+        (output.left, target.left, settings.left),
+    )
+    brake_in = left + min(
+        settings.braking_beyond_stop_time(wanted, axis) - abs(value) / axis.slow_down for value, wanted, axis in axes
     )  # s: then the speed is too high for the age of the command
     return now + max(settings.brake_period, min(settings.period, 0.0 if slows else brake_in))

@@ -55,6 +55,13 @@ class MuxSettings:
     zeros: int = 3
     forgets: float = 0.1
     left: Axis = NO_AXIS
+    brake_after: float | None = None
+
+    def braking_beyond_stop_time(self, speed: float, axis: Axis) -> float:
+        """How much longer than `stop_time` (s) a stop from a speed takes where braking begins after `brake_after`."""
+        if self.brake_after is None:
+            return 0.0
+        return max(0.0, self.brake_after + min(abs(speed), axis.speed) / axis.slow_down - self.stop_time)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ur.robot.base import Base, load_base
+from ur.robot.base import BRAKE_AFTER, Base, load_base
 from ur.source.project import launch_library
 from ur_nodes.motion.challenge.freshness import FRESHNESS
 from ur_nodes.motion.lease.text import LEASE_TIMEOUT
@@ -55,6 +55,7 @@ def read_settings(own: Parameters) -> MuxNodeSettings:
             forgets=base.limits.command_age + _SLACK,
             lag=own.number("lag", base.limits.lag, minimum=0.0, maximum=0.5),
             left=lateral_axis(base.limits),
+            brake_after=BRAKE_AFTER if base.limits.fast else None,
         ),
         stopped=own.any(STOPPED, False) is True,
         share=read_limit(own) / 100.0,

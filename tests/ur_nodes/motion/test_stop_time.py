@@ -1,11 +1,15 @@
 """Mux, base and physics in lock step: a robot stands within 0.3 s of the last command, at any phase of anything."""
 
-from dataclasses import replace
+import math
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from ur.robot.base import Base, list_bases, load_base
+from ur.robot.base import BRAKE_AFTER, Base, list_bases, load_base
+from ur.worlds.map_file import MapFile, MapImage
 from ur.worlds.world_file import WorldModel, read_world
 from ur_nodes.motion.mux import start_mux, step
 from ur_nodes.motion.mux_events import MuxSettings, Source, Velocity, VelocityCommand
@@ -23,17 +27,39 @@ def maze() -> WorldModel:
     return read_world(PACKAGE / "n_simulator" / "worlds" / "maze.yaml")
 
 
-def stop_time(world: WorldModel, base: Base, direction: tuple[float, float], phase: float) -> float:
-    """How long the robot moves after the last of the commands (s): at full speed, sent at a phase (s) of its clock."""
+@pytest.fixture(scope="module")
+def hall() -> WorldModel:
+    """A floor of 40 m by 40 m without walls."""
+    file = MapFile(
+        Path("none.png"), 0.5, (-20.0, -20.0, 0.0), negate=False, occupied_thresh=0.65, free_thresh=0.2, mode="trinary"
+    )
+    return WorldModel(MapImage(file, np.zeros((80, 80), np.int8)), 1.0, 0.9, (), (), (0.0, 0.0, 0.0))
+
+
+@dataclass(frozen=True)
+class Moment:
+    """A base at a time (s) after the last command: its speeds (m/s, rad/s), and where it is (m)."""
+
+    time: float
+    speed: float
+    spin: float
+    at: tuple[float, float]
+
+
+def let_go(
+    world: WorldModel, base: Base, direction: tuple[float, float], phase: float, seconds: float = 1.2
+) -> list[Moment]:
+    """Command full speed at a phase (s) of the mux's clock for some time, then nothing more."""
     wish = Velocity(direction[0] * base.limits.velocity, direction[1] * base.limits.angular_velocity)
     forward, turn = axes_of(base.limits)
-    mux = start_mux(MuxSettings((Source("keyboard", "key_vel", 90, 0.15),), forward, turn))
+    after = BRAKE_AFTER if base.limits.fast else None
+    mux = start_mux(MuxSettings((Source("keyboard", "key_vel", 90, 0.15),), forward, turn, brake_after=after))
     simulation = Simulation(world, base, start=(2.0, 0.0, 0.0))
-    sent = [phase + n * PERIOD for n in range(24)]
+    sent = [phase + n * PERIOD for n in range(round(seconds / PERIOD))]
     arrivals = [at + MESSAGE for at in sent]
     on_the_way: list[tuple[float, Velocity]] = []
-    moved_at, fastest = 0.0, 0.0
-    while simulation.time < sent[-1] + 0.8:
+    moments = []
+    while simulation.time < sent[-1] + 0.8 + base.limits.velocity / base.limits.deceleration:
         until = simulation.next_time
         while (due := min([mux.next_at, *arrivals[:1]])) <= until:
             event = VelocityCommand(0, wish) if arrivals and due == arrivals[0] else None
@@ -46,12 +72,24 @@ def stop_time(world: WorldModel, base: Base, direction: tuple[float, float], pha
             simulation.command(0, velocity.forward, velocity.turn)
         simulation.advance()
         speed, _, spin = simulation.velocity(0)
-        if simulation.time < sent[-1]:
-            fastest = max(abs(speed) / base.limits.velocity, abs(spin) / base.limits.angular_velocity)
-        if abs(speed) >= 0.01 or abs(spin) >= 0.02:
-            moved_at = simulation.next_time
-    assert fastest > 0.95, "it was to be at full speed"
-    return moved_at - sent[-1]
+        x, y, _ = simulation.pose(0)
+        moments.append(Moment(simulation.time - sent[-1], speed, spin, (x, y)))
+    before = [each for each in moments if each.time < 0.0]
+    reached = max(
+        max(abs(each.speed) / base.limits.velocity, abs(each.spin) / base.limits.angular_velocity) for each in before
+    )
+    assert reached > 0.95, "it was to be at full speed"
+    return moments
+
+
+def moves(moment: Moment) -> bool:
+    return abs(moment.speed) >= 0.01 or abs(moment.spin) >= 0.02
+
+
+def stop_time(world: WorldModel, base: Base, direction: tuple[float, float], phase: float) -> float:
+    """How long the robot moves after the last of the commands (s)."""
+    moments = let_go(world, base, direction, phase)
+    return max(after.time for before, after in pairwise(moments) if moves(before))
 
 
 @pytest.mark.parametrize("direction", DIRECTIONS)
@@ -60,3 +98,21 @@ def test_robot_stands_in_time_when_commands_cease(maze: WorldModel, name: str, d
     base = load_base(PACKAGE, name)
     base = replace(base, lidar=None, odometry=replace(base.odometry, rate=100.0))  # to look every 10 ms
     assert max(stop_time(maze, base, direction, phase) for phase in (0.0, 0.003, 0.007, 0.012, 0.017)) <= 0.3
+
+
+@pytest.mark.parametrize("speed", [1.0, 2.0, 3.0])
+@pytest.mark.parametrize("braking", [1.5, 4.0])
+def test_fast_base_brakes_in_time_and_rests_within_its_way(hall: WorldModel, speed: float, braking: float) -> None:
+    base = load_base(PACKAGE, "stage")
+    limits = replace(base.limits, velocity=speed, acceleration=braking, deceleration=braking)
+    base = replace(base, lidar=None, odometry=replace(base.odometry, rate=100.0), limits=limits)
+    assert limits.fast
+    for phase in (0.0, 0.007, 0.012, 0.017):
+        moments = let_go(hall, base, (1.0, 0.0), phase, seconds=1.0 + speed / braking)
+        last = [each for each in moments if each.time <= 0.0][-1]
+        brakes = next(each.time for each in moments if each.time > 0.0 and each.speed < 0.985 * speed)
+        assert brakes <= BRAKE_AFTER + 0.02
+        rest = next(each for each in moments if each.time > 0.0 and not moves(each))
+        assert math.dist(last.at, rest.at) <= 1.05 * limits.way_to_rest
+        hardest = max((before.speed - after.speed) / (after.time - before.time) for before, after in pairwise(moments))
+        assert hardest <= 1.5 * braking

@@ -6,7 +6,7 @@ a field gives another unit.
 """
 
 from ur.robot.base.files import list_bases, list_variants, load_base, read_base
-from ur.robot.base.properties import Base, Caster, MotionLimits, OdometryErrors, UpstreamDriver, Wheels
+from ur.robot.base.properties import BRAKE_AFTER, Base, Caster, MotionLimits, OdometryErrors, UpstreamDriver, Wheels
 from ur.robot.base.sensors import (
     SENSORS,
     BatteryProperties,
@@ -22,6 +22,7 @@ from ur.robot.base.sensors import (
 )
 
 __all__ = [
+    "BRAKE_AFTER",
     "SENSORS",
     "Base",
     "BatteryProperties",

@@ -5,6 +5,10 @@ from dataclasses import dataclass, field
 from ur.robot.base.sensors import Sensors
 from ur.robot.base.wiring import Wiring
 
+BRAKE_AFTER = 0.2
+"""s after the last command that arrived, after which the wheels of a `fast` base brake at the latest."""
+_SHORT = 0.15  # s: a stop of this length, and what passes until it begins, are within 0.3 s
+
 
 @dataclass(frozen=True, slots=True)
 class Wheels:
@@ -49,6 +53,18 @@ class MotionLimits:
     def sideways(self) -> bool:
         """True if the wheels roll sideways, too."""
         return self.lateral_velocity > 0.0
+
+    @property
+    def fast(self) -> bool:
+        """True if it cannot stop from its full speed within 0.3 s of its last command."""
+        turns = self.angular_velocity / self.angular_deceleration
+        return max(max(self.velocity, self.lateral_velocity) / self.deceleration, turns) > _SHORT
+
+    @property
+    def way_to_rest(self) -> float:
+        """How far (m) it drives at most after the last command: 0.2 v + v^2 / 2a at its full speed v."""
+        speed = max(self.velocity, self.lateral_velocity)
+        return BRAKE_AFTER * speed + speed * speed / (2.0 * self.deceleration)
 
 
 @dataclass(frozen=True, slots=True)
