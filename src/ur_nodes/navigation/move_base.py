@@ -21,7 +21,6 @@ from ur_nodes.navigation.plan_request import PlanRequest, answer_request
 from ur_nodes.navigation.planning.global_plan import path_is_free
 from ur_nodes.navigation.planning.outline_motions import Steering
 from ur_nodes.navigation.steering.recovery import Behaviour
-from ur_nodes.navigation.steering.rollout import FollowSettings
 from ur_nodes.navigation.steering.speed_profile import AT_REST, DriveVelocity
 from ur_nodes.navigation.world_view import WorldView
 from ur_nodes.ports.actions import GoalHandle, GoalServer
@@ -118,7 +117,7 @@ class MoveBase:
         self._settings = settings
         self._world = WorldView(node, settings)
         self._view = MoveBaseView(node, settings, self._world)
-        self._navigator = Navigator(settings.navigator, settings.limits, FollowSettings(), settings.footprint)
+        self._navigator = Navigator(settings.navigator, settings.limits, settings.footprint)
         self._handle: GoalHandle | None = None  # of the goal that is pursued or held
         self._goal: Pose2 | None = None  # likewise, in the map
         self._key = 0  # of the newest request for a plan; answers to earlier ones are dropped

@@ -22,7 +22,7 @@ from ur_nodes.navigation.pursuit import DrivenTrack, GoalPursuit, blocked_at
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.local_plan import sweep_is_free
 from ur_nodes.navigation.steering.recovery import Behaviour, Recovery, begin_recovery, move_to_recover
-from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
+from ur_nodes.navigation.steering.rollout import RolloutState, follow_settings
 from ur_nodes.navigation.steering.speed_profile import (
     AT_REST,
     DriveVelocity,
@@ -42,11 +42,8 @@ _ROOMY, _STAY = 1.3, 6.0  # m to people who have left, and s to make room for th
 class Navigator:
     """Pursues one goal at a time. Call `step` once per control period; deterministic."""
 
-    def __init__(
-        self, settings: NavigatorSettings, limits: SpeedLimits, follow: FollowSettings, footprint: Footprint
-    ) -> None:
+    def __init__(self, settings: NavigatorSettings, limits: SpeedLimits, footprint: Footprint) -> None:
         self.use(settings, limits)
-        self._follow = follow
         self._footprint = footprint
         self._track = DrivenTrack()
         self._run: GoalPursuit | None = None
@@ -55,6 +52,7 @@ class Navigator:
         """Use other settings from the next step on, for the present goal too."""
         self._settings = settings
         self._limits = self._highest = limits
+        self._follow = follow_settings(limits)
         self._share = 1.0
 
     @property

@@ -22,7 +22,7 @@ from ur_nodes.navigation.planning.global_plan import PlanSettings, path_is_free
 from ur_nodes.navigation.planning.outline_motions import Steering
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.recovery import Behaviour
-from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
+from ur_nodes.navigation.steering.rollout import RolloutState
 from ur_nodes.navigation.steering.speed_profile import AT_REST, SpeedLimits
 
 STAGE = (
@@ -78,7 +78,6 @@ class ClosedLoop:
     limits: SpeedLimits = LIMITS
     settings: NavigatorSettings = field(default_factory=NavigatorSettings)
     plan_settings: PlanSettings = field(default_factory=PlanSettings)
-    follow: FollowSettings = field(default_factory=FollowSettings)
     scaling: float = 25.0
     error: float = 0.0
     seed: int = 1
@@ -96,7 +95,7 @@ class ClosedLoop:
         self.global_costs.forbid(self.keep_out)
         self.local_costs = RollingCostmap(4.0, self.grid.resolution, UsedRanges(2.5, 3.0), inflation)
         self.world = self.grid.values >= 65
-        self.navigator = Navigator(self.settings, self.limits, self.follow, self.footprint)
+        self.navigator = Navigator(self.settings, self.limits, self.footprint)
         self.now = 0.0
         self.command = AT_REST
         self.random = np.random.default_rng(self.seed)

@@ -20,7 +20,7 @@ from ur_nodes.navigation.navigator_step import (
 )
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.recovery import SEQUENCE, Behaviour
-from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
+from ur_nodes.navigation.steering.rollout import RolloutState
 from ur_nodes.navigation.steering.speed_profile import AT_REST, SpeedLimits, limit_speeds
 
 STRAIGHT = np.stack((np.arange(0.0, 3.01, 0.05), np.zeros(61)), axis=-1)
@@ -168,7 +168,6 @@ class NavigatorHistory:
         self.navigator = Navigator(
             NavigatorSettings(**settings),  # type: ignore[arg-type] # a test's shorthand for a few of its fields
             LIMITS,
-            FollowSettings(),
             footprint_of_outline(STAGE, 0.05),
         )
         self.motion: RolloutState | None = RolloutState(HOME, 0.0, 0.0)

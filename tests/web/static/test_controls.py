@@ -93,7 +93,7 @@ def test_patrol_is_asked_of_the_robot_and_shown_as_the_robot_says(robot: PlayedR
     wait(lambda: browser.holds(f"{banner}?.innerText.includes('Patrol: waits at door (1 of 2)')"))
     assert browser.run("document.getElementById('driver').textContent") == "patrol drives"
     assert browser.run("document.getElementById('banners').innerText").count("drives") == 0  # said once
-    browser.run(f"globalThis.pressed = {banner}.querySelector('button'); 0")  # a finger is on it while the robot goes on
+    browser.run(f"globalThis.pressed = {banner}.querySelector('button'); 0")  # a finger is on it as the robot goes on
     for line in ("patrol: drives to desk (2 of 2)", "patrol: waits at desk (2 of 2)"):
         robot.show(Kind.STATE, STATE | {"patrol": shown | {"line": line}})
         wait(lambda line=line: browser.holds(f"{banner}?.innerText.includes('{line[1:]}')"))

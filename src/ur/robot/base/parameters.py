@@ -1,13 +1,16 @@
 """Parameter files of one base, adapted to another base's outline and speeds."""
 
+import math
 import re
-from collections.abc import Mapping
 
 from ur.robot.base.properties import Base
 
 _OUTLINE = re.compile(r"^( *footprint:)\s*\[\[[^#]*?\]\]", re.MULTILINE)
 _SHARE = 0.6  # of the highest speed, at which a person starts to steer
 _EXPECTED = 8.0  # scans per second, the minimum unless a file sets another
+_LOOK = 1.0  # m beyond the way that navigation takes to brake
+_BRAKING = 0.6  # of the acceleration: the braking of `ur_nodes.navigation`
+_LOCAL, _SEEN = 4.0, 2.5  # m: the least side of the local costmap, and the least distance up to which it is marked
 
 
 def fit_parameters(text: str, like: str, base: Base) -> str:
@@ -15,7 +18,8 @@ def fit_parameters(text: str, like: str, base: Base) -> str:
     points = ", ".join(f"[{x:g}, {y:g}]" for x, y in base.footprint)
     text = _OUTLINE.sub(rf"\1 [{points}]", text)
     text = _fit_sideways(text, base)
-    for key, value in _list_values(base).items():
+    values = _list_values(base) | (_list_distances(base) if "rolling_window:" in text else {})
+    for key, value in values.items():
         text = re.sub(rf"^( *{key}:) *[-+.\de]+(?=\s)", rf"\1 {value:g}", text, flags=re.MULTILINE)
     if base.lidar and base.lidar.rate < _EXPECTED and "odom_model_type:" in text:
         text = re.sub(
@@ -40,7 +44,7 @@ def _fit_sideways(text: str, base: Base) -> str:
     return text
 
 
-def _list_values(base: Base) -> Mapping[str, float]:
+def _list_values(base: Base) -> dict[str, float]:
     limits = base.limits
     slow, slow_turn = _round(_SHARE * limits.velocity), _round(_SHARE * limits.angular_velocity)
     values = {
@@ -64,6 +68,15 @@ def _list_values(base: Base) -> Mapping[str, float]:
     if base.lidar and base.lidar.rate < _EXPECTED:  # scans arrive less often than the files expect
         values["expected_update_rate"] = _round(4.5 / base.lidar.rate)
     return values
+
+
+def _list_distances(base: Base) -> dict[str, float]:
+    """Return how far a local costmap has to reach, so that navigation can brake before what is marked in it."""
+    speed = max(base.limits.velocity, base.limits.lateral_velocity)
+    reach = _LOOK + 0.5 * speed + speed * speed / (2.0 * _BRAKING * base.limits.acceleration)
+    seen = max(_SEEN, _round(min(reach, base.lidar.range_max if base.lidar else reach)))
+    side = max(_LOCAL, 2.0 * math.ceil(reach))
+    return {"width": side, "height": side, "obstacle_range": seen, "raytrace_range": seen + 0.5}
 
 
 def _round(value: float) -> float:

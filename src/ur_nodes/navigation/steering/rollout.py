@@ -5,7 +5,7 @@ of the path ahead. Far from its direction the robot turns on the spot, and near 
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -43,6 +43,14 @@ class FollowSettings:
     delay: float = 0.05
     turn_some: float = 0.5
     turn_first: float = 1.3
+
+
+def follow_settings(limits: SpeedLimits) -> FollowSettings:
+    """Return the parameters for a base: rollouts last until it has braked, and a fast one steers further ahead."""
+    usual = FollowSettings()
+    speed = max(limits.speed, limits.lateral)
+    horizon = max(usual.horizon, usual.delay + speed / (_BRAKING * limits.acceleration))
+    return replace(usual, horizon=horizon, preview_most=max(usual.preview_most, usual.preview * speed))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -17,7 +17,7 @@ from ur_nodes.navigation.navigator_step import NavigatorInputs, NavigatorSetting
 from ur_nodes.navigation.people.tracked_people import MARGIN, NO_PEOPLE, TrackedPeople
 from ur_nodes.navigation.planning.path_geometry import resample
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
-from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
+from ur_nodes.navigation.steering.rollout import RolloutState
 from ur_nodes.navigation.steering.speed_profile import AT_REST
 
 HOME, GOAL = Pose2(0.0, 0.0, 0.0), Pose2(3.0, 0.0, 0.0)
@@ -35,9 +35,7 @@ class Corridor:
     speeds: list[float] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.navigator = Navigator(
-            NavigatorSettings(), LIMITS, FollowSettings(), footprint_of_outline(STAGE, 0.05, 0.01)
-        )
+        self.navigator = Navigator(NavigatorSettings(), LIMITS, footprint_of_outline(STAGE, 0.05, 0.01))
         self.navigator.start(self.goal, self.now)
 
     def drive(self, seconds: float, people: TrackedPeople = NO_PEOPLE) -> None:
