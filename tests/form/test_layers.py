@@ -45,7 +45,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "ur.run": ("ur.source", "ur.recordings", "ur.launchfile", "ur.robot", "ur.system"),
     "ur.tui.screen": ("ur.source",),
-    "ur.web": ("ur.source", "ur.recordings", "ur.maps", "ur.mcp", "ur.robot.discovery.masters", "ur.run", "ur.system"),
+    "ur.web": ("ur.source", "ur.recordings", "ur.maps", "ur.mcp", "ur.run", "ur.system"),
     "ur.mcp": ("ur.source", "ur.system"),
     "ur.tui": ("ur.source", "ur.run"),
     "ur.request": ("ur.source", "ur.system", "ur.launchfile", "ur.robot", "ur.maps", "ur.worlds", "ur.run"),

@@ -315,6 +315,18 @@ async def test_page_that_is_opened_again_replaces_its_older_connection(server: A
             assert (await first.receive(timeout=30)).type is aiohttp.WSMsgType.CLOSE
 
 
+async def test_second_login_of_a_browser_takes_the_place_of_its_first(server: ApplicationServer) -> None:
+    await server.log_in()
+    (before,) = server.gate.sessions.list()
+    server.gate.sessions.rename(before, "kitchen")
+    await server.log_in()
+    assert (await server.post("/login", {"token": "wrong"}))[0] == 403
+    ((after, grant),) = server.gate.sessions.list().items()
+    assert after != before
+    assert grant.name == "kitchen"
+    assert await server.read("/api/me")
+
+
 async def test_logout_ends_the_session(server: ApplicationServer) -> None:
     await server.log_in()
     assert await server.status("GET", "/api/me") == 200

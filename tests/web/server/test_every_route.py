@@ -41,8 +41,6 @@ LOOK = {  # for every login
     ("GET", "/api/replay"),
     ("GET", "/api/maps"),  # without pictures: test_map_pages
     ("GET", "/ws/runs"),  # what changes something is refused there: test_role_that_looks_changes_nothing
-    ("GET", "/api/robots"),
-    ("POST", "/api/robots"),  # a link of the session's own role: tests/web/server/robots
     ("POST", "/api/stop"),  # the emergency stop is for every role
     ("POST", "/logout"),
     ("POST", "/api/sessions/name"),  # its own name: test_sessions

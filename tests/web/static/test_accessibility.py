@@ -18,7 +18,7 @@ from ur.web.wire.frames import Kind
 
 pytestmark = MARKS
 GROUPS = {
-    "Drive": ["places", "route", "speed", "assistants", "devices", "robots"],
+    "Drive": ["places", "route", "speed", "assistants", "devices"],
     "Map": ["map_tools", "maps", "zones", "layers"],
     "Sensors": ["camera", "scene", "plots"],
     "Programs": ["programs", "runs", "recordings"],
@@ -59,10 +59,6 @@ ANSWERS = {
     "/api/maps": [
         {"name": "flat", "picture": ["##", ".."], "problem": ""} | MAP_FACTS,
         {"name": "hall", "picture": [], "problem": "not an image"} | MAP_FACTS,
-    ],
-    "/api/robots": [
-        {"name": "sim", "label": "simulated robot", "answers": True, "open": True, "shown": True},
-        {"name": "bob", "label": "bob", "answers": False, "open": False, "shown": False},
     ],
     "/api/doctor": {
         "findings": [{"rule": "x", "message": "m", "help": "h", "commands": [COMMAND]}],
@@ -133,8 +129,6 @@ def open_panel(browser: Chromium, name: str) -> None:
         wait(lambda: browser.holds("document.querySelectorAll('#maps-panel li').length === 2"))
         browser.run("page.mapList.edit('flat'); 0")
         wait(lambda: browser.holds("document.querySelector('#map-name')"))
-    elif name == "robots":
-        wait(lambda: browser.run("document.querySelectorAll('#robots-panel li').length") == 2)
     elif name == "recordings":
         wait(lambda: browser.holds("document.querySelector('#recordings-panel a')"))
         browser.run("document.querySelector('#recordings-panel details').open = true; 0")

@@ -2,7 +2,6 @@
 
 import asyncio
 import os
-from functools import partial
 
 import click
 
@@ -37,7 +36,6 @@ from ur.source.diagnostic import UserError, error
 @click.option("--sessions", is_flag=True, help="List the devices that are logged in, and start no server.")
 @click.option("--end", metavar="NAME|all", help="Log out the device of this name, or all, and start no server.")
 @click.option("--service", is_flag=True, hidden=True)
-@click.option("--child", type=int, hidden=True, help="Descriptor of a socket to the server that starts this one.")
 @click.option("--prepare", is_flag=True, hidden=True)
 @click.option("--prepare-3d", is_flag=True, hidden=True)
 def command(
@@ -52,7 +50,6 @@ def command(
     sessions: bool,
     end: str | None,
     service: bool,
-    child: int | None,
     prepare: bool,
     prepare_3d: bool,
 ) -> int:
@@ -69,7 +66,7 @@ def command(
         return _manage_logins(end)
     stored = current_selection(os.environ)
     selection = _choose(robot, stored)
-    if not (service or prepare or child is not None) and is_over_ssh(selection):
+    if not (service or prepare) and is_over_ssh(selection):
         return serve_there(selection, port, [*(["--look"] if look else []), "--days", str(days)])
     viewers = [_read_origin(each) for each in origins]
     need_all(["aiohttp", "segno"], "web.lock", "what the page needs (2 MB to download)")
@@ -78,7 +75,6 @@ def command(
     foxglove = foxglove or bool(viewers)
     if foxglove:
         need_all(["foxglove"], "foxglove.lock", "what Foxglove and Lichtblick need (20 MB to download)")
-    from ur.robot.discovery.masters import list_masters
     from ur.web.access.roles import Role
     from ur.web.server.serve import ServerOptions, serve
 
@@ -89,10 +85,9 @@ def command(
     if service:
         name = os.uname().nodename.split(".")[0]
     role = Role.LOOK if look else Role.DRIVE
-    known = None if service else partial(list_masters, os.environ, selection, stored)
     options = ServerOptions(
         name, port or 0, role, not no_browser, phone, service, foxglove, tuple(viewers), days,
-        own=selection.robot if not service else name, known=known, child=child, moved=watch_selection(dict(os.environ)),
+        moved=watch_selection(dict(os.environ)),
     )  # fmt: skip
     asyncio.run(serve(options, click.echo))
     return 0

@@ -20,8 +20,6 @@ from ur.web.server.logins.session_pages import SessionPages
 from ur.web.server.map_pages import MapPages
 from ur.web.server.recordings.recording_pages import RecordingPages
 from ur.web.server.robot_process import RobotProcess
-from ur.web.server.robots.robot_pages import RobotPages
-from ur.web.server.robots.robots import OneRobot, Robots
 from ur.web.server.run_pages import RunPages
 from ur.web.server.static_files import StaticFile
 from ur.web.server.viewer_gate import ViewerGate
@@ -54,7 +52,6 @@ class Application:
         environment: Mapping[str, str],
         robot: str,
         log: Callable[[str], None],
-        robots: Robots | None = None,
         *,
         make_robot_process: Callable[..., RobotProcess] = RobotProcess,
         runs: RunPages | None = None,
@@ -65,8 +62,8 @@ class Application:
     ) -> None:
         """Create the application.
 
-        `robot` is the name of the displayed robot; `log` is called with a line about each action of a client. `robots`
-        are those that pages may change to; by default only that one. `moved`: see ServerOptions.
+        `robot` is the name of the displayed robot; `log` is called with a line about each action of a client.
+        `moved`: see ServerOptions.
         """
         self._gate, self._files, self._robot, self._log = gate, files, robot, log
         self._moved, self._stop_lines = moved, Buckets(*_STOP_LINES)  # by session
@@ -83,7 +80,6 @@ class Application:
         self._data = DataPages(environment, self._is_up, log)
         self._maps = MapPages(commands or CommandQueue(environment), log)
         self._recordings = recordings or RecordingPages(environment, log)
-        self._robots = RobotPages(robots or OneRobot(robot, self._is_up), log)
 
     def _is_up(self) -> bool:
         return self.robot_process.state == "up"
@@ -106,7 +102,6 @@ class Application:
                 *self._data.routes(),
                 *self._recordings.routes(),
                 *self._maps.routes(),
-                *self._robots.routes(),
                 *self._devices.routes(),
                 *self._assistants.routes(),
                 web.get(VIEWER_PATH, self._foxglove.serve),
@@ -141,7 +136,7 @@ class Application:
         closing = [asyncio.create_task(each.close(code=WSCloseCode.GOING_AWAY)) for each in sockets]
         if closing:
             await asyncio.wait(closing, timeout=_CLOSE_LIMIT)
-        for each in (self._runs, self._data, self._recordings, self._robots):
+        for each in (self._runs, self._data, self._recordings):
             await each.close()
 
     async def _announce_often(self) -> None:

@@ -11,13 +11,12 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable
 from contextlib import AsyncExitStack, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from ur.robot.discovery.masters import RobotMaster
 from ur.source.ansi import allows_colour
 from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable
@@ -34,13 +33,9 @@ from ur.web.server.logins.gate import VIEWER_PATH, LoginGate
 from ur.web.server.logins.session_file import state_folder
 from ur.web.server.logins.sessions import discard_line
 from ur.web.server.robot_process import robot_environment
-from ur.web.server.robots.parent_server import ParentServer, adopt_connection
-from ur.web.server.robots.robot_servers import RobotServers
-from ur.web.server.robots.robots import Robots, ServerLogin
 from ur.web.server.static_files import load_files
 
 _PORTS = range(FIRST_PORT, 8100)
-_CHILD_PORTS = range(8100, 8200)
 _LONGEST_LOG = 1 << 20  # bytes
 _MOST_LINES = 1000  # lines that wait for the disk
 _LOG_LIMIT = 5.0  # s for the last lines
@@ -53,9 +48,8 @@ class ServerOptions:
     `robot`: its display name. `port`: 0 for the first free one of 8090 to 8099. `role`: of the first link. `phone`:
     other computers of the network reach the page, too. `service`: they do, and links are made by `ur boot link`: none
     is printed, since the output of a service is stored in a log. `foxglove`: print an address for viewers; `origins`:
-    additional origins of viewers. `days`: validity of a login. `own`: the robot's name in the list that `known` reads,
-    of robots that pages may change to. `child`: the descriptor of a socket to the parent server, which makes its links
-    and ends it. `moved` returns the selection if that is of other nodes now, else "".
+    additional origins of viewers. `days`: validity of a login. `moved` returns the selection if that is of other nodes
+    now, else "".
     """
 
     robot: str
@@ -67,9 +61,6 @@ class ServerOptions:
     foxglove: bool = False
     origins: tuple[str, ...] = ()
     days: float = SESSION_LIFE / DAY
-    own: str = ""
-    known: Callable[[], Sequence[RobotMaster]] | None = None
-    child: int | None = None
     moved: Callable[[], str] = str
 
 
@@ -80,8 +71,7 @@ async def serve(
 
     `report` prints lines for the user. Raises UserError if no port is free, or `phone` is set without a network.
     """
-    parent = adopt_connection(options.child) if options.child is not None else None
-    address = find_address() if options.phone and parent is None else "localhost"
+    address = find_address() if options.phone else "localhost"
     network = options.phone or options.service
     folder = state_folder()
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -95,21 +85,12 @@ async def serve(
     origins = make_origins(_own_names() if network else (), port)
     links = LinkFiles(folder) if options.service else None
     path, life = folder / f"sessions-{port}.json", options.days * DAY
-    quiet = options.service or parent is not None
-    if parent is not None:  # a login is for this robot, and another robot's server may have used the port
-        path.unlink(missing_ok=True)
-    gate = LoginGate(origins, path, log, links, options.origins, discard_line if quiet else report, life)
-    above = ParentServer(options.own, parent, gate.invite) if parent is not None else None
-    robots = above or _make_robots(options, gate, log)
-    application = Application(gate, load_files(), robot_environment(), options.robot, log, robots, moved=options.moved)
+    gate = LoginGate(origins, path, log, links, options.origins, discard_line if options.service else report, life)
+    application = Application(gate, load_files(), robot_environment(), options.robot, log, moved=options.moved)
     async with AsyncExitStack() as stack:
         stack.callback(log.close)
-        if above is not None:
-            stack.callback(path.unlink, missing_ok=True)
         await stack.enter_async_context(open_server(application.build(), gate, listening, log))
-        if above is not None:
-            until = partial(above.run, port, lambda: gate.sessions.any_open)
-        elif options.service:
+        if options.service:
             report(f"serves the page on port {port}; a link to it: ur boot link")
         else:
             print_link = partial(_print_link, options, gate, address, port, report)
@@ -135,17 +116,6 @@ def _print_link(options: ServerOptions, gate: LoginGate, address: str, port: int
         report(draw_code(link, colours=sys.stdout.isatty() and allows_colour(os.environ)))
     report(f"open {link}")
     return link
-
-
-def _make_robots(options: ServerOptions, gate: LoginGate, log: Callable[[str], None]) -> Robots | None:
-    if options.known is None:
-        return None
-    arguments = ["--days", str(options.days), *(["--phone"] if options.phone else [])]
-
-    def own_place(role: Role) -> ServerLogin:
-        return ServerLogin(gate.port, gate.invite(role))
-
-    return RobotServers(options.own, options.known, own_place, arguments, robot_environment(), log)
 
 
 async def _wait_first(*waits: Callable[[], Awaitable[object]]) -> None:
@@ -201,7 +171,7 @@ def _choose_ports(options: ServerOptions) -> range:
     if options.port or options.service:
         port = options.port or FIRST_PORT
         return range(port, port + 1)
-    return _PORTS if options.child is None else _CHILD_PORTS
+    return _PORTS
 
 
 def open_port(host: str, ports: range) -> tuple[int, list[socket.socket]]:

@@ -474,19 +474,6 @@ export const TEXTS = {
     refuse: "Refuse",
     noNumbers: "Minutes and speed have to be numbers above 0.",
   },
-  robots: {
-    title: "Robots",
-    help: "Open shows another robot in this tab. Its page has this list, too.",
-    shown: "shown here",
-    answers: "answers",
-    away: "does not answer",
-    open: "Open",
-    /** @param {string} name */
-    openOf: (name) => `Open ${name}`,
-    /** @param {string} name */
-    opening: (name) => `Opening the page of ${name} ...`,
-    none: "This computer knows no other robot. Set one up with 'ur robot setup HOST'.",
-  },
   loggingIn: "Logging in ...",
   noToken: "Open the link that 'ur web' has printed. A link is good for one login: press Enter there for another one.",
   loginFailed: "This link was used before, or is too old. Press Enter where 'ur web' runs for a new one, or type 'ur boot link' for a page on a robot.",

@@ -116,11 +116,6 @@ class Sessions:
         """Count the open web sockets of a session."""
         return len(self._open.get(number, ()))
 
-    @property
-    def any_open(self) -> bool:
-        """Return whether any session has an open web socket."""
-        return bool(self._open)
-
     def rename(self, number: str, name: str) -> str:
         """Rename a session, and return its new name, which may have a number."""
         self._ledger = name_session(self._ledger, number, name)

@@ -1,1 +1,0 @@
-"""Several robots in one page: a separate server for each, started by the first one."""
