@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Protocol
 
 from ur_nodes.memory.carrier import Carrier, type_name_of
 from ur_nodes.ports.node import Publisher, Sender, Subscription, Timer
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.raw import Fields, RawMessage, RecordingRaw, ServiceAnswer, ServiceType
-from ur_nodes.ports.values import Result
+from ur_nodes.ports.raw import Fields, RawMessage, RecordingRaw
 
 
 class RawNode(Protocol):
@@ -62,38 +61,6 @@ class MemoryRaw(RecordingRaw):
         if type_name not in self._bus.schemas:
             raise LookupError(type_name)
         return MemoryRawPublisher(self._node.publish(topic, object, quality, type_name=type_name), type_name, self._bus)
-
-    def find_service(self, service: str, callback: Callable[[Result], None]) -> None:
-        """See Raw. A kind of requests has the name that its `type_name` gives, or its own."""
-        found = self._bus.services.get(self._node.resolve(service))
-        if found is None:
-            result = self._missing(service)
-        else:
-            name = type_name_of(found.kind)
-            result = Result(True, value=ServiceType(name, self._bus.schemas.get(name, "")))
-        self._node.after(0.0, lambda: callback(result))
-
-    def call(self, service: str, fields: Fields, callback: Callable[[Result], None]) -> None:
-        found = self._bus.services.get(self._node.resolve(service))
-        if found is None:
-            self._node.after(0.0, lambda: callback(self._missing(service)))
-            return
-        name = type_name_of(found.kind)
-
-        def give(result: Result) -> None:
-            value = result.value if isinstance(result.value, dict) else asdict(result)
-            self._node.after(0.0, lambda: callback(Result(True, str(value), ServiceAnswer(name, value))))
-
-        try:
-            request = found.kind(**fields)
-        except TypeError as problem:
-            result = Result(False, f"value: {problem}")
-            self._node.after(0.0, lambda: callback(result))
-        else:
-            found.handle(request, give)
-
-    def _missing(self, service: str) -> Result:
-        return Result(False, f"{self._node.resolve(service)}: no node offers it now")
 
     def _raw_of(self, value: object, sender: Sender | None) -> RawMessage:
         if isinstance(value, RawMessage):

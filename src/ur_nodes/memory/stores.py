@@ -55,9 +55,6 @@ class MemoryParameters:
     def set(self, name: str, value: object) -> None:
         self._parameters[self.resolve(name).rstrip("/")] = value
 
-    def names(self) -> list[str]:
-        return sorted(self._parameters)
-
 
 class MemoryLog:
     """See `ports.log.Log`. Writes to `lines`: pairs of a level and a text."""

@@ -40,9 +40,6 @@ class ParameterStore(Protocol):
     def set(self, name: str, value: object) -> None:
         """Set the parameter."""
 
-    def names(self) -> list[str]:
-        """The full names of all parameters of the run."""
-
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
@@ -131,10 +128,6 @@ class Parameters:
         with contextlib.suppress(OSError):
             for name, value in values.items():
                 self.keep(name, value)
-
-    def names(self) -> list[str]:
-        """Return the full names of all parameters of all nodes of the run."""
-        return self._store.names()
 
     def name(self, name: str) -> str:
         """Return the full name of a parameter, for messages."""

@@ -10,7 +10,6 @@ from typing import NamedTuple, Protocol
 
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.topics import Publisher, Sender, Subscription
-from ur_nodes.ports.values import Result
 
 Fields = Mapping[str, object]
 """The fields of a message by name: numbers, texts, lists, and mappings of such; a time has `secs` and `nsecs`."""
@@ -24,22 +23,6 @@ class RawMessage:
     schema: str
     data: bytes
     sender: Sender | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class ServiceType:
-    """The type of a service, and the schema of its requests."""
-
-    name: str
-    schema: str
-
-
-@dataclass(frozen=True, slots=True)
-class ServiceAnswer:
-    """The answer of a service, and the name of the service's type."""
-
-    type_name: str
-    fields: Fields
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,12 +88,6 @@ class Raw(Protocol):
 
         Raises LookupError if the type is not installed. `send` raises ValueError for wrong fields.
         """
-
-    def find_service(self, service: str, callback: Callable[[Result], None]) -> None:
-        """Find a service; `callback` gets a result with its ServiceType."""
-
-    def call(self, service: str, fields: Fields, callback: Callable[[Result], None]) -> None:
-        """Call a service without a timeout; `callback` gets a result with its ServiceAnswer, as lines in the text."""
 
 
 class RawSubscriber(Protocol):

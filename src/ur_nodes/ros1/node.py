@@ -80,9 +80,6 @@ class RosParameters:
     def set(self, name: str, value: object) -> None:
         rospy.set_param(name, value)
 
-    def names(self) -> list[str]:
-        return sorted(map(str, rospy.get_param_names()))
-
 
 def make_log() -> ThrottledLog:
     """The log of a node."""

@@ -6,18 +6,16 @@ import io
 from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import genpy
 import rospy
-from roslib.message import get_message_class, get_service_class
-from rosservice import get_service_type
+from roslib.message import get_message_class
 
 from ur_nodes.codecs import Codec
-from ur_nodes.loop import Loop, run_aside
+from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.raw import Fields, RawMessage, RecordedMessage, ServiceAnswer, ServiceType, TopicRecorder
-from ur_nodes.ports.values import Result
+from ur_nodes.ports.raw import Fields, RawMessage, RecordedMessage, TopicRecorder
 from ur_nodes.ros1.topics import RosPublisher, RosSubscription, header_of, sender_of
 
 _BUFFER = 1 << 24  # bytes of one message
@@ -33,7 +31,7 @@ class RosRaw:
         self._loop = loop
 
     def find_schema(self, type_name: str) -> str | None:
-        found = _find_class(type_name, "msg")
+        found = _find_class(type_name)
         return None if found is None else str(found._full_text)  # noqa: SLF001 - genpy has no other name
 
     def subscribe(
@@ -48,61 +46,20 @@ class RosRaw:
         return RosRecorder(self._loop, str(rospy.get_name()), callback, clock)
 
     def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> RosPublisher[Fields | bytes]:
-        found = _find_class(type_name, "msg")
+        found = _find_class(type_name)
         if found is None:
             raise LookupError(type_name)
         return RosPublisher(topic, Codec(found, _fill, lambda message: _raw_of(message).data), quality)
 
-    def find_service(self, service: str, callback: Callable[[Result], None]) -> None:
-        full = str(rospy.resolve_name(service))
 
-        def find() -> None:
-            try:
-                kind, found = _find_service(full)
-                result = Result(True, value=ServiceType(kind, str(found._request_class._full_text)))  # noqa: SLF001
-            except Exception as problem:  # master and service are third-party programs with any answer
-                result = Result(False, str(problem))
-            self._loop.post(lambda: callback(result))
-
-        run_aside(find)
-
-    def call(self, service: str, fields: Fields, callback: Callable[[Result], None]) -> None:
-        full = str(rospy.resolve_name(service))
-
-        def ask() -> None:
-            try:
-                kind, found = _find_service(full)
-                request = _make(found._request_class, fields)  # noqa: SLF001 - genpy has no other name
-                answer = rospy.ServiceProxy(full, found)(request)
-                result = Result(True, str(answer), ServiceAnswer(kind, _fields_of(answer)))
-            except ValueError as problem:
-                result = Result(False, f"value: {problem}")
-            except Exception as problem:  # likewise
-                result = Result(False, str(problem))
-            self._loop.post(lambda: callback(result))
-
-        run_aside(ask)
-
-
-def _find_class(type_name: str, part: Literal["msg", "srv"]) -> Any:
+def _find_class(type_name: str) -> Any:
     """Import the class of a type; None if it is not installed or its import fails."""
-    if not has_generated(type_name, part):
+    if not has_generated(type_name):
         return None
     try:
-        return get_message_class(type_name) if part == "msg" else get_service_class(type_name)
+        return get_message_class(type_name)
     except Exception:  # a package of a workspace raises anything
         return None
-
-
-def _find_service(service: str) -> tuple[str, Any]:
-    """Find the type of a service and its class. Raises LookupError, and the errors of rosservice."""
-    kind = get_service_type(service)
-    if kind is None:
-        raise LookupError(f"{service}: no node offers it now")
-    found = _find_class(str(kind), "srv")
-    if found is None:
-        raise LookupError(f"{service}: {kind} is not installed on this computer, expected its package")
-    return str(kind), found
 
 
 def _raw_of(message: genpy.Message) -> RawMessage:
@@ -143,18 +100,7 @@ def _fill(message: genpy.Message, value: Fields | bytes) -> None:
         setattr(message, name, getattr(filled, name))
 
 
-def _fields_of(value: object) -> Any:
-    """Convert a message to fields; arrays of numbers stay arrays."""
-    if isinstance(value, genpy.TVal):
-        return {"secs": value.secs, "nsecs": value.nsecs}
-    if isinstance(value, genpy.Message):
-        return {name: _fields_of(getattr(value, name)) for name in value.__slots__}
-    if isinstance(value, (list, tuple)) and value and isinstance(value[0], (genpy.Message, genpy.TVal)):
-        return [_fields_of(each) for each in value]
-    return value
-
-
-def has_generated(kind: str, part: Literal["msg", "srv"]) -> bool:
+def has_generated(kind: str) -> bool:
     """Return whether PACKAGE/NAME has code that was generated for it.
 
     roslib imports any package that a type names, and a type comes from a page or from a node on the network.
@@ -167,4 +113,4 @@ def has_generated(kind: str, part: Literal["msg", "srv"]) -> bool:
     except (ImportError, ValueError):
         return False
     folders = found.submodule_search_locations if found is not None else None
-    return any(Path(folder, part, f"_{name}.py").is_file() for folder in folders or ())
+    return any(Path(folder, "msg", f"_{name}.py").is_file() for folder in folders or ())

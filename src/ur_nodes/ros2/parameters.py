@@ -76,9 +76,6 @@ class RosParameters:
             self._keep(own, value)
             self._file.set(_SET, self._file.get(_SET, {}) | {own: value})
 
-    def names(self) -> list[str]:
-        return sorted(self._full(name) for name in self._node.get_parameters_by_prefix(""))
-
     def serve(self, parameters: Parameters, change: Callable[[dict[str, object]], str]) -> None:
         """Let other programs see what the node has read, and set what is live; `change` returns '' or the refusal."""
         for full, each in parameters.declared().items():

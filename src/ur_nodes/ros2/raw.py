@@ -8,15 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-import rclpy
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 
 from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.raw import Fields, RawMessage, RecordedMessage, ServiceAnswer, ServiceType
-from ur_nodes.ports.values import Result
+from ur_nodes.ports.raw import Fields, RawMessage, RecordedMessage
 from ur_nodes.ros2 import ends
 from ur_nodes.ros2.messages.definitions import find_bare, find_class, find_schema
 from ur_nodes.ros2.names import name_of
@@ -30,7 +28,6 @@ if TYPE_CHECKING:
 
 _LOOK = 0.2  # s between two looks for a publisher
 _MOST_WAITING = 20  # messages, each of which may be large
-_FIND = 2.0  # s: a node discovers what there is a moment after it has begun
 
 
 class RosRaw:
@@ -42,7 +39,7 @@ class RosRaw:
         self._node, self._loop = node, loop
 
     def find_schema(self, type_name: str) -> str | None:
-        return find_schema(type_name, "msg")
+        return find_schema(type_name)
 
     def subscribe(
         self, topic: str, callback: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
@@ -55,50 +52,10 @@ class RosRaw:
         return IntervalRecorder(self._node, self._loop, callback, clock)
 
     def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> RawPublisher:
-        found = find_class(type_name, "msg") or find_bare(type_name)
+        found = find_class(type_name) or find_bare(type_name)
         if found is None:
             raise LookupError(type_name)
         return RawPublisher(self._node, topic, found, offered(quality))
-
-    def find_service(self, service: str, callback: Callable[[Result], None]) -> None:
-        self._find(service, lambda result: callback(_service_type(result)))
-
-    def call(self, service: str, fields: Fields, callback: Callable[[Result], None]) -> None:
-        def ask(found: Result) -> None:
-            if not found.success:
-                callback(found)
-                return
-            value: Any = found.value
-            kind, service_class = value
-            try:
-                request = make_message(service_class.Request, fields, self._node)
-            except ValueError as problem:
-                callback(Result(False, f"value: {problem}"))
-                return
-            client = self._node.create_client(service_class, name_of(service))
-
-            def answer(future: rclpy.Future) -> None:
-                fields = fields_of(future.result())
-                self._loop.post(lambda: callback(Result(True, str(fields), ServiceAnswer(kind, fields))))
-                self._loop.post(lambda: self._node.destroy_client(client))
-
-            client.call_async(request).add_done_callback(answer)
-
-        self._find(service, ask)
-
-    def _find(self, service: str, callback: Callable[[Result], None], left: float = _FIND) -> None:
-        """Find a service; the result has the name of its type and its class."""
-        full = str(self._node.resolve_service_name(name_of(service)))
-        kind = next((types[0] for name, types in self._node.get_service_names_and_types() if name == full), None)
-        if kind is None:
-            if left > 0.0:
-                self._loop.after(_LOOK, lambda: self._find(service, callback, left - _LOOK), steady=True)
-            else:
-                callback(Result(False, f"{full}: no node offers it now"))
-        elif (found := find_class(kind, "srv")) is None:
-            callback(Result(False, f"{full}: {kind} is not installed on this computer, expected its package"))
-        else:
-            callback(Result(True, value=(kind, found)))
 
 
 class RawPublisher:
@@ -171,17 +128,6 @@ def make_message(message_class: type[genpy.Message], fields: Fields, node: Node)
     return message
 
 
-def fields_of(value: Any) -> Any:
-    """Convert a message to fields; arrays of numbers are kept."""
-    if hasattr(value, "get_fields_and_field_types"):
-        if set(value.get_fields_and_field_types()) == {"sec", "nanosec"}:
-            return {"secs": value.sec, "nsecs": value.nanosec}
-        return {name: fields_of(getattr(value, name)) for name in value.get_fields_and_field_types()}
-    if isinstance(value, list) and value and hasattr(value[0], "get_fields_and_field_types"):
-        return [fields_of(each) for each in value]
-    return value
-
-
 def _fill(message: genpy.Message, fields: Fields, path: str) -> None:
     known = message.get_fields_and_field_types()
     for name, value in fields.items():
@@ -205,17 +151,9 @@ def _fill(message: genpy.Message, fields: Fields, path: str) -> None:
 
 
 def _part(kind: str, fields: object, path: str) -> genpy.Message:
-    found = find_class(kind.removeprefix("sequence<").partition(">")[0].partition("[")[0].partition(",")[0], "msg")
+    found = find_class(kind.removeprefix("sequence<").partition(">")[0].partition("[")[0].partition(",")[0])
     if found is None or not isinstance(fields, Mapping):
         raise ValueError(f"{path}: expected fields of {kind}")
     message: genpy.Message = found()
     _fill(message, fields, path)
     return message
-
-
-def _service_type(found: Result) -> Result:
-    if not found.success:
-        return found
-    value: Any = found.value
-    kind = value[0]
-    return Result(True, value=ServiceType(kind, find_schema(kind, "srv") or ""))

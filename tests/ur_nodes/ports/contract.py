@@ -138,7 +138,6 @@ def check_parameters_are_typed_and_kept(stage: Stage) -> None:
     assert own.has("deep")
     assert own.any("deep") == {"er": 3}
     own.keep("word", "fast")
-    assert {own.name("word"), own.name("deep/er")} <= set(own.names())
     assert own.of("").any(own.name("word").lstrip("/")) == "fast"
     with pytest.raises(UserError, match="expected a number"):
         own.number("word")

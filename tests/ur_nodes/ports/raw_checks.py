@@ -5,7 +5,7 @@ from tests.ur_nodes.ports.stage import Stage
 
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.raw import RawMessage, ServiceAnswer, ServiceType
+from ur_nodes.ports.raw import RawMessage
 from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result
 
@@ -77,40 +77,6 @@ def check_closed_raw_subscription_hears_nothing(stage: Stage) -> None:
     stage.other.raw.subscribe("raw_closed", got.append)
     stage.until(lambda: bool(got))
     assert heard == []
-
-
-def check_service_is_found_and_asked_by_fields(stage: Stage) -> None:
-    got: list[Result] = []
-    stage.other.serve("raw_trigger", Trigger, lambda _request: Result(True, "it is done"))
-    stage.begin()
-    stage.one.raw.find_service("raw_trigger", got.append)
-    stage.until(lambda: len(got) == 1)
-    assert isinstance(got[0].value, ServiceType)
-    assert "Trigger" in got[0].value.name
-    stage.one.raw.call("raw_trigger", {}, got.append)
-    stage.until(lambda: len(got) == 2)
-    answer = got[1].value
-    assert isinstance(answer, ServiceAnswer)
-    assert answer.type_name == got[0].value.name
-    assert answer.fields["success"] is True
-    assert "it is done" in got[1].text
-    stage.one.raw.call("raw_trigger", {"colour": 1}, got.append)
-    stage.until(lambda: len(got) == 3)
-    assert not got[2].success
-    assert got[2].text.startswith("value: ")
-    assert "colour" in got[2].text
-
-
-def check_missing_raw_service_is_a_result(stage: Stage) -> None:
-    got: list[Result] = []
-    stage.begin()
-    stage.one.raw.find_service("/no/such_service", got.append)
-    stage.until(lambda: len(got) == 1)
-    stage.one.raw.call("/no/such_service", {}, got.append)
-    stage.until(lambda: len(got) == 2)
-    for each in got:
-        assert not each.success
-        assert each.text == "/no/such_service: no node offers it now"
 
 
 def check_graph_has_both_ends_of_topics_and_services(stage: Stage) -> None:

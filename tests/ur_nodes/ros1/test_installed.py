@@ -18,8 +18,7 @@ def test_only_packages_with_generated_code_are_found_and_none_is_run(
         (tmp_path / package / "__init__.py").write_text("raise AssertionError('was run')")
     (tmp_path / "demo_msgs" / "msg" / "_Thing.py").write_text("")
     monkeypatch.syspath_prepend(str(tmp_path))
-    assert has_generated("demo_msgs/Thing", "msg")
+    assert has_generated("demo_msgs/Thing")
     for kind in ("demo_msgs/Other", "demo_tools/Thing", "os/path", "sys/x", "missing/Thing", "demo_msgs", "../x/y", ""):
-        assert not has_generated(kind, "msg"), kind
-    assert not has_generated("demo_msgs/Thing", "srv")
+        assert not has_generated(kind), kind
     assert not {"demo_msgs", "demo_tools"} & sys.modules.keys()

@@ -6,18 +6,7 @@ from typing import Any
 import pytest
 
 from ur.web.wire.data_frames import pack_frame, pack_json, unpack_frame
-from ur.web.wire.data_requests import (
-    Call,
-    DataEnvelope,
-    DescribeMesh,
-    GetParameter,
-    ListServices,
-    Publish,
-    SetParameter,
-    Show,
-    find_number,
-    read_data_request,
-)
+from ur.web.wire.data_requests import DataEnvelope, DescribeMesh, DescribeModel, Show, find_number, read_data_request
 from ur.web.wire.reading import BadRequestError
 
 
@@ -26,17 +15,11 @@ def read(**value: Any) -> DataEnvelope:
 
 
 def test_requests_are_read() -> None:
-    assert read(t="show") == DataEnvelope(0, 0, Show())
+    assert read(t="show") == DataEnvelope(0, Show())
     assert read(t="show", topics=["/a"], echo="/b").request == Show(("/a",), "/b")
     assert read(t="show", status=True, scene=["/a"]).request == Show(status=True, scene=("/a",))
     assert read(t="mesh", id=4, mesh="package://demo/a.stl").request == DescribeMesh("package://demo/a.stl")
-    assert read(t="services", id=4) == DataEnvelope(4, 0, ListServices())
-    assert read(t="parameter", id=4, name="/a/b").request == GetParameter("/a/b")
-    assert read(t="publish", id=1, n=2, topic="/a", kind="std_msgs/String", value="{}") == DataEnvelope(
-        1, 2, Publish("/a", "std_msgs/String", "{}")
-    )
-    assert read(t="call", id=1, n=2, service="/a", value="").request == Call("/a", "")
-    assert read(t="set", id=1, n=2, name="/a", value="1").request == SetParameter("/a", "1")
+    assert read(t="model", id=4, n=2) == DataEnvelope(4, DescribeModel())
 
 
 @pytest.mark.parametrize(
@@ -50,13 +33,7 @@ def test_requests_are_read() -> None:
         {"t": "show", "status": 1},
         {"t": "show", "scene": ["/a"] * 5},
         {"t": "mesh", "id": 1, "mesh": "file:///etc/passwd"},
-        {"t": "services"},
-        {"t": "parameter", "id": 1, "name": "/" + "x" * 300},
-        {"t": "describe", "id": 1, "kind": "../etc/passwd"},
-        {"t": "publish", "id": 1, "topic": "/a", "kind": "a/B", "value": "{}"},
-        {"t": "publish", "id": 1, "n": 1, "topic": "/a", "kind": "a/B", "value": {}},
-        {"t": "publish", "id": 1, "n": 1, "topic": "/a", "kind": "a/B", "value": "x" * 9000},
-        {"t": "set", "id": 1, "n": -1, "name": "/a", "value": "1"},
+        {"t": "model"},
         {"t": "shell"},
     ],
 )

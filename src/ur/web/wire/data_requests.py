@@ -1,8 +1,7 @@
-"""Requests of pages about data of the robot, as JSON: topics, services, parameters. Untrusted until decoded here.
+"""Requests of pages about data of the robot, as JSON. Untrusted until decoded here.
 
 A `Show` names the displayed data, in place of the previous request; the robot's process measures and sends only that. A
-question has a number, `id`, which its answer repeats. A change also has `n`, the newest beat of the server that the
-page has received: an old beat reveals a request that was delayed in a connection.
+question has a number, `id`, which its answer repeats.
 """
 
 from dataclasses import dataclass
@@ -15,9 +14,6 @@ from ur.web.wire.reading import read_numbered
 
 LONGEST = 16384
 """Characters of the longest request."""
-
-LONGEST_VALUE = 8192
-"""Characters of the value of a message, a call or a parameter, which is JSON."""
 
 MOST_MEASURED = 24
 """Topics of one page whose rate is measured."""
@@ -33,10 +29,6 @@ _Mesh = Annotated[
         description="package://PACKAGE/PATH",
     ),
 ]
-_Kind = Annotated[
-    str, Meta(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,99}/[A-Za-z][A-Za-z0-9_]{0,99}\Z", description="PACKAGE/NAME")
-]
-_Json = Annotated[str, Meta(max_length=LONGEST_VALUE, description=f"JSON of at most {LONGEST_VALUE} characters")]
 
 
 class Show(ForeignValue, frozen=True, tag_field="t", tag="show"):
@@ -51,32 +43,6 @@ class Show(ForeignValue, frozen=True, tag_field="t", tag="show"):
     scene: Annotated[tuple[_Name, ...], Meta(max_length=MOST_IN_SCENE)] | None = None
 
 
-class ListServices(ForeignValue, frozen=True, tag_field="t", tag="services"):
-    """List the services."""
-
-
-class ListParameters(ForeignValue, frozen=True, tag_field="t", tag="parameters"):
-    """List the names of parameters."""
-
-
-class GetParameter(ForeignValue, frozen=True, tag_field="t", tag="parameter"):
-    """Read a parameter."""
-
-    name: _Name
-
-
-class DescribeMessage(ForeignValue, frozen=True, tag_field="t", tag="describe"):
-    """Return a message of a type with default values."""
-
-    kind: _Kind
-
-
-class DescribeService(ForeignValue, frozen=True, tag_field="t", tag="describe_service"):
-    """Return a request of a service with default values."""
-
-    service: _Name
-
-
 class DescribeModel(ForeignValue, frozen=True, tag_field="t", tag="model"):
     """Return the shapes of the robot."""
 
@@ -87,33 +53,7 @@ class DescribeMesh(ForeignValue, frozen=True, tag_field="t", tag="mesh", rename=
     address: _Mesh
 
 
-class Publish(ForeignValue, frozen=True, tag_field="t", tag="publish"):
-    """Publish a message whose fields `value` holds as JSON."""
-
-    topic: _Name
-    kind: _Kind
-    value: _Json
-
-
-class Call(ForeignValue, frozen=True, tag_field="t", tag="call"):
-    """Call a service with the request fields that `value` holds as JSON."""
-
-    service: _Name
-    value: _Json
-
-
-class SetParameter(ForeignValue, frozen=True, tag_field="t", tag="set"):
-    """Set a parameter to a JSON value."""
-
-    name: _Name
-    value: _Json
-
-
-Description = DescribeMessage | DescribeService | DescribeModel | DescribeMesh
-Question = ListServices | ListParameters | GetParameter | Description
-Change = Publish | Call | SetParameter
-DataRequest = Show | Question | Change
-CHANGES = (Publish, Call, SetParameter)
+Question = DescribeModel | DescribeMesh
 
 
 class _NumberOf(ForeignValue, frozen=True):
@@ -121,29 +61,18 @@ class _NumberOf(ForeignValue, frozen=True):
     n: object = None
 
 
-class _ChangeHead(ForeignValue, frozen=True):
-    id: Count
-    n: Count
-
-
 @dataclass(frozen=True, slots=True)
 class DataEnvelope:
-    """A request, its number (0 for `Show`), and the beat that it answers (0 if it changes nothing)."""
+    """A request and its number (0 for `Show`)."""
 
     number: int
-    beat: int
-    request: DataRequest
+    request: Show | Question
 
 
 def read_data_request(text: object) -> DataEnvelope:
     """Decode a request. Raises BadRequestError."""
-    request, fields = read_numbered(text, DataRequest, LONGEST)
-    if isinstance(request, Show):
-        return DataEnvelope(0, 0, request)
-    if isinstance(request, CHANGES):
-        head = convert_json(fields, _ChangeHead)
-        return DataEnvelope(head.id, head.n, request)
-    return DataEnvelope(convert_json(fields, _NumberOf).id, 0, request)
+    request, fields = read_numbered(text, Show | Question, LONGEST)
+    return DataEnvelope(0 if isinstance(request, Show) else convert_json(fields, _NumberOf).id, request)
 
 
 def find_number(text: object) -> int:

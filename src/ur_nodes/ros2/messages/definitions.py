@@ -1,4 +1,4 @@
-"""Types of messages and services by name, and their definitions: those of installed packages, and bare ones."""
+"""Types of messages by name, and their definitions: those of installed packages, and bare ones."""
 
 from __future__ import annotations
 
@@ -6,14 +6,12 @@ import os
 from collections.abc import Iterable, Mapping
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, cast
+from typing import TYPE_CHECKING, cast
 
 from ur_nodes.codecs.bare import BareGridUpdate, BareTransforms
 
 if TYPE_CHECKING:
     import genpy
-
-Part = Literal["msg", "srv"]
 
 _BARE: Mapping[tuple[str, str], type[BareGridUpdate | BareTransforms]] = {
     each.BARE[:2]: each for each in (BareGridUpdate, BareTransforms)
@@ -22,31 +20,27 @@ _DEEPEST = 20  # types within types
 _SEPARATOR = "\n" + "=" * 80 + "\n"
 
 
-def find_class(type_name: str, part: Part) -> type[genpy.Message] | None:
+def find_class(type_name: str) -> type[genpy.Message] | None:
     """Find the class of a type, 'package/Name' or 'package/msg/Name'; None if it is not installed."""
     package, name = split_type(type_name)
-    if not package or _definition_file(package, name, part) is None:
+    if not package or _definition_file(package, name) is None:
         return None  # nothing is imported that a name from the network invents
     try:
-        return cast("type[genpy.Message] | None", getattr(import_module(f"{package}.{part}"), name, None))
+        return cast("type[genpy.Message] | None", getattr(import_module(f"{package}.msg"), name, None))
     except Exception:  # a package of a workspace raises anything
         return None
 
 
-def find_schema(type_name: str, part: Part) -> str | None:
-    """Return the definition of a type and of its fields' types; for a service, of its request.
-
-    None if not installed.
-    """
+def find_schema(type_name: str) -> str | None:
+    """Return the definition of a type and of its fields' types; None if it is not installed."""
     package, name = split_type(type_name)
-    definition = _read_definition(package, name, part)
-    if definition is None:
+    text = _read_definition(package, name)
+    if text is None:
         return None
-    text = definition.partition("\n---")[0]
     parts, known, waiting = [text], set[str](), list(_types_in(text, package))
     while waiting and len(known) < _DEEPEST:
         each = waiting.pop(0)
-        inner = _read_definition(*split_type(each), "msg")
+        inner = _read_definition(*split_type(each))
         if each in known or inner is None:
             continue
         known.add(each)
@@ -68,19 +62,19 @@ def split_type(type_name: str) -> tuple[str, str]:
     return parts[0], parts[-1]
 
 
-def _read_definition(package: str, name: str, part: Part) -> str | None:
-    file = _definition_file(package, name, part)
+def _read_definition(package: str, name: str) -> str | None:
+    file = _definition_file(package, name)
     if file is not None:
         return file.read_text(encoding="utf-8")
-    bare = _BARE.get((package, name)) if part == "msg" else None
+    bare = _BARE.get((package, name))
     return None if bare is None else bare.DEFINITION
 
 
-def _definition_file(package: str, name: str, part: Part) -> Path | None:
+def _definition_file(package: str, name: str) -> Path | None:
     if not package:
         return None
     for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
-        file = Path(prefix, "share", package, part, f"{name}.{part}")
+        file = Path(prefix, "share", package, "msg", f"{name}.msg")
         if prefix and file.is_file():
             return file
     return None

@@ -34,7 +34,7 @@ def read_publishers(node: Node, topic: str) -> TopicPublishers | None:
     if not found:
         return None
     kind = str(found[0].topic_type)
-    message_class = find_class(kind, "msg") or _bare_class_of(found[0])
+    message_class = find_class(kind) or _bare_class_of(found[0])
     latched = all(each.qos_profile.durability.name == "TRANSIENT_LOCAL" for each in found)
     loose = any(each.qos_profile.reliability.name == "BEST_EFFORT" for each in found)
     return TopicPublishers(kind, message_class, latched, loose)
@@ -56,7 +56,7 @@ def open_subscription(
         publishers.message_class, topic, callback, profile, callback_group=group, raw=True
     )
     reset_error()
-    return subscription, find_schema(publishers.kind, "msg") or ""
+    return subscription, find_schema(publishers.kind) or ""
 
 
 def _bare_class_of(publisher: TopicEndpointInfo) -> type:

@@ -1,20 +1,24 @@
-"""Data of the robot for pages: what they show, and their requests."""
+"""Data of the robot for pages: what they show, and the shapes of its model."""
 
+from collections.abc import Mapping
+from functools import partial
+
+from ur.source.printable import printable
 from ur.web.wire.data_frames import ALL, pack_json
-from ur.web.wire.data_requests import Show, read_data_request
+from ur.web.wire.data_requests import DescribeModel, Question, Show, read_data_request
 from ur.web.wire.reading import BadRequestError
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node
-from ur_nodes.web.data.actions import DataActions
-from ur_nodes.web.data.answers import Fields
 from ur_nodes.web.data.topics import TopicWatch
 from ur_nodes.web.layers.pacing import Every
 from ur_nodes.web.scene.feed import SceneFeed
+from ur_nodes.web.scene.robot_model import describe_mesh, describe_model
 from ur_nodes.web.server_link import Outlet
 from ur_nodes.web.status.feed import StatusFeed
 
 _TICK = 0.05  # s
 _GRAPH_EVERY = 2.0  # s
+_MOST_QUESTIONS = 4  # that have no answer yet
 
 
 class DataSession:
@@ -28,7 +32,7 @@ class DataSession:
         self._graph_every = Every(_GRAPH_EVERY)
         send = outlet.send_frame
         self._topics, self._status, self._scene = TopicWatch(node, send), StatusFeed(node, send), SceneFeed(node, send)
-        self._actions = DataActions(node)
+        self._parameters, self._running = node.parameters.of(""), 0
         send(pack_json(ALL, "hello", {"t": "hello"}))
         node.every(_TICK, self._step, steady=True)
 
@@ -47,15 +51,35 @@ class DataSession:
             self._topics.hurry()
             return
 
-        def answer(found: Fields) -> None:
-            value = {"t": "answer", "id": envelope.number, **found}
-            try:
-                self._outlet.send_frame(pack_json(page, "", value))
-            except ValueError:  # a number that JSON lacks, of a parameter
-                bad = {**value, "ok": False, "text": "not a finite number", "value": None}
-                self._outlet.send_frame(pack_json(page, "", bad))
+        answer = partial(self._answer, page, envelope.number)
+        if self._running >= _MOST_QUESTIONS:
+            answer({"ok": False, "text": f"{_MOST_QUESTIONS} requests have no answer yet, expected them first"})
+            return
+        self._running += 1
 
-        self._actions.start(envelope.request, answer)
+        def finish(found: Mapping[str, object]) -> None:
+            self._running -= 1
+            answer(found)
+
+        self._node.work(partial(self._look_up, envelope.request), finish, "requests")
+
+    def _answer(self, page: int, number: int, found: Mapping[str, object]) -> None:
+        value = {"t": "answer", "id": number, "ok": True, "text": "", **found}
+        try:
+            self._outlet.send_frame(pack_json(page, "", value))
+        except ValueError:  # a number that JSON lacks
+            bad = {**value, "ok": False, "text": "not a finite number", "value": None}
+            self._outlet.send_frame(pack_json(page, "", bad))
+
+    def _look_up(self, request: Question) -> Mapping[str, object]:
+        """Describe the model or a mesh of it; runs on a worker, since it may wait for the master or the disk."""
+        try:
+            description = self._parameters.any("robot_description")
+            if isinstance(request, DescribeModel):
+                return describe_model(description)
+            return describe_mesh(request.address, description)
+        except Exception as problem:  # a master may answer anything
+            return {"ok": False, "text": printable(str(problem))[:1000]}
 
     def _step(self) -> None:
         if not self._shows:

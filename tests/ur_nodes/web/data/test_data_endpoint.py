@@ -103,9 +103,16 @@ def test_state_of_the_computer_is_sent_while_it_is_shown(world: DataWorld) -> No
 
 
 def test_answer_has_the_number_of_its_request(world: DataWorld) -> None:
-    world.bus.parameters["/speed"] = 0.5
-    world.say(7, t="parameter", id=3, name="/speed")
-    assert (7, {"t": "answer", "id": 3, "ok": True, "text": "", "value": "0.5", "whole": True}) in world.frames()
+    world.bus.parameters["/robot_description"] = "<robot name='r'/>"
+    world.say(7, t="model", id=3)
+    assert (7, {"t": "answer", "id": 3, "ok": True, "text": "", "value": []}) in world.frames()
+
+
+def test_requests_without_an_answer_are_limited(world: DataWorld) -> None:
+    for number in range(6):
+        world.say(7, t="model", id=number)
+    answers = [each for _, each in world.frames() if each["t"] == "answer"]
+    assert [each["id"] for each in answers if "expected them first" in each["text"]] == [4, 5]
 
 
 def test_malformed_request_is_dropped(world: DataWorld) -> None:

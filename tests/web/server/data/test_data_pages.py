@@ -1,4 +1,4 @@
-"""The web socket of data: roles, freshness and limits. No robot runs."""
+"""The web socket of data and its limits. No robot runs."""
 
 import asyncio
 from typing import Any
@@ -12,8 +12,6 @@ from tests.web.server.test_application import server as server  # noqa: E402 - a
 
 from ur.web.access.roles import Role  # noqa: E402
 
-PUBLISH = {"t": "publish", "topic": "/chatter", "kind": "std_msgs/String", "value": "{}"}
-
 
 async def answer(socket: Any, number: int) -> Any:
     """The answer with this number."""
@@ -23,41 +21,18 @@ async def answer(socket: Any, number: int) -> Any:
             return message
 
 
-async def test_role_that_looks_asks_and_changes_nothing(server: ApplicationServer) -> None:
+async def test_request_without_a_robot_is_answered(server: ApplicationServer) -> None:
     await server.log_in(Role.LOOK)
     async with server.client.ws_connect(f"{server.url}/ws/data", headers=server.origin) as socket:
         beat = await socket.receive_json(timeout=30)
         assert (beat["t"], beat["end"]) == ("beat", "starting")
-        for number, request in enumerate(
-            (
-                PUBLISH,
-                {"t": "call", "service": "/x", "value": "{}"},
-                {"t": "set", "name": "/x", "value": "1"},
-            ),
-            1,
-        ):
-            await socket.send_json({**request, "id": number, "n": beat["n"]})
-            assert "may look" in (await answer(socket, number))["text"]
-        await socket.send_json({"t": "services", "id": 9})
+        await socket.send_json({"t": "model", "id": 9})
         assert "not connected" in (await answer(socket, 9))["text"]
 
 
-async def test_request_that_waited_in_a_connection_is_refused(server: ApplicationServer) -> None:
+async def test_page_that_floods_is_closed(server: ApplicationServer) -> None:
     await server.log_in()
     async with server.client.ws_connect(f"{server.url}/ws/data", headers=server.origin) as socket:
-        await socket.send_json({**PUBLISH, "id": 1, "n": 4000})
-        assert "too slow" in (await answer(socket, 1))["text"]
-
-
-async def test_page_that_changes_too_much_is_refused_and_one_that_floods_is_closed(server: ApplicationServer) -> None:
-    await server.log_in()
-    async with server.client.ws_connect(f"{server.url}/ws/data", headers=server.origin) as socket:
-        beat = (await socket.receive_json(timeout=30))["n"]
-        for number in range(1, 21):
-            await socket.send_json({**PUBLISH, "id": number, "n": beat})
-        texts = [(await answer(socket, number))["text"] for number in range(1, 21)]
-        assert any("too many requests" in text for text in texts)
-        assert any("not connected" in text for text in texts)
         for _ in range(100):
             await socket.send_json({"t": "show"})
         while (await socket.receive(timeout=30)).type is not aiohttp.WSMsgType.CLOSE:
@@ -67,8 +42,8 @@ async def test_page_that_changes_too_much_is_refused_and_one_that_floods_is_clos
 async def test_malformed_request_is_answered_and_too_many_are_not(server: ApplicationServer) -> None:
     await server.log_in()
     async with server.client.ws_connect(f"{server.url}/ws/data", headers=server.origin) as socket:
-        await socket.send_json({"t": "publish", "id": 3, "n": 1, "topic": "no slash", "kind": "a/B", "value": "{}"})
-        assert "topic: expected a full name" in (await answer(socket, 3))["text"]
+        await socket.send_json({"t": "mesh", "id": 3, "mesh": "no slash"})
+        assert "mesh: expected package://" in (await answer(socket, 3))["text"]
         for _ in range(25):
             await socket.send_str("[")
             await asyncio.sleep(0)

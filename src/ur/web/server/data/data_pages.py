@@ -11,24 +11,19 @@ from contextlib import suppress
 from aiohttp import WSCloseCode, WSMsgType, web
 
 from ur.web.access.rate import draw, make_bucket
-from ur.web.access.roles import Role
 from ur.web.runs.commands import CommandQueue
 from ur.web.server.data.data_process import DataProcess
 from ur.web.server.data.three import ThreeScript
 from ur.web.server.logins.gate import SESSION
 from ur.web.server.viewers import open_socket, receive
 from ur.web.wire.data_frames import ALL, DataFrame
-from ur.web.wire.data_requests import CHANGES, LONGEST, Show, find_number, read_data_request
+from ur.web.wire.data_requests import LONGEST, Show, find_number, read_data_request
 from ur.web.wire.reading import BadRequestError
 
 BEAT = 1.0
 """Seconds between two beats of the server."""
 
-OLDEST = 5.0
-"""Seconds after which a beat is no proof that a request is fresh."""
-
 _RATE, _BURST = 10.0, 40.0  # requests of one page, a second
-_CHANGE_RATE, _CHANGE_BURST = 5.0, 10.0  # of these, changes
 _MOST_BAD = 20
 _MOST_ANSWERS = 100
 _MOST_PAGES = 20
@@ -44,7 +39,6 @@ class _Page:
         self.due = asyncio.Event()
         self._newest: dict[str, bytes] = {}
         self._answers: list[bytes] = []
-        self._beats: dict[int, float] = {}
         self._numbers = itertools.count(1)
 
     def put(self, frame: DataFrame) -> None:
@@ -60,10 +54,6 @@ class _Page:
         value = {"t": "answer", "id": number, "ok": False, "text": text}
         self.put(DataFrame(self.number, "", json.dumps(value).encode()))
 
-    def is_fresh(self, beat: int) -> bool:
-        """Return whether the server sent this beat to the page at most OLDEST seconds ago."""
-        return time.monotonic() - self._beats.get(beat, -math.inf) < OLDEST
-
     async def run(self, describe: Callable[[], Mapping[str, object]]) -> None:
         """Send beats, answers, and the newest frame of each key until the page disconnects."""
         beaten = -math.inf
@@ -71,9 +61,8 @@ class _Page:
             while not self.socket.closed:
                 now = time.monotonic()
                 if now - beaten >= BEAT:
-                    beaten, number = now, next(self._numbers)
-                    self._beats = {each: at for each, at in self._beats.items() if now - at < OLDEST} | {number: now}
-                    await self.socket.send_str(json.dumps({"t": "beat", "n": number, **describe()}))
+                    beaten = now
+                    await self.socket.send_str(json.dumps({"t": "beat", "n": next(self._numbers), **describe()}))
                 elif self._answers:
                     await self._send(self._answers.pop(0))
                 elif self._newest:
@@ -139,7 +128,7 @@ class DataPages:
         self._end.open()
         sending = asyncio.create_task(page.run(self._describe))
         try:
-            await self._receive(page, grant.role, f"{request.remote} ({grant.name})")
+            await self._receive(page, f"{request.remote} ({grant.name})")
         finally:
             del self._pages[page.number]
             self._end.send(page.number, "")
@@ -155,9 +144,8 @@ class DataPages:
             if self._pages:  # a page that has connected meanwhile
                 self._end.open()
 
-    async def _receive(self, page: _Page, role: Role, who: str) -> None:
-        now = time.monotonic()
-        bad, bucket, changes = 0, make_bucket(_RATE, _BURST, now), make_bucket(_CHANGE_RATE, _CHANGE_BURST, now)
+    async def _receive(self, page: _Page, who: str) -> None:
+        bad, bucket = 0, make_bucket(_RATE, _BURST, time.monotonic())
         async for message in receive(page.socket):
             bucket, allowed = draw(bucket, time.monotonic())
             text = message.data if message.type is WSMsgType.TEXT else None
@@ -173,25 +161,7 @@ class DataPages:
                 self._log(f"{who}: data: closed: too many messages")
                 await page.socket.close(code=WSCloseCode.POLICY_VIOLATION)
                 return
-            if isinstance(envelope.request, CHANGES):
-                changes, allowed = draw(changes, time.monotonic())
-                refusal = _refuse(role, fresh=page.is_fresh(envelope.beat), allowed=allowed)
-                if refusal:
-                    page.answer(envelope.number, refusal)
-                    continue
-                self._log(f"{who}: {text}")
-            elif isinstance(envelope.request, Show):
+            if isinstance(envelope.request, Show):
                 page.shows = str(text)
             if not self._end.send(page.number, str(text)) and envelope.number:
                 page.answer(envelope.number, "the robot is not connected: start a program of it")
-
-
-def _refuse(role: Role, *, fresh: bool, allowed: bool) -> str:
-    """Return the reason why a page must not make a change; "" if it may."""
-    if role is not Role.DRIVE:
-        return "this login may look, expected one that may drive"
-    if not allowed:
-        return f"too many requests, expected at most {_CHANGE_RATE:g} a second; nothing was done"
-    if not fresh:
-        return "the connection was too slow, nothing was done; try again"
-    return ""

@@ -7,7 +7,7 @@ const UNUSED = 3000; // ms
 const GATHER = 150; // ms in which changes of what is shown are gathered
 const ANSWER_LIMIT = 20000; // ms
 
-/** @typedef {{ok: boolean, text: string, value?: any, kind?: string, whole?: boolean}} DataAnswer */
+/** @typedef {{ok: boolean, text: string, value?: any}} DataAnswer */
 
 /** @extends {PanelSocket<DataAnswer>} */
 export class DataSocket extends PanelSocket {

@@ -1,84 +1,26 @@
 // @ts-check
-/** Topics with their rates, messages of one of them, services and parameters. */
+/** Topics with their rates, and messages of one of them. */
 
 import { make, makeButton, makeNote, showName } from "../elements.js";
 import { DATA } from "./data_socket.js";
-import { ParameterView } from "./parameter_view.js";
-import { ServiceView } from "./service_view.js";
 import { DATA_TEXTS } from "./texts.js";
 import { TopicView } from "./topic_view.js";
-
-/** A view of the panel: topics, services or parameters. @typedef {{box: HTMLElement, show: (open: boolean) => void}} View */
 
 const MOST_MEASURED = 24; // see ur.web.wire.data_requests
 
 /** @type {import("./data_panels.js").Maker} */
 export function makeTopicPanel(box, page) {
-  const panel = new TopicPanel(box, page.mayDrive);
+  const panel = new TopicPanel(box);
   Object.assign(page, { topicPanel: panel });
   return { show: (open) => panel.show(open) };
 }
 
+/** All topics; those in sight are measured. */
 class TopicPanel {
-  /** @param {HTMLElement} box @param {boolean} mayDrive */
-  constructor(box, mayDrive) {
+  /** @param {HTMLElement} box */
+  constructor(box) {
     this.note = makeNote();
     this.opened = false;
-    /** @type {Record<string, View>} */
-    this.views = {
-      topics: new TopicList(mayDrive),
-      services: new ServiceView(mayDrive),
-      parameters: new ParameterView(mayDrive),
-    };
-    this.chosen = "topics";
-    const bar = make("div", "", "row tabs");
-    bar.role = "group";
-    bar.ariaLabel = DATA_TEXTS.kinds;
-    /** @type {Record<string, HTMLButtonElement>} */
-    this.tabs = {};
-    for (const name of Object.keys(this.views)) {
-      this.tabs[name] = makeButton(DATA_TEXTS[/** @type {"topics"} */ (name)], () => this.choose(name));
-      this.tabs[name].id = `data-${name}`;
-      bar.append(this.tabs[name]);
-    }
-    box.append(bar, this.note, ...Object.values(this.views).map((view) => view.box));
-    DATA.on("state", () => this.refresh());
-    this.refresh();
-  }
-
-  /** @param {boolean} open */
-  show(open) {
-    this.opened = open;
-    DATA.use(open);
-    this.views[this.chosen].show(open);
-    this.refresh();
-  }
-
-  /** @param {string} name */
-  choose(name) {
-    if (name !== this.chosen) this.views[this.chosen].show(false);
-    const before = this.chosen;
-    this.chosen = name;
-    if (name !== before) this.views[name].show(this.opened);
-    this.refresh();
-  }
-
-  refresh() {
-    this.note.textContent = DATA.end === "up" ? "" : DATA.end === "starting" ? DATA_TEXTS.notConnected : DATA_TEXTS.connecting;
-    this.note.hidden = !this.note.textContent;
-    for (const [name, view] of Object.entries(this.views)) {
-      view.box.hidden = name !== this.chosen;
-      this.tabs[name].setAttribute("aria-pressed", String(name === this.chosen));
-    }
-  }
-}
-
-/** All topics; those in sight are measured. @implements {View} */
-class TopicList {
-  /** @param {boolean} mayDrive */
-  constructor(mayDrive) {
-    this.opened = false;
-    this.box = make("div");
     this.list = make("div");
     this.filter = make("input");
     this.filter.ariaLabel = this.filter.placeholder = DATA_TEXTS.filter;
@@ -96,9 +38,8 @@ class TopicList {
     this.body = make("tbody");
     table.append(thead, this.body);
     this.list.append(row, table);
-    this.view = new TopicView(mayDrive, () => this.openTopic(""));
-    this.list.append(this.view.makeNew());
-    this.box.append(this.list, this.view.box);
+    this.view = new TopicView(() => this.openTopic(""));
+    box.append(this.note, this.list, this.view.box);
     /** Rows of the table by topic. @type {Map<string, HTMLTableRowElement>} */
     this.rows = new Map();
     /** @type {any[][]} */
@@ -110,13 +51,21 @@ class TopicList {
       this.topics = rows;
       this.draw();
     });
+    DATA.on("state", () => this.refresh());
+    this.refresh();
   }
 
   /** @param {boolean} open */
   show(open) {
     this.opened = open;
+    DATA.use(open);
     this.ask();
-    this.view.show(open);
+    this.refresh();
+  }
+
+  refresh() {
+    this.note.textContent = DATA.end === "up" ? "" : DATA.end === "starting" ? DATA_TEXTS.notConnected : DATA_TEXTS.connecting;
+    this.note.hidden = !this.note.textContent;
   }
 
   ask() {
