@@ -4,7 +4,7 @@ import inspect
 import re
 from pathlib import Path
 
-from ur_nodes.client import AsyncRobot, Interrupted, Lost, Refused, Robot, RobotError, TakenOver
+from ur_nodes.client import Interrupted, Lost, Refused, Robot, RobotError, TakenOver
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.values import Battery, Map, PackedPicture, Scan
@@ -23,7 +23,7 @@ Angles grow to the left; those that a program gives are in degrees where their n
 
 def make_page() -> str:
     """The page as Markdown."""
-    parts = [HEAD, describe_class(Robot), describe_class(AsyncRobot), "## Errors\n\n"]
+    parts = [HEAD, describe_class(Robot), "## Errors\n\n"]
     parts += [
         f"- **`{each.__name__}`**: {text_of(each)}\n" for each in (RobotError, Refused, Lost, TakenOver, Interrupted)
     ]
@@ -50,8 +50,7 @@ def describe_signature(name: str, method: object) -> str:
     found = inspect.signature(method)
     arguments = [str(each).replace("'", "") for each in found.parameters.values() if each.name != "self"]
     result = str(found.return_annotation).strip("'")
-    prefix = "await " if inspect.iscoroutinefunction(method) else ""
-    return f"{prefix}{name}({', '.join(arguments)})" + ("" if result == "None" else f" -> {result}")
+    return f"{name}({', '.join(arguments)})" + ("" if result == "None" else f" -> {result}")
 
 
 def describe_fields(kind: type) -> str:

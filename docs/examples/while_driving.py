@@ -1,22 +1,18 @@
-"""Drive to a place, and do something else meanwhile: with asyncio, a task that is cancelled stops the robot."""
+"""Drive to a place with a time limit: another thread stops the drive."""
 
-import asyncio
+import threading
 
-from ur_nodes.client import AsyncRobot
+from ur_nodes.client import Interrupted, Robot
 
-
-async def main() -> None:
-    """Go half a metre ahead, but at most for a second; then stop."""
-    async with AsyncRobot() as robot:
-        here = await robot.pose()
-        drive = asyncio.create_task(robot.go_to(here.x + 0.5, here.y))
-        try:
-            await asyncio.wait_for(drive, timeout=1.0)
-            print("reached")
-        except asyncio.TimeoutError:
-            print("not there after a second: stopped")
-        there = await robot.pose()
-        print(f"{abs(there.x - here.x):.2f} m from the start")
-
-
-asyncio.run(main())
+with Robot() as robot:
+    here = robot.pose()
+    timer = threading.Timer(1.0, robot.interrupt)
+    timer.start()
+    try:
+        robot.go_to(here.x + 0.5, here.y)
+        print("reached")
+    except Interrupted:
+        print("not there after a second: stopped")
+    timer.cancel()
+    there = robot.pose()
+    print(f"{abs(there.x - here.x):.2f} m from the start")

@@ -6,7 +6,6 @@ import io
 import json
 import re
 import sys
-from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -15,7 +14,6 @@ import pytest
 from tests.ur_nodes.first_drive.drive import FirstDrive
 
 import ur_nodes.client
-from ur_nodes.client.script.asynchronous import AsyncRobot
 from ur_nodes.client.script.robot import Robot
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
@@ -41,10 +39,10 @@ def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> FirstDrive:
     stage = FirstDrive()
     given: dict[str, Any] = {"node": stage.bus.node("script"), "wait": stage.bus.run_until}
     library = ModuleType("ur_nodes.client")
-    vars(library).update({name: getattr(ur_nodes.client, name) for name in ("Lost", "Refused", "TakenOver")})
     vars(library).update(
-        Robot=lambda name="script": Robot(name, **given), AsyncRobot=partial(AsyncRobot, "script", **given)
+        {name: getattr(ur_nodes.client, name) for name in ("Interrupted", "Lost", "Refused", "TakenOver")}
     )
+    vars(library).update(Robot=lambda name="script": Robot(name, **given))
     monkeypatch.setitem(sys.modules, "ur_nodes.client", library)
     Path("places.csv").write_text("0.4,0.0\n1000,1000\n")
     return stage

@@ -1,1 +1,1 @@
-"""A robot for programs of users: `Robot`, `AsyncRobot`, and the errors of their requests."""
+"""A robot for programs of users: `Robot`, and the errors of their requests."""
