@@ -72,6 +72,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (["check", "--explain", "nix"], "--explain nix: no such rule, expected an id", "'ur check --explain' lists"),
         (["graph", ""], "no file '', expected a launch file", "give a path, or a package and a file name"),
         (["topic", "list"], "unknown command 'topic'", "use the tool of ROS: rostopic list"),
+        (["maps", "join", "a", "b"], "unknown command 'ur maps join'", "did you mean 'ur maps merge'?"),
         (
             ["world:=office"],
             "unknown command 'world:=office'",

@@ -23,6 +23,7 @@ drive
 goto 2 3
 ssh bob
 explore
+maps join a b
 maps ls
 maps rm a
 launch ubiquity_launches m_robot_base.launch.xml x:=abc

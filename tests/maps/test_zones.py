@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from ur.maps.edit import Lattice
-from ur.maps.record import Zone, ZoneKind
-from ur.maps.zones import delete_zone, find_home, fresh_zone_name, make_zone, put_zone
+from ur.maps.record import MOST_ZONES, Zone, ZoneKind
+from ur.maps.zones import delete_zone, find_home, fresh_zone_name, join_zones, make_zone, put_zone
 from ur.source.diagnostic import UserError
 
 PLAN = Lattice((100, 100), 0.05, (0.0, 0.0, 0.0))
@@ -62,3 +62,5 @@ def test_names_are_free_ones() -> None:
     second = Zone("keep-out", "keep-out", STAIRS.points)
     assert fresh_zone_name("keep-out", [second]) == "keep-out-2"
     assert fresh_zone_name("speed", [second]) == "slow"
+    assert [each.name for each in join_zones([STAIRS], [STAIRS, second])] == ["stairs", "stairs-2", "keep-out"]
+    assert len(join_zones([STAIRS] * MOST_ZONES, [STAIRS])) == MOST_ZONES

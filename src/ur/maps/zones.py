@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 
 from ur.maps.names import PLACE_NAME, PLACE_RULE, is_map_name
@@ -93,6 +94,16 @@ def draw_masks(folder: Path) -> None:
     zones = read_record(folder).zones
     if zones:
         write_masks(folder, zones, read_map(folder / PICTURE))
+
+
+def join_zones(zones: Iterable[Zone], others: Iterable[Zone]) -> tuple[Zone, ...]:
+    """Join the zones of two maps; zones of the second map whose name is taken are renamed."""
+    joined = list(zones)
+    for zone in others:
+        taken = {each.name for each in joined}
+        numbers = (f"{zone.name[:36]}-{number}" for number in range(2, MOST_ZONES + 2))
+        joined.append(replace(zone, name=next(each for each in chain((zone.name,), numbers) if each not in taken)))
+    return tuple(joined[:MOST_ZONES])
 
 
 def describe_zone(zone: Zone) -> str:

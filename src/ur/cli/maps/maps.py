@@ -176,6 +176,25 @@ def copy(name: str, target: str | None, source: str | None, new_name: str | None
     return 0
 
 
+@command.command("merge")
+@click.argument("first")
+@click.argument("second")
+@click.option("--as", "new_name", metavar="NAME", required=True, help="The name of the new map.")
+def merge(first: str, second: str, new_name: str) -> int:
+    """Merge two overlapping maps into a new one; both stay unchanged.
+
+    The new map has the frame of FIRST. Where the two differ, SECOND is taken as the newer one. The new map has the
+    edits and waypoints of both.
+    """
+    from ur.cli.maps.merging import MergeFailed, merge_maps
+
+    try:
+        click.echo(_guard(lambda: merge_maps(_store(), first, second, new_name)))
+    except MergeFailed as problem:
+        return int(problem.args[0])
+    return 0
+
+
 def _store() -> MapStore:
     return own_store(os.environ)
 

@@ -172,6 +172,13 @@ DRIVING = (
                     ("ur maps edit flat place door 1 2 90", "Name a place."),
                 ),
             ),
+            "merge": Below(
+                descriptions=("The map whose frame the new one has.", "The map that is merged into it."),
+                examples=(
+                    ("ur maps merge flat attic --as house", "Join two maps that share some floor."),
+                    ("ur maps merge flat map-2026-11-01 --as flat-2", "Bring a map up to date with a later one."),
+                ),
+            ),
             "copy": Below(
                 descriptions=(_MAP,),
                 examples=(
