@@ -20,7 +20,7 @@ def start(node: Node) -> None:
     if board not in BOARDS:
         node.parameters.fail("board", board, f"one of {', '.join(BOARDS)}", BOARDS)
     orphaned = become_driver()
-    report = report_to_file(node, drives_on=OWN_DRIVERS[board].drives_on)
+    report = report_to_file(node, drives_on=OWN_DRIVERS[board].drives_on, stops=base.limits.describe_stop())
     BaseDriver(node, base, make_board(board, base), connect_serial(node, base.driver), report, orphaned)
 
 

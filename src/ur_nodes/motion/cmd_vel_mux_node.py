@@ -75,6 +75,8 @@ def start(node: Node) -> None:
         message = "use_sim_time is true, expected false: a real base must stop in real time, however slow /clock is"
         raise UserError(error(message, rule="simulated-time", help="rosparam set /use_sim_time false"))
     settings = read_settings(node.parameters)
+    if settings.slowed:
+        node.log.warn(settings.slowed)
     if settings.stopped:
         node.log.warn(f"emergency stop is still on; call {node.resolve('~release')} to end it")
     for source in settings.mux.sources:

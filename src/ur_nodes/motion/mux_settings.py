@@ -1,6 +1,7 @@
 """The settings of the mux, from parameters."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 from ur.robot.base import BRAKE_AFTER, Base, load_base
 from ur.source.project import launch_library
@@ -24,7 +25,8 @@ _SLACK = 0.02  # s
 class MuxNodeSettings:
     """Settings of the mux, and its state at the start: `stopped`, and the `share` of the base's speeds.
 
-    `challenge_rate` is in Hz, `freshness` and `lease_timeout` in s.
+    `challenge_rate` is in Hz, `freshness` and `lease_timeout` in s. `slowed` is a line for users about a base that is
+    faster than its lidar sees.
     """
 
     base: Base
@@ -36,11 +38,13 @@ class MuxNodeSettings:
     challenge_rate: float
     freshness: float
     lease_timeout: float
+    slowed: str = ""
 
 
 def read_settings(own: Parameters) -> MuxNodeSettings:
     """Raises UserError."""
     base = load_base(own.text("package", str(launch_library())), own.text("base"), own.text("variant", ""))
+    base, slowed = _slow_to_sight(base)
     forward, turn = axes_of(base.limits)
     sources = read_sources(own.any("topics"), own.name("topics"))
     return MuxNodeSettings(
@@ -64,7 +68,20 @@ def read_settings(own: Parameters) -> MuxNodeSettings:
         challenge_rate=own.number("challenge_rate", 50.0, minimum=20.0, maximum=100.0),
         freshness=own.number("freshness", FRESHNESS, minimum=0.05, maximum=0.5),
         lease_timeout=own.number("lease_timeout", LEASE_TIMEOUT, minimum=1.0, maximum=60.0),
+        slowed=slowed,
     )
+
+
+def _slow_to_sight(base: Base) -> tuple[Base, str]:
+    """Return a base that rests within what its lidar sees, and a line about it if it is slower than its file says."""
+    if base.lidar is None:
+        return base, ""
+    sight = base.lidar.range_max - max(math.hypot(x, y) for x, y in base.footprint)
+    limits = base.limits.within_sight(sight)
+    if limits == base.limits:
+        return base, ""
+    line = f"{base.name} drives at most {limits.velocity:.2f} m/s: from {base.limits.velocity:g} m/s it rests within"
+    return replace(base, limits=limits), f"{line} {base.limits.way_to_rest:.1f} m, and its lidar sees {sight:.1f} m"
 
 
 def _read_foreign(own: Parameters, sources: tuple[Source, ...]) -> tuple[Source, ...]:

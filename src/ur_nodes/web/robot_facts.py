@@ -27,9 +27,10 @@ class RobotFacts:
         return (limits.velocity, limits.angular_velocity) if limits else (_FORWARD, _TURN)
 
     def describe(self) -> dict[str, object]:
-        """The facts for the page: base, outline (corners in m, in the frame of the base) and limits."""
+        """The facts for the page: base, outline (corners in m, in the frame of the base), limits and stop."""
         outline = [list(each) for each in self._base.footprint] if self._base else _circle(_RADIUS)
-        return {"base": self._name, "outline": outline, "limits": list(self.limits)}
+        stop = self._base.limits.describe_stop() if self._base else ""
+        return {"base": self._name, "outline": outline, "limits": list(self.limits), "stop": stop}
 
 
 def _load(name: str, variant: str) -> Base | None:

@@ -235,8 +235,8 @@ def test_everything_that_a_description_lacks_is_named_at_once(
     )
     assert main(["new", "base", "small", "--from", str(small)]) == 2
     told = capsys.readouterr().err
-    assert f"error: cannot read from '{small}': mass, velocity, angular velocity" in told
-    assert "help: add, with your robot's figures: --mass 6 --velocity 0.5 --angular-velocity 1.5" in told
+    assert f"error: cannot read from '{small}': mass" in told
+    assert "help: add, with your robot's figures: --mass 6" in told
     assert not (package / "bases").exists()
 
 
@@ -250,16 +250,20 @@ class TypedAnswers(io.StringIO):
 def test_terminal_is_asked_once_for_each_figure_that_is_not_read(
     package: Path, small: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("sys.stdin", TypedAnswers("9\n0,4\n40 cm/s\n0.4\n\n"))
+    small.write_text(
+        SMALL.replace('<mass value="0.8"/>', '<mass value="0"/>').replace("0.005", "0").replace('"0.1"', '"0"')
+    )
+    monkeypatch.setattr("sys.stdin", TypedAnswers("0\n0,4\n40 kg\n0.4\n\n"))
     assert main(["new", "base", "small", "--from", str(small)]) == 0
     out, told = capsys.readouterr()
-    assert "how to measure it: drive 2 m at full speed: 2 divided by the seconds" in told
-    assert "Highest speed in m/s (0.05 to 0.6) [0.5]: " in out
-    assert "'9', expected a number from 0.05 to 0.6" in told
-    assert "'0,4' is no number, expected one, as 0.4: highest speed in m/s" in told
-    assert "'40 cm/s' is no number, expected one without a unit: highest speed in m/s" in told
-    limits = read_base(package / "bases" / "small" / "base.yaml", "small").limits
-    assert (limits.velocity, limits.angular_velocity) == (0.4, 1.5)
+    assert "how to measure it: on scales, with its battery" in told
+    assert "Mass in kg (0.05 to 10000) [6]: " in out
+    assert "'0', expected a number from 0.05 to 10000" in told
+    assert "'0,4' is no number, expected one, as 0.4: mass in kg" in told
+    assert "'40 kg' is no number, expected one without a unit: mass in kg" in told
+    assert "stop: rests within 0.3 s and 0.13 m of its last command, from 0.5 m/s" in told
+    assert "note: velocity 0.5 m/s and angular velocity 1.5 rad/s: usual, as neither" in told
+    assert read_base(package / "bases" / "small" / "base.yaml", "small").mass == 0.4
 
 
 def test_lidar_is_asked_for_with_yes_or_no(
@@ -272,12 +276,10 @@ def test_lidar_is_asked_for_with_yes_or_no(
     assert read_base(package / "bases" / "small" / "base.yaml", "small").lidar is not None
 
 
-def test_speed_that_cannot_be_stopped_in_time_is_refused(
-    package: Path, small: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["new", "base", "small", "--from", str(small), "--velocity", "2"]) == 2
+def test_speed_that_no_base_may_have_is_refused(package: Path, small: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", "base", "small", "--from", str(small), "--velocity", "4"]) == 2
     told = capsys.readouterr().err
-    assert "invalid --velocity '2', expected a number from 0.05 to 0.6, so that the robot stops within 0.3 s" in told
+    assert "invalid --velocity '4', expected a number from 0.05 to 3" in told
     assert not (package / "bases").exists()
 
 

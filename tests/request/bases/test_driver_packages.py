@@ -4,7 +4,7 @@ import pytest
 
 from ur.launchfile.load import load_plan
 from ur.launchfile.world.system import SystemWorld
-from ur.request.bases.base_argument import check_drivers, describe_board, find_bases
+from ur.request.bases.base_argument import check_drivers, describe_base_of, find_bases
 from ur.request.launch_request import LaunchFiles
 from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.source.diagnostic import Diagnostic, UserError
@@ -65,7 +65,7 @@ def test_explanation_of_a_driver_and_the_page_of_drivers_name_a_board_without_a_
     driver = LIBRARY / "n_base_driver" / "launch" / "n_base_driver.launch.xml"
     plan = load_plan([str(driver)], ["robot_base:=magni", f"board:={board}"], make_world())
     drives_on = OWN_DRIVERS[board].drives_on
-    assert ("no watchdog" in describe_board(plan.nodes[0], plan)) is drives_on
+    assert ("no watchdog" in describe_base_of(plan.nodes[0], plan)) is drives_on
     page = (LIBRARY.parent / "docs" / "how-to" / "drivers.md").read_text()
     [row] = [line for line in page.splitlines() if line.startswith(f"| `{board}` | ")]
     assert row.endswith("| **never** |") is drives_on

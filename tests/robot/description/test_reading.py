@@ -7,8 +7,10 @@ from tests.robot.description.urdfs import FOUR_WHEELS, MESHES, SMALL
 
 from ur.robot.base import Base, read_base
 from ur.robot.description.base_text import write_base_file
+from ur.robot.description.figures import Figure
 from ur.robot.description.parse import parse_urdf
 from ur.robot.description.reading import BRAKING, DescriptionReading, read_base_figures
+from ur.robot.description.speed_files import FoundSpeeds
 from ur.source.diagnostic import UserError
 from ur.tools.new.description import describe_reading
 
@@ -26,7 +28,7 @@ def make_base(tmp_path: Path, text: str, **given: float) -> Base:
 
 
 def test_small_robot_is_read_from_its_shapes_and_gazebo_tags(tmp_path: Path) -> None:
-    assert read(SMALL).open == ("velocity", "angular_velocity")
+    assert read(SMALL).open == ()
     base = make_base(tmp_path, SMALL, **SPEEDS)
     assert (base.wheels.radius, base.wheels.width, base.wheels.separation) == (0.033, 0.018, 0.16)
     assert base.wheels.mass == pytest.approx(0.03)
@@ -102,9 +104,9 @@ def test_base_stops_in_time_whatever_its_description_says(tmp_path: Path, text: 
 
 def test_description_without_shapes_is_asked_for_everything_at_once(tmp_path: Path) -> None:
     bare = '<robot name="bare"><link name="base_link"/></robot>'
-    names = ("length", "width", "height", "mass", "wheel_radius", "wheel_separation", "velocity", "angular_velocity")
+    names = ("length", "width", "height", "mass", "wheel_radius", "wheel_separation")
     assert read(bare).open == names
-    answers = dict(zip(names, (0.4, 0.3, 0.2, 5.0, 0.05, 0.3, 0.4, 1.0), strict=True))
+    answers = dict(zip(names, (0.4, 0.3, 0.2, 5.0, 0.05, 0.3), strict=True))
     base = make_base(tmp_path, bare, **answers)
     assert base.wheels.radius == 0.05
     assert len(base.casters) == 2, "one in front and one behind, so that it does not tip over"
@@ -131,7 +133,29 @@ def test_figure_that_no_base_can_have_is_replaced(tmp_path: Path, text: str, old
 
 
 def test_joint_limit_that_nobody_set_is_not_taken_for_a_speed() -> None:
-    assert "velocity" in read(MESHES.replace('velocity="4.0"', 'velocity="1000"')).open
+    assert read(MESHES.replace('velocity="4.0"', 'velocity="1000"')).figures["velocity"] == Figure(0.5, "usual")
+
+
+def test_speed_that_nothing_says_is_the_usual_one_with_a_note() -> None:
+    found = read(SMALL)
+    assert [found.figures[key].value for key in ("velocity", "angular_velocity")] == [0.5, 1.5]
+    assert [note for note in found.notes if "change `limits` in base.yaml" in note]
+    assert not [note for note in read(SMALL, **SPEEDS).notes if "usual" in note]
+
+
+def test_fast_base_brakes_as_the_files_around_it_say_or_as_is_usual(tmp_path: Path) -> None:
+    speeds = FoundSpeeds("controller of control.yaml", 2.0, 4.0, 20.0, 3.0)
+    found = read_base_figures(parse_urdf(SMALL, "robot.urdf"), {}, speeds=speeds)
+    text = write_base_file(found, "A robot.", "robot.urdf")
+    assert "rests within 1.1 m, from 2 m/s" in text
+    assert "deceleration: 3 # controller of control.yaml; it brakes within 0.2 s of its last command" in text
+    (tmp_path / "base.yaml").write_text(text, encoding="utf-8")
+    limits = read_base(tmp_path / "base.yaml", "robot").limits
+    assert (limits.velocity, limits.angular_velocity, limits.acceleration, limits.deceleration) == (2.0, 1.5, 1.0, 3.0)
+    assert limits.fast
+    assert limits.way_to_rest == pytest.approx(0.4 + 4.0 / 6.0)
+    assert make_base(tmp_path, SMALL, velocity=3.0).limits.deceleration == 2.0
+    assert not make_base(tmp_path, SMALL, velocity=0.6).limits.fast
 
 
 @pytest.mark.parametrize(

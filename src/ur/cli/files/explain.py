@@ -19,7 +19,7 @@ def command(argv: tuple[str, ...]) -> int:
     from ur.launchfile.address import join_addresses
     from ur.launchfile.query.explain import explain_name, format_layers
     from ur.launchfile.world.system import SystemWorld
-    from ur.request.bases.base_argument import describe_board
+    from ur.request.bases.base_argument import describe_base_of
     from ur.request.environment import apply_selection, current_selection
     from ur.request.launch_request import make_request
     from ur.request.plan_files import complete_arguments, texts
@@ -39,6 +39,6 @@ def command(argv: tuple[str, ...]) -> int:
     files, completed = request.files, texts(complete_arguments(request, local=True))
     with show_progress(f"reading {' '.join(names[:-1])}"):
         checked = make_world(files.paths, os.environ)
-        layers = explain_name(names[-1], files.paths, completed, checked, files.parsed, describe_board)
+        layers = explain_name(names[-1], files.paths, completed, checked, files.parsed, describe_base_of)
     click.echo(format_layers(layers).replace(f"{Path.cwd()}/", ""), nl=False)
     return 0

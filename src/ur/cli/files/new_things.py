@@ -320,8 +320,9 @@ def describe_base(
     Prints the properties that were read; asks once for the others. `lidar` tells whether the robot has one; None if the
     file defines it. `arguments` are those of a xacro file.
     """
-    from ur.robot.description.base_text import write_base_file
+    from ur.robot.description.base_text import limits_of, write_base_file
     from ur.robot.description.reading import read_base_figures
+    from ur.robot.description.speed_files import find_speeds
 
     if raspicam:
         message = "--raspicam has no effect with --from, which reads the camera from the file"
@@ -330,8 +331,8 @@ def describe_base(
     files.check_arguments(source, arguments)
     around = files.look_around(source)
     loaded = files.load_file(source, around, arguments, consent=_ask_to_run)
-    description = loaded.description
-    reading = read_base_figures(description, given, lidar=lidar)
+    description, speeds = loaded.description, find_speeds(around)
+    reading = read_base_figures(description, given, lidar=lidar, speeds=speeds)
     click.echo(files.describe_reading(reading), err=True, nl=False)
     for note in files.describe_left_out(loaded, around):
         click.echo(note, err=True)
@@ -339,9 +340,10 @@ def describe_base(
         lidar = _ask_for_lidar(reading)
     while reading.open:
         given |= _ask_for(source, reading, lidar)
-        reading = read_base_figures(description, given, lidar=lidar)
+        reading = read_base_figures(description, given, lidar=lidar, speeds=speeds)
     if lidar is not None:
-        reading = read_base_figures(description, given, lidar=lidar)
+        reading = read_base_figures(description, given, lidar=lidar, speeds=speeds)
+    click.echo(f"stop: {limits_of(reading).describe_stop()}", err=True)
     return write_base_file(reading, summary or f"Robot {reading.name or source.stem}.", source.name)
 
 

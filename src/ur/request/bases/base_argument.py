@@ -15,6 +15,7 @@ from ur.robot.base import SENSORS, Base, UpstreamDriver, list_bases, list_varian
 from ur.robot.base.own_drivers import NO_WATCHDOG, OWN_DRIVERS
 from ur.robot.base.search import find_base_package
 from ur.source.diagnostic import Diagnostic, UserError, error
+from ur.source.project import launch_library
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,9 +145,9 @@ def check_drivers(bases: Iterable[FileBase], nodes: Sequence[NodeSpec], world: W
         raise UserError(*missing)
 
 
-def describe_board(node: NodeSpec, plan: Plan) -> str:
-    """Return a warning about the board that a node drives with a driver of this project; '' for other nodes."""
-    if node.type != "base_driver":
+def describe_base_of(node: NodeSpec, plan: Plan) -> str:
+    """Return how the base of a mux stops, or a warning about the board of a driver of this project; else ''."""
+    if node.type not in ("base_driver", "cmd_vel_mux"):
         return ""
     own = {
         each.name.rpartition("/")[2]: str(each.value)
@@ -155,10 +156,12 @@ def describe_board(node: NodeSpec, plan: Plan) -> str:
     }
     protocol = own.get("board", "")
     try:
-        driver = load_base(own.get("package", ""), own.get("base", ""), own.get("variant", "")).driver
+        base = load_base(own.get("package", "") or launch_library(), own.get("base", ""), own.get("variant", ""))
     except UserError:
-        driver = None
-    known = OWN_DRIVERS.get(protocol or (driver.protocol if driver else ""))
+        base = None
+    if node.type == "cmd_vel_mux":
+        return f"{base.name} {base.limits.describe_stop()}" if base else ""
+    known = OWN_DRIVERS.get(protocol or (base.driver.protocol if base and base.driver else ""))
     return f"{known.what} has {NO_WATCHDOG}" if known and known.drives_on else ""
 
 

@@ -1,6 +1,7 @@
 """A base as data: body, wheels, motion limits, sensors and drivers."""
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, replace
 
 from ur.robot.base.sensors import Sensors
 from ur.robot.base.wiring import Wiring
@@ -65,6 +66,23 @@ class MotionLimits:
         """How far (m) it drives at most after the last command: 0.2 v + v^2 / 2a at its full speed v."""
         speed = max(self.velocity, self.lateral_velocity)
         return BRAKE_AFTER * speed + speed * speed / (2.0 * self.deceleration)
+
+    def within_sight(self, sight: float) -> "MotionLimits":
+        """Return the limits with which a fast base rests within what its lidar sees, `sight` (m) from its outline."""
+        if not self.fast or self.way_to_rest <= sight:
+            return self
+        a, t = self.deceleration, BRAKE_AFTER  # solve t v + v^2 / 2a = sight for v
+        most = a * (math.sqrt(t * t + 2.0 * max(0.0, sight) / a) - t)
+        return replace(self, velocity=min(self.velocity, most), lateral_velocity=min(self.lateral_velocity, most))
+
+    def describe_stop(self) -> str:
+        """Say for users how it stops when commands cease: "brakes within 0.2 s of its last command, ..."."""
+        speed = max(self.velocity, self.lateral_velocity)
+        if self.fast:
+            rest = f"brakes within {BRAKE_AFTER:g} s of its last command, and rests within {self.way_to_rest:.2g} m"
+        else:
+            rest = f"rests within 0.3 s and {self.way_to_rest:.2g} m of its last command"
+        return f"{rest}, from {speed:g} m/s"
 
 
 @dataclass(frozen=True, slots=True)

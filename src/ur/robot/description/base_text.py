@@ -5,6 +5,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from ur.robot.base.outline import Point
+from ur.robot.base.properties import MotionLimits
 from ur.robot.description.reading import BRAKING, DescriptionReading
 from ur.robot.description.sensing import FoundSensor
 from ur.source.printable import one_line
@@ -54,23 +55,36 @@ def _lines(reading: DescriptionReading, summary: str, origin: str) -> Iterator[s
         yield from _sonars(sonars)
 
 
+def limits_of(reading: DescriptionReading) -> MotionLimits:
+    """Return the limits of a base from a description: a slow one brakes so hard that it rests within 0.3 s."""
+    value = {key: figure.value for key, figure in reading.figures.items()}
+    velocity, turning, aside = value["velocity"], value["angular_velocity"], value["lateral_velocity"]
+    return MotionLimits(
+        velocity=velocity,
+        angular_velocity=turning,
+        acceleration=value["acceleration"],
+        angular_acceleration=2.5,
+        deceleration=value.get("deceleration", max(2.0 * value["acceleration"], _up(max(velocity, aside) / BRAKING))),
+        angular_deceleration=max(5.0, _up(turning / BRAKING)),
+        command_age=0.08,
+        lag=0.11,
+        lateral_velocity=aside,
+    )
+
+
 def _limits(reading: DescriptionReading) -> Iterator[str]:
-    figures = reading.figures
-    velocity, turning = figures["velocity"].value, figures["angular_velocity"].value
-    aside = figures["lateral_velocity"].value
-    acceleration = figures["acceleration"].value
-    braking = max(2.0 * acceleration, _up(max(velocity, aside) / BRAKING))
-    turns = max(5.0, _up(turning / BRAKING))
+    figures, limits = reading.figures, limits_of(reading)
+    braking = f"{figures['deceleration'].source}; it " if "deceleration" in figures else "it "
     yield "limits:"
-    yield f"  velocity: {_n(velocity)} # {one_line(figures['velocity'].source)}"
-    yield f"  angular_velocity: {_n(turning)} # {one_line(figures['angular_velocity'].source)}"
-    if aside:
-        yield f"  lateral_velocity: {_n(aside)} # {one_line(figures['lateral_velocity'].source)}"
-    yield f"  acceleration: {_n(acceleration)} # {one_line(figures['acceleration'].source)}"
-    yield "  angular_acceleration: 2.5 # usual"
-    yield f"  deceleration: {_n(braking)} # so that it stops within 0.3 s of its last command"
-    yield f"  angular_deceleration: {_n(turns)}"
-    yield "  command_age: 0.08"
+    yield f"  velocity: {_n(limits.velocity)} # {one_line(figures['velocity'].source)}"
+    yield f"  angular_velocity: {_n(limits.angular_velocity)} # {one_line(figures['angular_velocity'].source)}"
+    if limits.sideways:
+        yield f"  lateral_velocity: {_n(limits.lateral_velocity)} # {one_line(figures['lateral_velocity'].source)}"
+    yield f"  acceleration: {_n(limits.acceleration)} # {one_line(figures['acceleration'].source)}"
+    yield f"  angular_acceleration: {_n(limits.angular_acceleration)} # usual"
+    yield f"  deceleration: {_n(limits.deceleration)} # {one_line(braking + limits.describe_stop())}"
+    yield f"  angular_deceleration: {_n(limits.angular_deceleration)}"
+    yield f"  command_age: {_n(limits.command_age)}"
 
 
 def _lidar(sensor: FoundSensor) -> Iterator[str]:

@@ -4,10 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ur.robot.description.drive import DriveGeometry
+from ur.robot.description.speed_files import FoundSpeeds
 from ur.robot.description.urdf_parts import Description
 
-HIGHEST_VELOCITY = 0.6  # m/s, and rad/s below: a robot can brake from it in that time without sliding
+HIGHEST_VELOCITY = 3.0  # m/s, and rad/s below
 HIGHEST_ANGULAR_VELOCITY = 1.5
+_BRAKING, _HARDEST = 2.0, 6.0  # m/s^2: the usual deceleration, and the highest that wheels can pass to a floor
+_UNITS = {"velocity": "m/s", "angular_velocity": "rad/s"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,28 +70,48 @@ def read_masses(description: Description, drive: DriveGeometry, figures: dict[st
         figures["wheel_mass"] = Figure(each_side, "inertia of the wheels") if fits else usual
 
 
-def read_limits(description: Description, drive: DriveGeometry, figures: dict[str, Figure]) -> None:
-    """Read the speed limits of a Gazebo plugin, else of joints; implausibly high limits are ignored."""
+def read_limits(
+    description: Description, drive: DriveGeometry, figures: dict[str, Figure], speeds: FoundSpeeds | None = None
+) -> tuple[str, ...]:
+    """Read the speed limits of a Gazebo plugin, else of joints, else take those of files or usual ones.
+
+    Implausibly high limits are ignored. Returns notes for the user.
+    """
     plugin = description.drive
     turns = [wheel.joint.velocity for wheel in drive.wheels]
-    speeds = [speed for speed in turns if speed is not None and speed > 0.0]
+    of_joints = [speed for speed in turns if speed is not None and speed > 0.0]
     radius, separation = figures.get("wheel_radius"), figures.get("wheel_separation")
     velocity = Figure(plugin.velocity, "gazebo plugin") if plugin and plugin.velocity else None
-    if velocity is None and speeds and radius and min(speeds) * radius.value <= 3.0:
-        velocity = Figure(min(speeds) * radius.value, f"limit of joint {drive.wheels[0].joint.name}")
+    if velocity is None and of_joints and radius and min(of_joints) * radius.value <= HIGHEST_VELOCITY:
+        velocity = Figure(min(of_joints) * radius.value, f"limit of joint {drive.wheels[0].joint.name}")
+    turning = Figure(plugin.angular_velocity, "gazebo plugin") if plugin and plugin.angular_velocity else None
+    if (velocity is None or velocity.value < 0.05) and speeds:
+        velocity = Figure(speeds.velocity, speeds.source)
+        turning = turning or (Figure(speeds.angular_velocity, speeds.source) if speeds.angular_velocity else None)
     if velocity and velocity.value >= 0.05:
         figures.setdefault("velocity", _limited(velocity, HIGHEST_VELOCITY, "m/s"))
-    turning = Figure(plugin.angular_velocity, "gazebo plugin") if plugin and plugin.angular_velocity else None
-    if turning is None and velocity and velocity.value >= 0.05 and separation:
-        turning = Figure(2.0 * velocity.value / separation.value, "velocity and separation of the wheels")
+        if turning is None and separation:
+            turning = Figure(2.0 * velocity.value / separation.value, "velocity and separation of the wheels")
     if turning and turning.value >= 0.2:
         figures.setdefault("angular_velocity", _limited(turning, HIGHEST_ANGULAR_VELOCITY, "rad/s"))
-    acceleration = plugin.acceleration if plugin else None
-    usual = acceleration is None or not 0.2 <= acceleration <= 1.5
-    figures["acceleration"] = Figure(0.8, "usual") if usual else Figure(acceleration or 0.8, "gazebo plugin")
+    acceleration = Figure(plugin.acceleration, "gazebo plugin") if plugin and plugin.acceleration else None
+    if acceleration is None and speeds and speeds.acceleration:
+        acceleration = Figure(speeds.acceleration, speeds.source)
+    plausible = acceleration is not None and 0.2 <= acceleration.value <= 1.5
+    figures["acceleration"] = acceleration if acceleration and plausible else Figure(0.8, "usual")
+    braking = Figure(speeds.deceleration, speeds.source) if speeds and speeds.deceleration else None
+    plausible = braking is not None and figures["acceleration"].value <= braking.value <= _HARDEST
+    figures["deceleration"] = braking if braking and plausible else Figure(_BRAKING, "usual")
+    usual = {"velocity": 0.5, "angular_velocity": 1.5}
+    missing = [key for key in usual if key not in figures]
+    figures.update({key: Figure(usual[key], "usual") for key in missing})
+    if not missing:
+        return ()
+    names = " and ".join(f"{key.replace('_', ' ')} {usual[key]:g} {_UNITS[key]}" for key in missing)
+    return (f"{names}: usual, as neither the description nor a file around it says; change `limits` in base.yaml",)
 
 
 def _limited(figure: Figure, most: float, unit: str) -> Figure:
     if figure.value <= most:
         return figure
-    return Figure(most, f"{figure.source}: {figure.value:g} {unit}; this is what can be stopped in time")
+    return Figure(most, f"{figure.source}: {figure.value:g} {unit}; this is the most that a base may have")

@@ -23,9 +23,11 @@ from ur.robot.description.figures import (
 from ur.robot.description.outlines import Extent, draw_outline, measure_extent
 from ur.robot.description.pose import Pose, make_pose
 from ur.robot.description.sensing import FoundSensor, find_sensors, list_extra_sensors
+from ur.robot.description.speed_files import FoundSpeeds
 from ur.robot.description.urdf_parts import Description
 
 BRAKING = 0.13  # s from full speed to rest, so that a robot stops within 0.3 s of its last command
+SHORT_STOP = 0.6  # m/s: any robot can brake from it in that time without sliding
 # The least and the greatest value of a base; others in a description count as errors, and the user is asked instead.
 QUESTIONS: Mapping[str, tuple[float, float]] = {
     "length": (0.01, 10.0),
@@ -88,10 +90,15 @@ class DescriptionReading:
 
 
 def read_base_figures(
-    description: Description, given: Mapping[str, float], *, lidar: bool | None = None
+    description: Description,
+    given: Mapping[str, float],
+    *,
+    lidar: bool | None = None,
+    speeds: FoundSpeeds | None = None,
 ) -> DescriptionReading:
     """Derive the properties of a base from its description; `given` values (names of QUESTIONS) take precedence.
 
+    `speeds` are those of files around it, for a description that names none.
     With `lidar` True, a robot whose description names no lidar gets a typical one on top; with False it has none.
     """
     drive = find_drive(description)
@@ -117,11 +124,13 @@ def read_base_figures(
     outline, inner = _read_outline(drive, figures, [(x, y) for x, y, _ in points], origin)
     read_heights(figures, [z for _, _, z in points])
     read_masses(description, drive, figures)
-    read_limits(description, drive, figures)
+    notes += read_limits(description, drive, figures, speeds)
     sideways = description.sideways or any(_SIDEWAYS.search(f"{w.joint.name} {w.joint.child}") for w in drive.wheels)
     if sideways and "velocity" in figures:
         figures.setdefault("lateral_velocity", replace(figures["velocity"], source="as ahead: it can drive sideways"))
     figures.setdefault("lateral_velocity", Figure(0.0, "usual"))
+    if max(figures["velocity"].value, figures["lateral_velocity"].value) <= SHORT_STOP:
+        figures.pop("deceleration")  # it brakes harder than its files ask for
     supports = _read_supports(drive, figures, outline, origin)
     if len({round(wheel.x, 3) for wheel in drive.wheels}) > 1:
         notes.append("several driven axles (skid steer): simulated as two driven wheels between them")

@@ -134,8 +134,7 @@ def check_measured(key: str, value: float, *, asked: bool = False) -> float:
     if least <= value <= most:  # not so for NaN
         return value
     option = f"--{key.replace('_', '-')}"
-    why = ", so that the robot stops within 0.3 s" if key.endswith("velocity") else ""
-    message = f"'{value:g}', expected a number from {least:g} to {most:g}{why}"
+    message = f"'{value:g}', expected a number from {least:g} to {most:g}"
     if asked:
         raise UserError(error(message, rule="bad-value"))
     raise UserError(error(f"invalid {option} {message}", rule="bad-value", help=f"give {option}: {FIGURES[key][0]}"))

@@ -1,7 +1,7 @@
 // @ts-check
 /** The speed limit, which the robot keeps for every client, and the gamepad. */
 
-import { make } from "./elements.js";
+import { make, sentence } from "./elements.js";
 import { Gamepads } from "./gamepad.js";
 import { TEXTS } from "./texts.js";
 import { KIND } from "./wire.js";
@@ -40,7 +40,8 @@ export const SPEED_PANEL = {
       sources.textContent = names?.length ? TEXTS.commandSources(names.map(word), word(mux.active)) : "";
       sources.hidden = !names?.length;
       slider.disabled = !page.mayDrive || typeof limit !== "number";
-      note.textContent = TEXTS.speedLimit[limit === null ? "none" : limit === undefined ? "unknown" : "help"];
+      const help = TEXTS.speedLimit[limit === null ? "none" : limit === undefined ? "unknown" : "help"];
+      note.textContent = `${help} ${sentence(page.state?.robot.stop ?? "")}`.trim();
       if (document.activeElement !== slider || slider.disabled) slider.value = String(limit ?? 100);
       if (document.activeElement !== slider) show(limit ?? 100);
     }, {});

@@ -18,12 +18,13 @@ def read_drivers(side: Side) -> tuple[DriverHealth, ...]:
 
 
 def describe_driver(driver: DriverHealth) -> str:
-    """Describe a driver in a line: device, kind, firmware, frames, battery, and a board without a watchdog."""
+    """Describe a driver in a line: device, kind, firmware, frames, battery, how it stops, no watchdog."""
     rates = (
         f"{driver.frames:.0f} frames/s, {driver.damaged:.1f} damaged" if driver.open else f"not open: {driver.reason}"
     )
     parts = [f"{driver.device}: {driver.kind}", driver.firmware, rates]
-    parts += [f"{driver.voltage:.1f} V" if driver.voltage else "", NO_WATCHDOG if driver.drives_on else ""]
+    parts += [f"{driver.voltage:.1f} V" if driver.voltage else "", driver.stops]
+    parts += [NO_WATCHDOG if driver.drives_on else ""]
     return ", ".join(part for part in parts if part)
 
 
