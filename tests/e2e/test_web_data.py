@@ -92,10 +92,8 @@ def test_scene_shows_robot_cloud_and_markers_in_their_frames(page: BrowserPage) 
 
 
 @pytest.mark.usefixtures("scene")
-def test_status_shows_diagnostics_by_level_and_the_computer(page: BrowserPage) -> None:
+def test_status_shows_diagnostics_by_level(page: BrowserPage) -> None:
     page.run("page.panels.show(['status']); 0")
     page.wait("document.querySelectorAll('#status-panel .components details').length === 2")
     lines = page.run("[...document.querySelectorAll('#status-panel .components summary')].map((e) => e.textContent)")
     assert lines == ["Error: lidar <img src=x>, no\\x1b[2J word", "OK: motors, fine"]
-    page.wait("/Memory\\s+[0-9.]+ [MG]B of/.test(document.querySelector('#status-panel').innerText)")
-    page.wait("/Processor\\s+[0-9]+ %/.test(document.querySelector('#status-panel').innerText)")

@@ -9,12 +9,12 @@ from ur.web.wire.data_requests import DescribeModel, Question, Show, read_data_r
 from ur.web.wire.reading import BadRequestError
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node
+from ur_nodes.web.data.diagnostics import StatusFeed
 from ur_nodes.web.data.topics import TopicWatch
 from ur_nodes.web.layers.pacing import Every
 from ur_nodes.web.scene.feed import SceneFeed
 from ur_nodes.web.scene.robot_model import describe_mesh, describe_model
 from ur_nodes.web.server_link import Outlet
-from ur_nodes.web.status.feed import StatusFeed
 
 _TICK = 0.05  # s
 _GRAPH_EVERY = 2.0  # s

@@ -94,12 +94,12 @@ def test_page_that_has_left_gets_nothing_and_topics_are_left(world: DataWorld) -
     assert world.frames() == []
 
 
-def test_state_of_the_computer_is_sent_while_it_is_shown(world: DataWorld) -> None:
+def test_diagnostics_are_sent_while_it_is_shown(world: DataWorld) -> None:
     world.say(7, t="show", status=True)
     states = [each for page, each in world.frames(5.0) if page == 7]
     assert {each["t"] for each in states} == {"status"}
     assert len(states) == 3
-    assert states[-1]["computer"]["name"] == socket.gethostname()[:60]
+    assert states[-1]["components"] == []
 
 
 def test_answer_has_the_number_of_its_request(world: DataWorld) -> None:

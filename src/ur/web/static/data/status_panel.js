@@ -1,5 +1,5 @@
 // @ts-check
-/** Diagnostics, figures of the computer, and the battery over time. */
+/** Diagnostics, and the battery over time. */
 
 import { make, makeNote } from "../elements.js";
 import { BATTERY } from "./battery_history.js";
@@ -22,9 +22,6 @@ class StatusPanel {
     this.open = false;
     this.note = makeNote(DATA_TEXTS.connecting);
     this.components = make("div", "", "components");
-    this.title = make("h3");
-    this.help = make("p");
-    this.figures = make("dl", "", "figures");
     this.battery = make("h3", DATA_TEXTS.battery);
     this.batteryNote = make("p", DATA_TEXTS.noBattery);
     this.canvas = make("canvas");
@@ -32,7 +29,7 @@ class StatusPanel {
     this.canvas.ariaLabel = DATA_TEXTS.battery;
     const charts = make("div", "", "charts");
     charts.append(this.canvas);
-    box.append(this.note, this.components, this.title, this.help, this.figures, this.battery, this.batteryNote, charts);
+    box.append(this.note, this.components, this.battery, this.batteryNote, charts);
     DATA.on("status", (message) => this.take(message));
     DATA.on("state", (end) => end !== "up" && this.open && (this.note.textContent = end === "starting" ? DATA_TEXTS.notConnected : DATA_TEXTS.connecting));
     setInterval(() => this.draw(), PERIOD);
@@ -46,16 +43,12 @@ class StatusPanel {
     this.draw();
   }
 
-  /** @param {{components: Component[], computer: any}} message */
-  take({ components, computer }) {
+  /** @param {{components: Component[]}} message */
+  take({ components }) {
     const bad = components.filter(({ level }) => level !== "ok").length;
     const reported = components.length ? DATA_TEXTS.components(bad, components.length) : DATA_TEXTS.noDiagnostics;
     if (this.note.textContent !== reported) this.note.textContent = reported;
     this.showComponents(components);
-    this.title.textContent = DATA_TEXTS.computer(computer.name);
-    const own = ["localhost", "127.0.0.1", computer.name, ""].includes(computer.master);
-    this.help.textContent = own ? DATA_TEXTS.computerHelp : DATA_TEXTS.otherComputer(computer.master);
-    this.figures.replaceChildren(...listFigures(computer).flatMap(([name, value]) => [make("dt", name), make("dd", value, "number")]));
   }
 
   /** @param {Component[]} components */
@@ -85,23 +78,6 @@ class StatusPanel {
     this.canvas.hidden = samples.length === 0;
     if (samples.length) drawBattery(this.canvas, samples);
   }
-}
-
-/** @param {any} computer @returns {[string, string][]} */
-function listFigures(computer) {
-  const { figures } = DATA_TEXTS;
-  /** @type {[string, string | undefined][]} */
-  const rows = [
-    [figures.cpu, computer.cpu === undefined ? undefined : DATA_TEXTS.percent(computer.cpu)],
-    [figures.load, computer.load?.toFixed(2)],
-    [figures.memory, computer.memory && DATA_TEXTS.used(computer.memory[0], computer.memory[1])],
-    [figures.disk, computer.disk && DATA_TEXTS.used(computer.disk[0], computer.disk[1])],
-    ...(computer.temperatures ?? []).map((/** @type {[string, number]} */ [name, value]) => [DATA_TEXTS.temperature(name), DATA_TEXTS.degrees(value)]),
-    ...(computer.wireless ?? []).map((/** @type {[string, number, number]} */ [name, signal, quality]) => [DATA_TEXTS.wireless(name), DATA_TEXTS.signal(signal, quality)]),
-    [figures.link, computer.link === undefined ? undefined : DATA_TEXTS.milliseconds(computer.link)],
-    [figures.uptime, computer.uptime === undefined ? undefined : DATA_TEXTS.time(computer.uptime)],
-  ];
-  return /** @type {[string, string][]} */ (rows.filter(([, value]) => value !== undefined));
 }
 
 /** Draw the share, or the volts where there is no share. @param {HTMLCanvasElement} canvas @param {[number, number | null, number | null][]} samples */

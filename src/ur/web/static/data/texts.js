@@ -24,22 +24,7 @@ export const DATA_TEXTS = {
   noDiagnostics: "No node publishes diagnostics (/diagnostics).",
   /** @param {number} bad @param {number} all */
   components: (bad, all) => (bad ? `${bad} of ${all} components need attention.` : `${all} components are OK.`),
-  /** @param {string} name */
-  computer: (name) => `Computer ${name}`,
-  computerHelp: "This computer serves the page.",
-  /** @param {string} name */
-  otherComputer: (name) => `This computer serves the page. The robot is ${name}: open the page that it serves itself to see its figures.`,
-  figures: { cpu: "Processor", load: "Load", memory: "Memory", disk: "Disk", uptime: "Since its start", link: "Master answers in" },
-  temperature: /** @param {string} name */ (name) => `Temperature ${name}`,
-  wireless: /** @param {string} name */ (name) => `WiFi ${name}`,
-  /** @param {number} signal @param {number} quality */
-  signal: (signal, quality) => `${Math.round(signal)} dBm (${signal >= -60 ? "good" : signal >= -75 ? "fair" : "weak"}), quality ${Math.round(quality)}`,
-  degrees: /** @param {number} value */ (value) => `${value.toFixed(0)} \u00b0C`,
   percent: /** @param {number} share */ (share) => `${Math.round(100 * share)} %`,
-  milliseconds: /** @param {number} time */ (time) => `${time.toFixed(1)} ms`,
-  /** @param {number} used @param {number} all */
-  used: (used, all) => `${bytes(used)} of ${bytes(all)}, ${Math.round((100 * used) / Math.max(all, 1))} %`,
-  time: /** @param {number} seconds */ (seconds) => (seconds < 7200 ? `${Math.round(seconds / 60)} min` : `${(seconds / 3600).toFixed(1)} h`),
   battery: "Battery since the page was opened",
   noBattery: "No battery state yet.",
   /** @param {number} minutes */

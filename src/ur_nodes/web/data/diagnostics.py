@@ -1,15 +1,23 @@
-"""The newest diagnostics of each component, from decoded messages of the type diagnostic_msgs/DiagnosticArray."""
+"""Diagnostics of the robot: the newest of each component, sent while a page shows them."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
 
 from ur.source.printable import printable
-from ur_nodes.web.messages.decode import Bounds, Cut
-from ur_nodes.web.status.computer import LEVELS
+from ur.web.wire.data_frames import pack_json
+from ur_nodes.ports.node import Node, Subscription
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.raw import RawMessage
+from ur_nodes.web.layers.pacing import Every
+from ur_nodes.web.messages.decode import BadMessageError, Bounds, Cut, decode
+from ur_nodes.web.messages.definition import BadDefinitionError, read_definition
 
 KIND = "diagnostic_msgs/DiagnosticArray"
 BOUNDS = Bounds(items=200, letters=300, values=8000)
 STALE = 10.0
 """Seconds without a word after which a component counts as stale."""
+
+LEVELS: Mapping[int, str] = {0: "ok", 1: "warn", 2: "error", 3: "stale"}
+"""Of diagnostic_msgs/DiagnosticStatus, by its number."""
 
 _MOST = 300  # components
 _FORGOTTEN = 300.0  # s
@@ -61,3 +69,45 @@ def _items(value: object) -> list[object]:
 
 def _text(value: object) -> str:
     return printable(value)[:300] if isinstance(value, str) else ""
+
+
+_EVERY = 2.0  # s
+_TOPIC = "/diagnostics"
+_LONGEST = 1 << 20  # bytes of a message
+_LOGGED_EVERY = 10.0  # s
+
+
+class StatusFeed:
+    """Sends the status that pages show."""
+
+    def __init__(self, node: Node, send: Callable[[bytes], None]) -> None:
+        self._node, self._send = node, send
+        self._every = Every(_EVERY)
+        self._subscription: Subscription | None = None
+        self._diagnostics = Diagnostics()
+        self._pages: frozenset[int] = frozenset()
+
+    def step(self, pages: Collection[int]) -> None:
+        """Send the state to these pages; to be called often."""
+        if pages and self._subscription is None:
+            self._subscription = self._node.raw.subscribe(_TOPIC, self._take, Quality.EVERY)
+        elif not pages and self._subscription is not None:
+            self._subscription.close()
+            self._subscription, self._diagnostics = None, Diagnostics()
+        if set(pages) - self._pages:
+            self._every.hurry()
+        self._pages = frozenset(pages)
+        if pages and self._every.due(self._node.steady()):
+            components = self._diagnostics.describe(self._node.steady())
+            for page in self._pages:
+                self._send(pack_json(page, "status", {"t": "status", "components": components}))
+
+    def _take(self, message: RawMessage) -> None:
+        if message.type_name != KIND or len(message.data) > _LONGEST:
+            return
+        try:
+            found = decode(read_definition(KIND, message.schema), message.data, BOUNDS)
+        except (BadDefinitionError, BadMessageError) as problem:
+            self._node.log.warn(f"{_TOPIC}: {problem}", every=_LOGGED_EVERY)
+            return
+        self._diagnostics.receive(found, self._node.steady())

@@ -2,8 +2,8 @@
 
 from typing import Any
 
+from ur_nodes.web.data.diagnostics import Diagnostics
 from ur_nodes.web.messages.decode import Cut
-from ur_nodes.web.status.diagnostics import Diagnostics
 
 
 def component(name: Any = "a", level: Any = 0, **more: Any) -> dict[str, Any]:

@@ -1,15 +1,11 @@
-"""Diagnostics and figures of the computer, on a bus."""
+"""Diagnostics of a page, on a bus."""
 
 import json
 import struct
-from typing import Any
 
 from ur.web.wire.data_frames import unpack_frame
 from ur_nodes.memory.bus import Bus
-from ur_nodes.ports.node import Facts
-from ur_nodes.web.status.computer import CpuTimes
-from ur_nodes.web.status.diagnostics import KIND
-from ur_nodes.web.status.feed import StatusFeed
+from ur_nodes.web.data.diagnostics import KIND, StatusFeed
 
 SCHEMA = """Header header
 DiagnosticStatus[] status
@@ -41,16 +37,12 @@ def diagnosis(level: int, name: str) -> bytes:
     return header + struct.pack("<IB", 1, level) + text(name) + text("hot") + text("") + struct.pack("<I", 0)
 
 
-def measure(before: CpuTimes, _facts: Facts) -> tuple[CpuTimes, dict[str, Any]]:
-    return CpuTimes(before.total + 1), {"load": before.total}
-
-
 def test_diagnostics_are_heard_while_a_page_shows_them() -> None:
     bus = Bus()
     bus.schemas[KIND] = SCHEMA
     frames: list[bytes] = []
     node, driver = bus.node("web"), bus.node("driver")
-    feed = StatusFeed(node, frames.append, measure)
+    feed = StatusFeed(node, frames.append)
     shown: list[int] = []
     node.every(0.05, lambda: feed.step(shown))
     publisher = driver.raw.publish("/diagnostics", KIND)
@@ -62,10 +54,9 @@ def test_diagnostics_are_heard_while_a_page_shows_them() -> None:
     publisher.send(b"no message")
     bus.run(2.0)
     first, second = (json.loads(unpack_frame(each).body) for each in frames)
-    assert first == {"t": "status", "components": [], "computer": {"load": 0}}
+    assert first == {"t": "status", "components": []}
     (component,) = second["components"]
     assert (component["name"], component["level"], component["text"]) == ("motors", "error", "hot")
-    assert second["computer"] == {"load": 1}
     assert [level for level, line in node.lines if "/diagnostics: message of 10 bytes" in line] == ["warn"]
     shown.clear()
     bus.run(1.0)
@@ -75,7 +66,7 @@ def test_diagnostics_are_heard_while_a_page_shows_them() -> None:
 def test_page_that_is_new_gets_the_state_at_once() -> None:
     bus = Bus()
     frames: list[bytes] = []
-    feed = StatusFeed(bus.node("web"), frames.append, measure)
+    feed = StatusFeed(bus.node("web"), frames.append)
     feed.step([1])
     bus.run(0.1)
     feed.step([1, 2])

@@ -1,1 +1,0 @@
-"""The state of the robot and its computer for pages: diagnostics, processor, memory, disk, wireless."""
