@@ -12,12 +12,12 @@ from ur_nodes.ports.node import Node
 from ur_nodes.web.driving.driver_link import DriverLink
 from ur_nodes.web.driving.driver_session import DrivenRobot, DriverSession
 from ur_nodes.web.driving.page_goals import PageGoals
-from ur_nodes.web.layers.frame_sender import FrameOutlet
+from ur_nodes.web.layers.pacing import FrameOutlet
 from ur_nodes.web.maps.map_changes import MapChanges
 from ur_nodes.web.maps.map_link import MapLink
+from ur_nodes.web.maps.map_server_link import ZoneLink
 from ur_nodes.web.maps.place_file import PlaceFile
-from ur_nodes.web.maps.zone_link import ZoneLink
-from ur_nodes.web.robot_facts import RobotFacts
+from ur_nodes.web.view_state import RobotFacts
 from ur_nodes.web.viewer_session import ShownRobot, ViewerSession
 
 

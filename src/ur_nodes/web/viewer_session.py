@@ -21,16 +21,16 @@ from ur_nodes.ports.values import Battery
 from ur_nodes.web.driving.driver_link import DriverLink
 from ur_nodes.web.layers.camera import CameraView
 from ur_nodes.web.layers.extra_layers import ExtraLayers
-from ur_nodes.web.layers.frame_sender import FrameOutlet, Frames, FrameSender
 from ur_nodes.web.layers.overlays import Overlays
+from ur_nodes.web.layers.pacing import FrameOutlet, Frames, FrameSender
 from ur_nodes.web.layers.plots import PlotFeed
 from ur_nodes.web.layers.tiles import GridFrames
 from ur_nodes.web.maps.map_link import MapLink
+from ur_nodes.web.maps.map_server_link import ZoneLink
 from ur_nodes.web.maps.place_file import PlaceFile
-from ur_nodes.web.maps.zone_link import ZoneLink
-from ur_nodes.web.robot_facts import RobotFacts
 from ur_nodes.web.server_link import is_alone
 from ur_nodes.web.view_state import (
+    RobotFacts,
     describe_battery,
     describe_exploration,
     describe_goal,

@@ -16,7 +16,7 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import RawMessage
 from ur_nodes.ports.services import Switch, Trigger
 from ur_nodes.ports.values import Result, Scan, StampedTwist, Time, Twist
-from ur_nodes.web.status.diagnostics import KIND
+from ur_nodes.web.data.diagnostics import KIND
 
 pytestmark = pytest.mark.usefixtures("home")
 

@@ -10,7 +10,7 @@ from ur_nodes.pictures.decode import BadPictureError, unpack_picture
 from ur_nodes.ports.node import Node, Subscription
 from ur_nodes.ports.transforms import seconds_of
 from ur_nodes.ports.values import PackedPicture, Picture
-from ur_nodes.web.layers.frame_sender import FrameOutlet
+from ur_nodes.web.layers.pacing import FrameOutlet
 
 _EVERY = 1.0 / 15.0  # s between two pictures
 _MOST = 20  # cameras that pages choose among

@@ -10,8 +10,7 @@ from ur_nodes.ports.kept_map import KeptMap
 from ur_nodes.ports.node import Node, Subscription
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Map, MapUpdate, Poses
-from ur_nodes.web.layers.frame_sender import Frames
-from ur_nodes.web.layers.pacing import Every
+from ur_nodes.web.layers.pacing import Every, Frames
 from ur_nodes.web.layers.tiles import GridFrames
 
 _EVERY = 0.5  # s between two frames of a layer

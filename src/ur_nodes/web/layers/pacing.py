@@ -1,6 +1,48 @@
-"""Pacing of work within a step that is called often."""
+"""The pace of frames: work that is due now and then, and frames that a slow server gets fewer of."""
 
 import math
+from collections.abc import Callable, Iterable
+from typing import Protocol
+
+from ur_nodes.ports.node import Node
+
+Frames = Callable[[], Iterable[bytes]]
+"""Makes frames; it is called beside the node."""
+
+_LANE = "frames"
+
+
+class FrameOutlet(Protocol):
+    """Sends frames without letting the node wait."""
+
+    busy: bool
+    """Return whether the server has not taken all that was sent: what can be left out now should be."""
+
+    def send_frame(self, frame: bytes) -> None:
+        """Send a frame."""
+
+
+class FrameSender:
+    """Makes frames on a worker, and sends them in the order of `put`."""
+
+    def __init__(self, node: Node, outlet: FrameOutlet) -> None:
+        self._node, self._outlet = node, outlet
+        self._making = 0
+
+    @property
+    def busy(self) -> bool:
+        """Return whether frames are still on their way: a server that is slow gets fewer."""
+        return self._making > 0 or self._outlet.busy
+
+    def put(self, frames: Frames) -> None:
+        """Make frames on a worker, then send them."""
+        self._making += 1
+        self._node.work(lambda: list(frames()), self._send, _LANE)
+
+    def _send(self, frames: list[bytes]) -> None:
+        self._making -= 1
+        for each in frames:
+            self._outlet.send_frame(each)
 
 
 class Every:

@@ -13,8 +13,8 @@ from ur.web.wire.map_requests import (
     SaveMap,
 )
 from ur_nodes.web.maps.map_link import MapLink
+from ur_nodes.web.maps.map_server_link import ZoneLink
 from ur_nodes.web.maps.place_file import PlaceFile
-from ur_nodes.web.maps.zone_link import ZoneLink
 
 Reply = Callable[[str, Mapping[str, object]], None]
 """Sends an answer to a page, by its client id."""

@@ -11,7 +11,7 @@ from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result
-from ur_nodes.web.maps.wall_link import WallLink
+from ur_nodes.web.maps.map_server_link import WallLink
 
 _SERVICE_NAME = re.compile(r"/?[A-Za-z][\w/]{0,200}", re.ASCII)
 _KEEPER = "keyboard_navigate"

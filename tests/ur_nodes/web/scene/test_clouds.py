@@ -5,7 +5,7 @@ import struct
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.web.scene.clouds import pack_cloud, thin_cloud
+from ur_nodes.web.scene.feed import pack_cloud, thin_cloud
 
 KIND = [("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("rgb", "<u4")]
 
