@@ -20,7 +20,7 @@ from ur.robot.discovery.record import RobotRecord, load_records, records_folder
 from ur.robot.discovery.seen import SeenRobot, load_seen, note_seen, seen_path
 from ur.robot.selection import Selection, load_selection, selection_path
 from ur.robot.sync.memory import WorkspacePair, load_memory, memory_path
-from ur.web.server.logins.session_list import find_logins
+from ur.web.access.roles import list_sessions, read_sessions
 from ur_nodes.client.waypoints import WaypointStore, name_of_map
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
@@ -116,6 +116,7 @@ def test_maps_of_0_1_0_are_listed_with_their_zones_and_edits(
 
 def test_logins_and_installed_packages_of_0_1_0_are_known(released: dict[str, str]) -> None:
     web = Path(released["XDG_STATE_HOME"]) / "ubiquity_launches/web"
-    (login,) = find_logins(web, 1.7e9)
+    (file,) = web.glob("sessions-*.json")
+    (login,) = list_sessions(read_sessions(file.read_text()), 1.7e9).values()
     assert "phone" in str(login)
     assert load_record(record_path(released)) == InstallRecord(("ros-noetic-rplidar-ros",), ("xacro",))

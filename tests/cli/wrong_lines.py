@@ -137,7 +137,6 @@ use 'a b'
 use robot.example.org
 web nosuchrobot
 web sim:mangi
-web --end nothing
 web --days never
 web --foxglove-origin viewer.example
 mcp grant --within 0,0,5,4 --not kitchen=2,1,5,4 --programs

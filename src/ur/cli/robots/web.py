@@ -33,8 +33,6 @@ from ur.source.diagnostic import UserError, error
     show_default=True,
     help="Days until a login expires, also if it is used.",
 )
-@click.option("--sessions", is_flag=True, help="List the devices that are logged in, and start no server.")
-@click.option("--end", metavar="NAME|all", help="Log out the device of this name, or all, and start no server.")
 @click.option("--service", is_flag=True, hidden=True)
 @click.option("--prepare", is_flag=True, hidden=True)
 @click.option("--prepare-3d", is_flag=True, hidden=True)
@@ -47,8 +45,6 @@ def command(
     foxglove: bool,
     origins: tuple[str, ...],
     days: float,
-    sessions: bool,
-    end: str | None,
     service: bool,
     prepare: bool,
     prepare_3d: bool,
@@ -62,8 +58,6 @@ def command(
     if prepare_3d:  # for the page, when its 3D view is first opened
         need_all(["jupyter_threejs_sage"], "three.lock", "what the 3D view needs (1 MB to download)")
         return 0
-    if sessions or end is not None:
-        return _manage_logins(end)
     stored = current_selection(os.environ)
     selection = _choose(robot, stored)
     if not (service or prepare) and is_over_ssh(selection):
@@ -103,23 +97,6 @@ def _choose(robot: str | None, stored: Selection) -> Selection:
     check_base(chosen)
     click.echo(note, nl=False, err=True)
     return chosen
-
-
-def _manage_logins(end: str | None) -> int:
-    """List the logged-in devices, after ending the logins of `end`."""
-    import time
-
-    from ur.web.server.logins.session_file import state_folder
-    from ur.web.server.logins.session_list import draw_logins, end_logins, find_logins
-
-    logins = find_logins(state_folder(), time.time())
-    if end is not None:
-        count = end_logins(logins, end)
-        click.echo(f"logged out {count} {'device' if count == 1 else 'devices'}")
-        return 0
-    for line in draw_logins(logins):
-        click.echo(line)
-    return 0
 
 
 def _read_origin(text: str) -> str:

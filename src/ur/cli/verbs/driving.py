@@ -51,8 +51,6 @@ DRIVING = (
             ("ur web", "Serve the page of the selected robot and print a link to it."),
             ("ur web --phone", "Let a phone in the same network open it; prints a QR code."),
             ("ur web bob --look", "Make a link that allows watching but not driving."),
-            ("ur web --sessions", "List the devices that are logged in."),
-            ("ur web --end 'Linux 2'", "Log one of them out."),
         ),
         trust=Trust(
             "requests of browsers",

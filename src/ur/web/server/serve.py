@@ -21,6 +21,7 @@ from ur.source.ansi import allows_colour
 from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable
 from ur.source.replace import PRIVATE, replace_file
+from ur.source.user_folders import user_folder
 from ur.web.access.origin import make_origins
 from ur.web.access.roles import DAY, SESSION_LIFE, Role
 from ur.web.server.application import Application
@@ -30,7 +31,6 @@ from ur.web.server.enter_key import call_on_enter
 from ur.web.server.link_files import LinkFiles
 from ur.web.server.links import FIRST_PORT, LISTENERS, draw_code, find_address, make_link
 from ur.web.server.logins.gate import VIEWER_PATH, LoginGate
-from ur.web.server.logins.session_file import state_folder
 from ur.web.server.logins.sessions import discard_line
 from ur.web.server.robot_process import robot_environment
 from ur.web.server.static_files import load_files
@@ -73,7 +73,7 @@ async def serve(
     """
     address = find_address() if options.phone else "localhost"
     network = options.phone or options.service
-    folder = state_folder()
+    folder = Path(user_folder("XDG_STATE_HOME", os.environ), "ubiquity_launches", "web")
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     log = _Log(folder / "web.log")
     ended = asyncio.Event()

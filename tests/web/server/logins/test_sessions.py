@@ -19,7 +19,6 @@ from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
 from ur.web.server.connections.listener import listen  # noqa: E402
 from ur.web.server.logins.gate import LoginGate  # noqa: E402
-from ur.web.server.logins.session_file import SessionFile  # noqa: E402
 
 DRIVE = "/ws/drive?tab=0123456789ab"
 
@@ -88,22 +87,6 @@ async def test_end_of_a_session_closes_its_pages_and_no_other(server: SessionSer
         assert len(await server.list(own)) == 1
         await third.close()
         await mine.close()
-
-
-async def test_sessions_that_another_process_ends_are_over_within_a_moment(server: SessionServer) -> None:
-    first, second = await server.open_client(), await server.open_client()
-    async with first, second:
-        socket = await first.ws_connect(server.url + DRIVE)
-        number = next(each for each, grant in server.gate.sessions.list().items() if grant.name == "Linux")
-        SessionFile(server.path).end([number])
-        while not socket.closed:
-            await socket.receive(timeout=30)
-        assert (await first.get(f"{server.url}/api/me")).status == 403
-        third = await server.open_client()  # the server writes the file
-        await third.close()
-        assert number not in server.gate.sessions.list()
-        assert "Linux 2" in [grant.name for grant in server.gate.sessions.list().values()]
-        assert (await second.get(f"{server.url}/api/me")).status == 200
 
 
 async def test_names_are_chosen_by_people_and_stay_unambiguous(server: SessionServer) -> None:

@@ -1,11 +1,12 @@
-"""The sessions of a running server: their file, their open connections, and reports of logins."""
+"""The sessions of a running server: their private file, their open connections, and reports of logins."""
 
 import asyncio
 import time
 from collections.abc import Callable, Collection, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from ur.source.replace import PRIVATE, replace_file
 from ur.web.access.roles import (
     SESSION_LIFE,
     Grant,
@@ -21,11 +22,13 @@ from ur.web.access.roles import (
     name_session,
     note_use,
     open_session,
+    read_sessions,
     use_token,
+    write_sessions,
 )
 from ur.web.server.link_files import LinkFiles
-from ur.web.server.logins.session_file import SessionFile
 
+_LONGEST = 1 << 20  # bytes of the file
 _SAVED_EVERY = 3600.0  # s: the precision of the last use after the server was killed
 
 
@@ -49,9 +52,11 @@ class Sessions:
 
         `life` is the validity of a login in s.
         """
-        self._file, self._path, self._log, self._links = SessionFile(path), path, log, links
+        self._path, self._log, self._links = path, log, links
         self._report, self._life = report, life
-        self._ledger: Ledger = self._file.load()
+        self._ledger = Ledger()
+        with suppress(OSError, UnicodeDecodeError), path.open("rb") as file:
+            self._ledger = read_sessions(file.read(_LONGEST).decode("utf-8"))
         self._open: dict[str, set[asyncio.Transport]] = {}
         self._saved_at = time.monotonic()
         self._clock = clock
@@ -135,12 +140,10 @@ class Sessions:
                 transport.close()
 
     def poll(self) -> None:
-        """End the sessions that another process has removed from the file, and expired ones."""
-        valid = self.list().keys()
-        ended = {*self._file.list_ended(), *(number for number in self._open if number not in valid)}
-        ended = {each for each in ended if each in valid or each in self._open}
-        if ended:
-            self.end(ended)
+        """End expired sessions, and save the last uses now and then."""
+        expired = self._open.keys() - self.list().keys()
+        if expired:
+            self.end(expired)
         elif time.monotonic() - self._saved_at > _SAVED_EVERY:
             self.save(lasting=False)  # a slow disk would delay every request
 
@@ -162,6 +165,6 @@ class Sessions:
         """Write the file; with `lasting`, it is on the disk when this returns."""
         self._saved_at = time.monotonic()
         try:
-            self._ledger = self._file.store(self._ledger, lasting=lasting)
+            replace_file(self._path, write_sessions(self._ledger), mode=PRIVATE, parents=True, lasting=lasting)
         except OSError as problem:
             self._log(f"{self._path}: sessions are not saved: {problem.strerror}")
