@@ -11,26 +11,15 @@ from tests.limits import Used, run_limited
 from ur.get.folder import folder_needs
 from ur.source.diagnostic import UserError
 
-BOMB = "".join(
-    [
-        "a: &a [" + "xxxxxxxxxx," * 10 + "]\n",
-        *(f"{c}: &{c} [" + f"*{p}," * 10 + "]\n" for p, c in zip("abcdefgh", "bcdefghi", strict=True)),
-    ]
-)
-
 
 def _zero(path: Path) -> None:
     path.symlink_to("/dev/zero")
 
 
 def _write_special_files(folder: Path) -> None:
-    for name in ("pipe", "device", "file"):
-        (folder / name / ".git").mkdir(parents=True)
-    os.mkfifo(folder / "pipe" / ".git" / "config")
-    _zero(folder / "device" / ".git" / "config")
-    (folder / "file" / ".git").rmdir()
-    os.mkfifo(folder / "file" / ".git")
-    for name in ("b.launch", "README.md", "x.repos"):
+    for name in ("pipe", "device"):
+        (folder / name).mkdir()
+    for name in ("b.launch", "c.xacro"):
         os.mkfifo(folder / "pipe" / name)
         _zero(folder / "device" / name)
     (folder / "root").symlink_to("/")
@@ -43,14 +32,8 @@ def _write_texts(folder: Path) -> None:
         ("comments.launch", "<!--"),
         ("nodes.launch", "<node "),
         ("packages.launch", "<node pkg "),
-        ("clones.md", "git clone -"),
-        ("options.md", "git clone -b a "),
-        ("links.md", "https://github.com/a-"),
     ):
         (folder / name).write_text(text * (4_000_000 // len(text)))
-    for name, text in (("lines", "\n"), ("sections", "[submodule")):
-        (folder / name).mkdir()
-        (folder / name / ".gitmodules").write_text(text * (4_000_000 // len(text)))
 
 
 def _write_manifests(folder: Path) -> None:
@@ -60,20 +43,10 @@ def _write_manifests(folder: Path) -> None:
         (folder / name / "package.xml").write_text(f"<package><name>{name}</name>{comment}</package>")
 
 
-def _write_lists(folder: Path) -> None:
-    (folder / "a.repos").write_text("[" * 200_000)
-    version = "repositories: {n: {type: git, url: 'https://github.com/a/b', version: *i}}\n"
-    (folder / "b.repos").write_text(BOMB + version)
-    name = "- git: {local-name: *i, uri: 'https://github.com/a/b'}\n"
-    (folder / "c.rosinstall").write_text(f"- {{x: {{{BOMB.replace(chr(10), ',')}}}}}\n{name}")
-    (folder / "d.repos").write_text("repositories: {n: {version: 1" + ":59" * 1_000_000 + "}}")
-
-
 FOLDERS: dict[str, Callable[[Path], None]] = {
     "special files": _write_special_files,
     "texts": _write_texts,
     "manifests": _write_manifests,
-    "lists": _write_lists,
 }
 
 
@@ -107,6 +80,12 @@ def test_broken_package_is_named(tmp_path: Path, make: Callable[[Path], None], r
     with pytest.raises(UserError, match=reason) as caught:
         folder_needs([str(tmp_path)], {})
     assert str(caught.value).startswith(f"{tmp_path}/p/package.xml: ")
+
+
+def test_folder_without_a_file_to_read_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "robot.launch.py").write_text("")
+    with pytest.raises(UserError, match="no readable launch file"):
+        folder_needs([str(tmp_path)], {})
 
 
 def _get(folder: Path) -> Used:

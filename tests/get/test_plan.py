@@ -1,12 +1,13 @@
 """Plans of `ur get`, from tables in memory."""
 
+import re
 from collections.abc import Sequence
 
 import pytest
+from tests.base_contract import EVERY, load
 
 from ur.get.computer import load_tables
-from ur.get.hints import read_hints
-from ur.get.index import merge_indexes, parse_index, read_dependencies
+from ur.get.index import load_sources, merge_indexes, parse_index, parse_sources, read_dependencies
 from ur.get.missing import named_packages
 from ur.get.plan import Tables, make_plan
 from ur.get.render import render_plan
@@ -142,9 +143,6 @@ class Nothing:
     def list_installed(self, _names: Sequence[str]) -> frozenset[str]:
         return frozenset()
 
-    def list_branches(self, _url: str) -> None:
-        return None
-
 
 def test_missing_tables_are_reported_and_what_needs_none_is_still_planned() -> None:
     missing = [Missing("amcl"), Missing("xacro")]
@@ -171,16 +169,14 @@ repositories:
     )  # fmt: skip
 
 
-def test_sources_are_asked_in_order_index_then_files_then_table_then_ros_2() -> None:
+def test_sources_are_asked_in_order_index_then_table_then_ros_2() -> None:
     old = parse_index(INDEX)
     newer = parse_index(INDEX.replace("[amcl", "[tracker, only_new, amcl"), "humble")
-    hints = tuple(read_hints("a.repos", "repositories: {tracker: {type: git, url: 'https://example.org/t.git'}}"))
-    tables = Tables({}, {}, index=old, hints=hints, known={"lost": hints[0]}, ros2=newer)
-    made = make_plan([Missing(name) for name in ("amcl", "tracker", "lost", "only_new")], tables, bool)
+    tables = Tables({}, {}, index=old, known={"tracker": old.repositories["amcl"]}, ros2=newer)
+    made = make_plan([Missing(name) for name in ("amcl", "tracker", "only_new")], tables, bool)
     assert {step.missing.package: step.reason for step in made.steps} == {
         "amcl": "",
-        "tracker": "no index has it; a file of this folder names it",
-        "lost": "no index has it",
+        "tracker": "no index has it",
         "only_new": "only in ROS 2 humble, and has to be ported to ROS 1",
     }
     assert "only_new: https://example.org/navigation.git; only in ROS 2 humble" in render_plan(made)
@@ -194,16 +190,22 @@ def test_misspelt_package_gets_a_suggestion_and_a_private_one_the_file_that_name
     assert "which demo/b.launch names: it is private or withdrawn, ask its author" in reasons[1]
 
 
-def test_package_by_its_name_is_not_in_a_repository_of_which_all_packages_are_known() -> None:
-    text = "git clone https://github.com/me/gaden; git clone https://github.com/me/arms"
-    hints = tuple(read_hints("README.md", text))
-    missing = [Missing("gaden_player"), Missing("arms_gazebo")]
-    index = parse_index(
-        "repositories:\n  arms: {release: {packages: [arms_msgs]},"
-        " source: {type: git, url: 'https://github.com/Me/arms.git', version: main}}\n"
-    )
-    steps = make_plan(missing, Tables({}, {}, index=index, hints=hints), bool).steps
-    assert [(step.missing.package, step.way) for step in steps] == [
-        ("arms_gazebo", "unknown"),
-        ("gaden_player", "source"),
+def test_table_of_sources_holds_addresses_that_a_shell_leaves_alone() -> None:
+    table = load_sources()
+    assert table["ydlidar"].url.startswith("https://")
+    with pytest.raises(ValueError, match=r"known_sources\.tsv:2"):
+        parse_sources("repository\tbranch\tpackages\nhttps://a.org/x;y\t-\tpkg\n")
+
+
+def test_drivers_of_our_bases_that_no_index_has_come_from_where_their_base_files_say() -> None:
+    drivers = [
+        driver
+        for name, variant in EVERY
+        for driver in (load(name, variant).driver, *load(name, variant).drivers)
+        if driver is not None
     ]
+    told = {driver.package: re.findall(r"https://\S+", driver.install) for driver in drivers}
+    table = load_sources()
+    assert "pi_sonar" in table
+    for package in told.keys() & table.keys():
+        assert table[package].url.removesuffix(".git") in told[package]

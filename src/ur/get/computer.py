@@ -9,11 +9,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Protocol
 
-from ur.get.hints import load_sources
-from ur.get.index import MAX_INDEX, NEWEST, ROS2, Index, merge_indexes, parse_index
-from ur.get.owners import ask_server, confirm_guesses, list_guesses
+from ur.get.index import MAX_INDEX, NEWEST, ROS2, Index, load_sources, merge_indexes, parse_index
 from ur.get.plan import Tables, make_plan
-from ur.get.steps import GetPlan, Missing, SourceRepository
+from ur.get.steps import Missing
 from ur.get.tables import DebianPackage, all_names, parse_candidates, parse_table
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.files import read_text
@@ -57,22 +55,17 @@ class PackageSources(Protocol):
         """Return the Debian packages, of these, that are installed."""
         ...
 
-    def list_branches(self, url: str, /) -> Sequence[str] | None:
-        """Return the branches of the repository at an address, the default one first; None if no user can be asked."""
-        ...
-
 
 def load_tables(
     missing: Iterable[Missing],
     sources: PackageSources,
     distribution: str = "",
-    hints: Sequence[SourceRepository] = (),
     names: Iterable[str] = (),
 ) -> tuple[Tables, tuple[str, ...]]:
     """Read the tables for these packages, and return them with notes on missing ones. No package name is sent anywhere.
 
-    Indexes are read only if a package needs them. `hints` are the repositories that files name, `names` the installed
-    packages, for suggestions. Raises UserError if a requested index cannot be read.
+    Indexes are read only if a package needs them. `names` are the installed packages, for suggestions. Raises UserError
+    if a requested index cannot be read.
     """
     wanted = tuple(missing)
     packages = [each.package for each in wanted]
@@ -87,7 +80,7 @@ def load_tables(
     debian = all_names(packages, rosdep, distribution)
     tables = Tables(rosdep, sources.show_candidates(debian), sources.list_installed(debian), None, distribution)
     if make_plan(wanted, tables, bool).steps_by("unknown"):
-        tables = replace(tables, hints=tuple(hints), known=load_sources(), names=frozenset(names))
+        tables = replace(tables, known=load_sources(), names=frozenset(names))
         index, note = _load_index(sources, DISTRIBUTIONS)
         tables = replace(tables, index=index)
         if index is not None and not note and make_plan(wanted, tables, bool).steps_by("unknown"):
@@ -95,18 +88,6 @@ def load_tables(
             tables = replace(tables, ros2=newer)
         notes += [note] if note else []
     return tables, tuple(notes)
-
-
-def find_questions(plan: GetPlan) -> tuple[str, ...]:
-    """Return the addresses whose query would send package names that no table has, in order."""
-    guesses = list_guesses(step.missing for step in plan.steps_by("unknown") if not step.missing.hidden)
-    return tuple(dict.fromkeys(guess.url for _, guess in guesses))
-
-
-def confirm_tables(tables: Tables, plan: GetPlan, sources: PackageSources) -> Tables:
-    """Query the servers at `find_questions`, and return the tables with their answers."""
-    unknown = (step.missing for step in plan.steps_by("unknown") if not step.missing.hidden)
-    return replace(tables, confirmed=confirm_guesses(unknown, sources.list_branches))
 
 
 def _load_index(sources: PackageSources, names: Sequence[str]) -> tuple[Index | None, str]:
@@ -181,9 +162,6 @@ class ThisComputer:
             return frozenset()
         text = _output(["dpkg-query", "--show", "--showformat=${Package} ${db:Status-Status}\n", *names]) or ""
         return frozenset(line.split()[0] for line in text.splitlines() if line.endswith(" installed"))
-
-    def list_branches(self, url: str) -> Sequence[str] | None:
-        return None if self._offline else ask_server(url)
 
     def _fetch_rosdep(self, kept: Path) -> str:
         # Returns why it could not be had.

@@ -1,9 +1,11 @@
-"""The index of a ROS distribution: the source repositories of packages."""
+"""Source repositories of packages: the index of a ROS distribution, and the table of those that are in none."""
 
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
+from importlib.resources import files
 from operator import eq, ge, gt, le, lt, ne
 
 from ur.get.steps import PACKAGE_NAME, SourceRepository
@@ -17,7 +19,6 @@ _MAX_ELEMENTS = 10_000  # of a package.xml
 _URL = re.compile(r"https?://[A-Za-z0-9][\w.:@~%+-]*(/[\w.@~%+-]+)*/?")
 _WORD = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._/+-]*")
 _TAG = re.compile(r"release/([a-z]+)/")
-_NAME = re.compile(r"<name>\s*([A-Za-z][\w-]{0,99})\s*</name>")
 _PARENTHESES = re.compile(r"\(([^()]*)\)")
 _COMPARISON = re.compile(r"""\s*(\$?[\w-]+|"[^"]*"|'[^']*')\s*([=!<>]=|[<>])\s*(\$?[\w-]+|"[^"]*"|'[^']*')\s*""")
 _OPERATORS = {"==": eq, "!=": ne, "<": lt, "<=": le, ">": gt, ">=": ge}
@@ -111,12 +112,6 @@ def _compare(text: str, environment: Mapping[str, str]) -> bool:
     return bool(_OPERATORS[found[2]](left, right))
 
 
-def read_name(text: str) -> str:
-    """Return the name in a package.xml; "" for an invalid text."""
-    found = _NAME.search(text)
-    return found[1] if found else ""
-
-
 def _read_all(xmls: Mapping[object, object]) -> dict[str, tuple[str, ...]]:
     found = {}
     for name, text in xmls.items():
@@ -186,3 +181,24 @@ def make_repository(name: str, source: object, distribution: str = "") -> Source
     if version and (not _WORD.fullmatch(version) or ".." in version):
         return None
     return SourceRepository(name, kind, url, version, distribution)
+
+
+def parse_sources(text: str) -> dict[str, SourceRepository]:
+    """Parse a table of repositories (see known_sources.tsv) by package. Raises ValueError, which names the line."""
+    found: dict[str, SourceRepository] = {}
+    rows = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line and not line.startswith("#")]
+    for number, line in rows[1:]:
+        cells = line.split("\t")
+        url, branch, packages = cells if len(cells) == 3 else ("", "", "")
+        keys = {"type": "git", "url": url, "version": "" if branch == "-" else branch}
+        repository = make_repository(url.rpartition("/")[2].removesuffix(".git"), keys)
+        if repository is None or not packages:
+            raise ValueError(f"known_sources.tsv:{number}: expected an address, a branch or -, and packages")
+        found.update(dict.fromkeys(packages.split(), repository))
+    return found
+
+
+@cache
+def load_sources() -> dict[str, SourceRepository]:
+    """Return the table of repositories that are in no index of ROS."""
+    return parse_sources((files(__package__) / "known_sources.tsv").read_text(encoding="utf-8"))

@@ -12,9 +12,6 @@ _NAMED = re.compile(
 )
 
 
-_FILE = re.compile(r"\$\(\s*find\s+([^\s()$]+)\s*\)/([\w.+-]+(?:/[\w.+-]+)*\.\w+)")  # with a suffix: a whole name
-
-
 def missing_of_plan(plan: Plan, world: World) -> tuple[Missing, ...]:
     """Return the missing packages and programs of a plan's nodes on this computer, and of its files.
 
@@ -43,11 +40,6 @@ def named_packages(text: str) -> frozenset[str]:
     """Return every package that the text of a launch file or xacro file names, under any condition."""
     names = (next(filter(None, each.groups()), "") for each in _NAMED.finditer(_without_comments(text)))
     return frozenset(name for name in names if PACKAGE_NAME.fullmatch(name))
-
-
-def named_files(text: str) -> frozenset[tuple[str, str]]:
-    """Return every package and path below it that the text of a launch file or xacro file names."""
-    return frozenset((package, path) for package, path in _FILE.findall(_without_comments(text)) if ".." not in path)
 
 
 def _without_comments(text: str) -> str:

@@ -1,25 +1,14 @@
 """Derivation of a plan from missing packages and tables: a pure function."""
 
-import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 
-from ur.get.hints import find_hint, find_related_hint, plain_address
 from ur.get.index import ROS2, Index
-from ur.get.owners import guess_repositories
 from ur.get.steps import PACKAGE_NAME, GetPlan, InstallStep, Missing, SourceRepository
 from ur.get.tables import PYPI, SPLIT, DebianPackage, possible_names
 
 NO_INDEX = "no index of sources is here"
 ONLY_ROS2 = "only in ROS 2 {}, and has to be ported to ROS 1"
-OF_OWNER = "no index has it; the owner of this folder's repository has one of this name: see that it is for ROS 1"
-OF_OTHER = (
-    "no index has it; an owner of a repository that a file of this folder names has one of this name: see that it is"
-    " for ROS 1"
-)
-PLACEHOLDER = re.compile(
-    r"(?:your|my|the|some)_?(?:ros_?)?(?:package|pkg)(?:_?name)?|(?:package|pkg)_name", re.IGNORECASE
-)
 _NEAR = 0.93  # likeness of a misspelt name; related packages have similar ones, too
 
 
@@ -29,9 +18,8 @@ class Tables:
 
     `rosdep`: Debian names by ROS package. `candidates`: the queried packages that apt can install; None without apt,
     where rosdep's table is trusted. `installed`: names of Debian packages. `index`: sources; None if not available.
-    `distribution`: that of packages.ros.org, "" without it. `hints`: the repositories that files of a folder name.
-    `known`: repositories of packages that are in no index. `ros2`: the index of ROS 2. `names`: installed packages.
-    `confirmed`: existing repositories of the folder's owners, None for a package without one.
+    `distribution`: that of packages.ros.org, "" without it. `known`: repositories of packages that are in no index.
+    `ros2`: the index of ROS 2. `names`: installed packages.
     """
 
     rosdep: Mapping[str, tuple[str, ...]]
@@ -39,11 +27,9 @@ class Tables:
     installed: frozenset[str] = frozenset()
     index: Index | None = None
     distribution: str = ""
-    hints: tuple[SourceRepository, ...] = ()
     known: Mapping[str, SourceRepository] = field(default_factory=dict)
     ros2: Index | None = None
     names: frozenset[str] = frozenset()
-    confirmed: Mapping[str, SourceRepository | None] = field(default_factory=dict)
 
 
 def make_plan(
@@ -68,66 +54,26 @@ def _find_way(missing: Missing, tables: Tables, is_there: Callable[[str], bool])
         return InstallStep(missing, "pypi", (PYPI[package],))
     if missing.program:
         return InstallStep(missing, "unknown", reason=f"{package} is installed and has no program {missing.program}")
-    repository, origin = _find_source(missing, tables)
+    repository, origin = _find_source(package, tables)
     if repository is None:
-        reason = _explain_here(missing)
-        return InstallStep(missing, "unknown", reason=reason or _explain(missing, tables), here=bool(reason))
+        return InstallStep(missing, "unknown", reason=_explain(missing, tables))
     depends = None if origin or tables.index is None else tables.index.dependencies.get(package)
     needs = None if depends is None else tuple(name for name in depends if not is_there(name))
     return InstallStep(missing, "source", repository=repository, needs=needs, reason=origin)
 
 
-def _find_source(missing: Missing, tables: Tables) -> tuple[SourceRepository | None, str]:
-    # The index first: the list of a workspace may name a private fork. A merely similar name comes late.
-    package = missing.package
+def _find_source(package: str, tables: Tables) -> tuple[SourceRepository | None, str]:
     indexed = tables.index.repositories.get(package) if tables.index else None
     if indexed and indexed.distribution not in ROS2:
         return indexed, ""
-    if hint := find_hint(package, tables.hints):
-        return hint, "no index has it; a file of this folder names it"
     if package in tables.known:
         return tables.known[package], "no index has it"
-    if missing.itself:
-        return None, ""
-    if beside := tables.confirmed.get(package):
-        own = any(beside.url.startswith(f"{owner}/") for owner in missing.owners)
-        return beside, OF_OWNER if own else OF_OTHER
-    if missing.renamed:
-        return None, ""
-    if find_related_hint(package, tables.hints):
-        # What a known repository holds is known: a package that is not listed there is not in it.
-        full = {plain_address(each.url) for each in (*_listed(tables.index), *tables.known.values())}
-        if hint := find_related_hint(package, (each for each in tables.hints if plain_address(each.url) not in full)):
-            return hint, "no index has it; by its name it belongs to a repository that a file of this folder names"
     newer = indexed or (tables.ros2.repositories.get(package) if tables.ros2 else None)
     return newer, ONLY_ROS2.format(newer.distribution) if newer else ""
 
 
-def _listed(index: Index | None) -> Iterable[SourceRepository]:
-    return index.repositories.values() if index else ()
-
-
-def _explain_here(missing: Missing) -> str:
-    if missing.hidden:
-        return (
-            f"it is in {missing.hidden}, where ROS does not find it: below another package or a CATKIN_IGNORE;"
-            " move it out, or remove that file"
-        )
-    if PLACEHOLDER.fullmatch(missing.package):
-        return f"this is the placeholder of an example{_place(missing)}: put the name of your package there"
-    if missing.itself and not missing.renamed:
-        return (
-            f"the repository at {missing.itself} has this name, and no package.xml in it has{_place(missing)}: add it,"
-            " or write the name of the package that is there"
-        )
-    if not missing.renamed:
-        return ""
-    renamed = f"{missing.renamed} of this folder has the files that are expected in it: probably it is meant"
-    return f"no package has this name{_place(missing)}; {renamed}"
-
-
 def _explain(missing: Missing, tables: Tables) -> str:
-    place = _place(missing)
+    place = f", which {missing.named_in} names" if missing.named_in else ""
     if tables.index is None:
         return f"no package of this release has it{place}, and {NO_INDEX}"
     from difflib import get_close_matches  # seldom needed
@@ -135,20 +81,12 @@ def _explain(missing: Missing, tables: Tables) -> str:
     near = get_close_matches(missing.package, tables.names, 1, _NEAR) or _swapped(missing.package, tables.index)
     if near:
         return f"no package has this name{place}; did you mean {near[0]}?"
-    reason = f"neither this release nor an index of ROS has it{place}: it is private or withdrawn, ask its author"
-    if missing.package in tables.confirmed:
-        return f"{reason}; {(*missing.owners, *missing.others)[0]} has no public repository of this name"
-    guess = next(guess_repositories(missing), None)
-    return f"{reason}; perhaps it is beside the folder's repository: git ls-remote {guess.url}" if guess else reason
+    return f"neither this release nor an index of ROS has it{place}: it is private or withdrawn, ask its author"
 
 
 def _swapped(name: str, index: Index) -> list[str]:
     # Of thousands of names in an index some are like any other: only one with the same letters is a misspelt one.
     return [each for each in index.repositories if sorted(each) == sorted(name)][:1]
-
-
-def _place(missing: Missing) -> str:
-    return f", which {missing.named_in} names" if missing.named_in else ""
 
 
 def _debian_names(package: str, tables: Tables) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ class SourceRepository:
     """A repository of source code, as the index of a ROS distribution names it.
 
     `distribution` is that of the index ("kinetic"), "" unless it is older than noetic. `url` and `version` contain only
-    characters that are safe in a shell; `type` is git, hg or svn. `linked`: a text only links to it.
+    characters that are safe in a shell; `type` is git, hg or svn.
     """
 
     name: str
@@ -22,7 +22,6 @@ class SourceRepository:
     url: str
     version: str
     distribution: str = ""
-    linked: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,33 +29,21 @@ class Missing:
     """A package that is not installed.
 
     `program` is set if only this program of an installed package is missing. `named_in` is a file that names it, if
-    known. `owners` are the addresses of its possible authors ("https://github.com/NAME"), `others` those of
-    repositories that files of the folder clone, or of linked ones that begin with the package's first word. `renamed`
-    is the similar package of the same folder that is probably meant; `hidden`, a folder with its package.xml in which
-    ROS does not find it; `itself`, the folder of the repository with its name.
+    known.
     """
 
     package: str
     program: str = ""
     named_in: str = ""
-    owners: tuple[str, ...] = ()
-    renamed: str = ""
-    hidden: str = ""
-    others: tuple[str, ...] = ()
-    itself: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Needs:
-    """Missing packages, a test for installed ones, and notes on unreadable files.
-
-    `hints` are the repositories that the files of folders name, and `names` the installed packages.
-    """
+    """Missing packages, a test for installed ones, notes on unreadable files, and the names of installed packages."""
 
     missing: tuple[Missing, ...]
     is_there: Callable[[str], bool]
     notes: tuple[str, ...] = ()
-    hints: tuple[SourceRepository, ...] = ()
     names: tuple[str, ...] = ()
 
 
@@ -67,8 +54,7 @@ class InstallStep:
     The way is "other" for a Debian package outside of ROS, since an untrusted package.xml may name any. `names` are
     Debian packages, or the project on PyPI; `repository` is set for "source". `needs` are its missing dependencies;
     None while its package.xml is unknown. `reason` explains for "unknown" why there is no source, and for "source"
-    peculiarities of its repository. `here`: nothing has to be installed, and the reason describes the change in the
-    folder. `chosen`: the user has already agreed to it.
+    peculiarities of its repository. `chosen`: the user has already agreed to it.
     """
 
     missing: Missing
@@ -77,7 +63,6 @@ class InstallStep:
     repository: SourceRepository | None = None
     needs: tuple[str, ...] | None = None
     reason: str = ""
-    here: bool = False
     chosen: bool = False
 
 

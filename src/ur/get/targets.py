@@ -1,14 +1,12 @@
 """Missing packages of a command line's targets: launch files, packages, folders."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 
-from ur.get.folder import SUFFIXES, folder_needs, hints_above, text_of, with_folders
+from ur.get.folder import SUFFIXES, folder_needs, text_of, with_folders
 from ur.get.index import read_dependencies
 from ur.get.missing import is_installed, missing_of_names, missing_of_plan
-from ur.get.owners import owners_above
-from ur.get.steps import PACKAGE_NAME, Missing, Needs, SourceRepository
+from ur.get.steps import PACKAGE_NAME, Missing, Needs
 from ur.launchfile.load import load_plan
 from ur.launchfile.world.system import SystemWorld
 from ur.request.launch_request import make_request
@@ -28,12 +26,10 @@ def find_needs(words: Sequence[str], environment: Mapping[str, str]) -> Needs:
         )
     found: dict[str, Missing] = {}
     notes: tuple[str, ...] = ()
-    hints: tuple[SourceRepository, ...] = ()
     for word in words:
         if "/" in word or word in (".", ".."):
             needs = folder_needs([word], environment)
             world, notes = SystemWorld(with_folders([word], environment)), (*notes, *needs.notes)
-            hints += needs.hints
             found.update((each.package, each) for each in needs.missing)
         elif not PACKAGE_NAME.fullmatch(word):
             message = f"{word!r} is neither a launch file nor the name of a package"
@@ -48,7 +44,7 @@ def find_needs(words: Sequence[str], environment: Mapping[str, str]) -> Needs:
         else:
             found[word] = Missing(word)
     names = tuple(world.package_names())
-    return Needs(tuple(found.values()), lambda name: is_installed(name, world), notes, hints, names)
+    return Needs(tuple(found.values()), lambda name: is_installed(name, world), notes, names)
 
 
 def _file_needs(words: Sequence[str], world: SystemWorld) -> Needs:
@@ -63,8 +59,6 @@ def _file_needs(words: Sequence[str], world: SystemWorld) -> Needs:
     if any(each.span and Path(each.span.file.path).resolve() == file for each in unreadable):
         raise UserError(*unreadable)
     notes = (f"not everything was read: {others[0].span or file}: {others[0].message}",) if others else ()
-    lacking = missing_of_plan(plan, world)
-    hints = hints_above(file) if lacking else ()
-    missing = tuple(replace(each, owners=owners_above(file.parent)) for each in lacking)
+    missing = missing_of_plan(plan, world)
     names = tuple(world.package_names()) if missing else ()
-    return Needs(missing, lambda name: is_installed(name, world), notes, hints, names)
+    return Needs(missing, lambda name: is_installed(name, world), notes, names)

@@ -93,39 +93,6 @@ def computer(tmp_path: Path) -> ComputerWithPackages:
     return ComputerWithPackages(tmp_path)
 
 
-def _private_folder(computer: ComputerWithPackages) -> Path:
-    """A folder of a private repository, whose launch file names a package that only its owner knows."""
-    folder = computer.folder / "work"
-    (folder / ".git").mkdir(parents=True)
-    (folder / ".git" / "config").write_text('[remote "origin"]\n\turl = git@github.com:secretcorp/robot.git\n')
-    (folder / "a.launch").write_text('<launch><node pkg="project_nightfall" type="x" name="x"/></launch>')
-    (computer.folder / "index.yaml").write_text("repositories: {}\n")
-    git = computer.folder / "bin" / "git"
-    git.write_text(
-        f'#!/bin/sh\necho "$*" >>{computer.folder}/asked\necho "fatal: repository not found" >&2\nexit 128\n'
-    )
-    git.chmod(0o755)
-    return folder
-
-
-@pytest.mark.parametrize("words", [[], ["--dry-run"], ["--yes"], ["--no-ask-servers"]])
-def test_names_of_private_packages_stay_on_this_computer(computer: ComputerWithPackages, words: list[str]) -> None:
-    folder = _private_folder(computer)
-    index = str(computer.folder / "index.yaml")
-    _, text = computer.run("--missing", str(folder), "--index", index, *words)
-    assert not (computer.folder / "asked").exists()
-    assert "https://github.com/secretcorp/project_nightfall.git" in text
-    assert "--ask-servers" in text
-
-
-def test_servers_are_asked_when_the_user_says_so(computer: ComputerWithPackages) -> None:
-    folder = _private_folder(computer)
-    index = str(computer.folder / "index.yaml")
-    computer.run("--missing", str(folder), "--index", index, "--dry-run", "--ask-servers")
-    asked = (computer.folder / "asked").read_text()
-    assert "ls-remote --quiet --symref https://github.com/secretcorp/project_nightfall.git" in asked
-
-
 OTHERS = """
 for name in "$@"; do
   case "$name" in ros-made-up-sensor|openssh-server) printf 'Package: %s\\nFilename: a.deb\\n\\n' "$name" ;; esac

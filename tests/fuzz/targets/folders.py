@@ -21,16 +21,8 @@ from ur.source.render import render_human
 
 _YAML = "image: a.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
 _GET_WORDS = (
-    *(b"$(find a)/b.c", b"<node pkg='a' type='b'/>", b"git clone -b a https://github.com/a/b", b"<name>a</name>"),
-    *(
-        b"repositories: ",
-        b"type: git",
-        b"url: https://github.com/a/b",
-        b"[submodule",
-        b"gitdir: ",
-        b"<depend>a</depend>",
-    ),
-    *(b"a.launch", b"README.md", b"package.xml", b"x.repos", b"x.rosinstall", b".gitmodules", b".git/config", b".git"),
+    *(b"$(find a)/b.c", b"<node pkg='a' type='b'/>", b"<name>a</name>", b"<depend>a</depend>"),
+    *(b"a.launch", b"package.xml"),
 )
 _MAP_WORDS = (
     b"image: ",
@@ -50,7 +42,7 @@ def _get(data: bytes, folder: Path) -> None:
     make_files(expand(data), folder)
     try:
         needs = folder_needs([str(folder)], {})
-        render_plan(make_plan(needs.missing, Tables({}, {}, hints=needs.hints), needs.is_there, needs.notes))
+        render_plan(make_plan(needs.missing, Tables({}, {}), needs.is_there, needs.notes))
     except UserError as problem:
         render_human(problem.diagnostics)
 
@@ -79,11 +71,6 @@ def _make_folders() -> list[bytes]:
     parts = (
         b"a.launch file\n<launch><node pkg='no_such' type='x' name='x'/>$(find other)/b.launch</launch>",
         b"p/package.xml file\n<package><name>p</name><depend>missing_one</depend></package>",
-        b"README.md file\ngit clone -b noetic https://github.com/a/b.git c\n",
-        b"x.repos file\nrepositories: {n: {type: git, url: 'https://github.com/a/b', version: master}}",
-        b"x.rosinstall file\n- git: {local-name: n, uri: 'https://github.com/a/b', version: 1.0}",
-        b'.gitmodules file\n[submodule "a"]\n\tpath = a\n\turl = ../a.git\n',
-        b'.git/config file\n[remote "origin"]\n\turl = git@github.com:a/b.git\n',
     )
     return [CUT.join(parts), *(CUT.join((parts[0], part)) for part in parts[1:])]
 

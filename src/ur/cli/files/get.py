@@ -17,30 +17,17 @@ from ur.source.progress_line import show_progress
 if TYPE_CHECKING:
     from ur.get.steps import GetPlan, Needs
 
-_SHOWN = 10  # addresses
 _ROUNDS = 5  # rounds: installed packages may name further ones
 
 
 @dataclass(slots=True)
 class _Choices:
-    """The choices of the user, from options or answers; each question is asked once."""
+    """The choices of the user, from options or answers; the question is asked once."""
 
     missing: bool = False
     yes: bool = False
     dry_run: bool = False
     others: bool | None = None
-    ask_servers: bool | None = None
-
-    def may_ask(self, addresses: Sequence[str]) -> bool:
-        """Return whether these addresses may be queried on servers. Without a terminal they may not."""
-        if self.ask_servers is None:
-            click.echo("packages that no index has; their names would be sent to these servers:", err=True)
-            for address in addresses[:_SHOWN]:
-                click.echo(f"  {address}", err=True)
-            if len(addresses) > _SHOWN:
-                click.echo(f"  and {len(addresses) - _SHOWN} more", err=True)
-            self.ask_servers = self._confirm("ask these servers?")
-        return self.ask_servers
 
     def may_install(self, names: Sequence[str]) -> bool:
         """Return whether these packages, which do not belong to ROS, may be installed."""
@@ -49,7 +36,7 @@ class _Choices:
         return self.others
 
     def _confirm(self, question: str) -> bool:
-        # `--yes` does not answer these questions: it is for packages that ROS needs.
+        # `--yes` does not answer this question: it is for packages that ROS needs.
         asks = sys.stdin.isatty() and not self.yes and not self.dry_run
         return asks and click.confirm(question, default=False, err=True)
 
@@ -60,11 +47,6 @@ class _Choices:
 @click.option("--robot", metavar="ROBOT", help="Install on this robot; names are looked up there.")
 @click.option("--yes", is_flag=True, help="Do not ask before packages of ROS are installed.")
 @click.option("--others", is_flag=True, help="Also install Debian packages that are not of ROS.")
-@click.option(
-    "--ask-servers/--no-ask-servers",
-    default=None,
-    help="Send names of unknown packages to GitHub, GitLab or Bitbucket. [default: ask on a terminal]",
-)
 @click.option("--dry-run", is_flag=True, help="Print the plan, and install nothing.")
 @click.option("--undo", is_flag=True, help="Remove what 'ur get' has installed, and nothing else.")
 @click.option("--index", multiple=True, metavar="FILE", help="A distribution.yaml of ROS, in place of fetching it.")
@@ -77,7 +59,6 @@ def command(
     undo: bool,
     index: tuple[str, ...],
     others: bool,
-    ask_servers: bool | None,
 ) -> int:
     """Install what launch files need.
 
@@ -92,11 +73,10 @@ def command(
         )
     if robot is not None:
         flags = [("--missing", missing), ("--yes", yes), ("--dry-run", dry_run), ("--undo", undo), ("--others", others)]
-        flags += [("--ask-servers", ask_servers is True), ("--no-ask-servers", ask_servers is False)]
         return _run_on_robot(robot, words, flags)
     if undo:
         return _undo(yes=yes, dry_run=dry_run)
-    choices = _Choices(missing=missing, yes=yes, dry_run=dry_run, others=others or None, ask_servers=ask_servers)
+    choices = _Choices(missing=missing, yes=yes, dry_run=dry_run, others=others or None)
     return _get(words, index, choices)
 
 
@@ -133,25 +113,15 @@ def _get(words: Sequence[str], index: Sequence[str], choices: _Choices) -> int:
 
 
 def _find_plan(words: Sequence[str], index: Sequence[str], choices: _Choices) -> GetPlan:
-    from ur.get.computer import ThisComputer, confirm_tables, find_questions, load_tables
+    from ur.get.computer import ThisComputer, load_tables
     from ur.get.plan import make_plan
 
     with show_progress("reading what is needed") as progress:
         needs = _find_needs(words, missing=choices.missing, progress=progress)
         progress("looking for packages")
         computer = ThisComputer(os.environ, index)
-        tables, found = load_tables(needs.missing, computer, _distribution(), needs.hints, needs.names)
+        tables, found = load_tables(needs.missing, computer, _distribution(), needs.names)
     notes = (*needs.notes, *found) if needs.missing else needs.notes
-    plan = make_plan(needs.missing, tables, needs.is_there, notes)
-    questions = find_questions(plan)
-    if not questions:
-        return plan
-    if not choices.may_ask(questions):
-        many = f" and {len(questions) - 1} more" if len(questions) > 1 else ""
-        note = f"no server was asked for {questions[0]}{many}, which would tell it the name; --ask-servers does"
-        return make_plan(needs.missing, tables, needs.is_there, (*notes, note))
-    with show_progress("asking servers for repositories"):
-        tables = confirm_tables(tables, plan, computer)
     return make_plan(needs.missing, tables, needs.is_there, notes)
 
 

@@ -54,14 +54,12 @@ COMPUTER = (
             ("ur get my_robot bringup.launch", "Install what a launch file needs."),
             ("ur get xacro --yes", "Install a package without a question."),
             ("ur get --missing --dry-run", "Show what the workspace needs."),
-            ("ur get --missing --ask-servers", "Also ask GitHub and others for what no index has."),
             ("ur get --undo", "Remove what was installed."),
         ),
         trust=Trust(
-            "launch files, manifests and scripts of a folder, as text; the indexes of ROS",
-            starts="`git ls-remote`, `apt-get` and pip, after a question each",
-            sends="names of missing packages and owners, to GitHub, GitLab, Bitbucket, after a question; requests for "
-            "indexes and packages, to their servers",
+            "launch files and manifests of a folder, as text; the indexes of ROS",
+            starts="`apt-get` and pip, after a question each",
+            sends="requests for indexes and packages, to their servers",
             writes="packages, and a record for `--undo`",
         ),
     ),
