@@ -2,8 +2,7 @@
 
 import pytest
 
-from ur.devices.device import Device
-from ur.devices.known import describe_device, find_known, find_rows, load_known, parse_known
+from ur.devices.known import Device, describe_device, find_known, find_rows, load_known, parse_known
 
 HEAD = "id\tmatch\tproduct\tkind\tstable\tbaud\tsure\tprobe\twhat\tsource\n"
 

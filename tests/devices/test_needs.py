@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from ur.devices.device import Device, DeviceHolder, DeviceSnapshot, Expected
+from ur.devices.known import Device, DeviceHolder, DeviceSnapshot, Expected
 from ur.devices.needs import State, examine, list_problems
 
 LIDAR = Device(

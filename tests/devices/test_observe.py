@@ -5,8 +5,7 @@ from pathlib import Path
 
 from tests.devices.tree import Tree
 
-from ur.devices.device import DeviceSnapshot
-from ur.devices.known import describe_device
+from ur.devices.known import DeviceSnapshot, describe_device
 from ur.devices.observe import device_script, parse_devices
 
 

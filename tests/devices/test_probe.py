@@ -7,7 +7,7 @@ import tty
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from ur.devices.device import Device, DeviceHolder, DeviceSnapshot
+from ur.devices.known import Device, DeviceHolder, DeviceSnapshot
 from ur.devices.probe import list_questions, parse_answers, probe_script
 
 

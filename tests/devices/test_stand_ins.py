@@ -11,7 +11,7 @@ from tests.devices.stand_ins.firmwares import (
 )
 from tests.devices.stand_ins.serial_stand_in import Firmware, SerialStandIn
 
-from ur.devices.device import Device, DeviceSnapshot, Expected
+from ur.devices.known import Device, DeviceSnapshot, Expected
 from ur.devices.needs import examine
 from ur.devices.probe import parse_answers, probe_script
 from ur.robot.ssh.shell import LocalShell

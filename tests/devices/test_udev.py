@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from ur.devices.device import Expected
-from ur.devices.udev import write_rules
+from ur.devices.known import Expected
+from ur.devices.needs import write_rules
 from ur.robot.base import list_bases, list_variants, load_base
 from ur.robot.devices import expected_devices
 

@@ -11,7 +11,7 @@ from urllib.parse import unquote
 import pytest
 from tests.docs.helpers import LIBRARY, ROOT, ROVER, document_folder, walk
 
-from ur.docs.difference import show_difference
+from ur.cli.files.docs import show_difference
 from ur.docs.markdown.page import render_markdown
 
 PAGE = LIBRARY / "launches.md"

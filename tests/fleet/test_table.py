@@ -2,8 +2,7 @@
 
 import pytest
 
-from ur.fleet.jobs import JobStatus
-from ur.fleet.table import choose_line, describe_end, describe_fleet, summarise
+from ur.fleet.jobs import JobStatus, choose_line, describe_end, describe_fleet, summarise
 
 FLEET = (
     JobStatus("bob", "done", 10.0, 13.2, "all is well", 0),

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from ur.get.install import InstallActions, install, undo
+from ur.get.install import InstallActions, install, install_xacro, undo
 from ur.get.record import InstallRecord, load_record
 from ur.get.steps import GetPlan, InstallStep, Missing
-from ur.get.xacro import install_xacro
 from ur.source.diagnostic import UserError, error
 
 PLAN = GetPlan((InstallStep(Missing("rviz"), "debian", ("rviz",)), InstallStep(Missing("xacro"), "pypi", ("xacro",))))

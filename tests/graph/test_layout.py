@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur.graph.boxes import Arrow, DrawnGraph, GraphBox
-from ur.graph.layout import HEIGHT, lay_out_graph
+from ur.graph.svg import HEIGHT, lay_out_graph
 
 GRAPHS = st.integers(1, 12).flatmap(
     lambda count: st.lists(st.tuples(st.integers(0, count - 1), st.integers(0, count - 1)), max_size=30).map(

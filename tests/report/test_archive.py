@@ -16,8 +16,7 @@ from rosbags.typesys import Stores, get_typestore
 from tests.chromium import Chromium, find_chromium
 
 from ur.recordings.place import RecordedMap
-from ur.report.archive import MOST_BYTES, list_run_recordings, write_report
-from ur.report.page import make_page
+from ur.report.archive import MOST_BYTES, list_run_recordings, make_page, write_report
 from ur.report.recording import Recording
 from ur.report.sources import RunSources, collect, merge_logs, read_parameters
 from ur.run.record.registry import EndedRun, RunEntry

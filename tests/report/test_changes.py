@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.report.changes import read_changes
+from ur.report.sources import read_changes
 
 pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
 PLAIN = {

@@ -4,7 +4,7 @@ import posixpath
 import re
 from collections.abc import Iterable, Iterator, Mapping
 
-from ur.devices.device import Device, DeviceHolder, DeviceSnapshot, Kind
+from ur.devices.known import Device, DeviceHolder, DeviceSnapshot, Kind
 from ur.source.foreign.numbers import parse_integer
 
 RULES_FILE = "/etc/udev/rules.d/70-ubiquity.rules"

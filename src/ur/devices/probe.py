@@ -5,8 +5,7 @@ import shlex
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 
-from ur.devices.device import DeviceSnapshot
-from ur.devices.known import KnownDevice, find_known
+from ur.devices.known import DeviceSnapshot, KnownDevice, find_known
 from ur.source.printable import printable
 
 SECONDS = 3.0  # that one question may take

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 from ur.docs.documents import BaseDoc, DirectoryDoc, Documents, LaunchDoc, PackageDoc, ProgramDoc, TreeDoc
 from ur.docs.launch.launch_file import LaunchDescriber
-from ur.docs.links import settle_links
 from ur.docs.repository.bases import read_base
 from ur.docs.repository.collect import DocumentedRepository, RepositoryPart, collect_repository, relative_path
-from ur.docs.repository.programs import LaunchCall, find_starts, read_headings
+from ur.docs.repository.comments import LaunchCall, find_starts, read_headings
+from ur.docs.words import settle_links
 from ur.launchfile.world import World
 from ur.source.file import SourceFile
 from ur.source.progress import Progress, counted, no_progress

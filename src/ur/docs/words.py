@@ -1,13 +1,78 @@
-"""Formatting: paths and values that are the same on every computer, conditions and types as text."""
+"""Formatting: paths and values that are the same on every computer, grouped by case, and links of comments."""
 
+import posixpath
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from ur.check.rule import LaunchView
 from ur.check.survey import walk_elements
-from ur.docs.repository.world import is_elsewhere, show_elsewhere
+from ur.docs.documents import BaseCase, Value
+from ur.docs.repository.collect import is_elsewhere, show_elsewhere
 from ur.launchfile.plan.one_file import HERE
 from ur.launchfile.syntax import Element
+
+_LINK = re.compile(r"(!?)\[([^\]\n]{0,500})\]\(\s*([^)\s]+)\s*\)")
+_SCHEME = re.compile(r"[a-zA-Z][a-zA-Z0-9+.-]*:")
+
+
+def settle_links(text: str, folder: str, exists: Callable[[str], bool]) -> str:
+    """Return Markdown whose relative links start at the root of the repository; dead links become plain text.
+
+    `folder` is the folder of the text, relative to the root; `exists` is called with a path relative to the root, too.
+    """
+
+    def settle(match: re.Match[str]) -> str:
+        mark, label, target = match.groups()
+        if _SCHEME.match(target) or target.startswith("//"):
+            return match.group()
+        path, hash_, fragment = target.partition("#")
+        for base in (folder, ""):
+            whole = posixpath.normpath(posixpath.join(base, path))
+            if path and not path.startswith("/") and not whole.startswith("..") and exists(whole):
+                return f"{mark}[{label}]({whole}{hash_}{fragment})"
+        return label
+
+    return _LINK.sub(settle, text) if "](" in text else text
+
+
+def map_links(text: str, place: Callable[[str], str]) -> str:
+    """Return Markdown in which `place` maps each relative link."""
+
+    def replace(match: re.Match[str]) -> str:
+        mark, label, target = match.groups()
+        if _SCHEME.match(target) or target.startswith("//"):
+            return match.group()
+        return f"{mark}[{label}]({place(target)})"
+
+    return _LINK.sub(replace, text) if "](" in text else text
+
+
+def vary(pairs: Iterable[tuple[BaseCase, str]], cases: tuple[BaseCase, ...]) -> tuple[Value, ...]:
+    """Return the texts of some cases as values; one that applies in all cases names none."""
+    groups: dict[str, list[BaseCase]] = {}
+    for case, text in pairs:
+        groups.setdefault(text, []).append(case)
+    if len(groups) == 1:
+        ((text, where),) = groups.items()
+        return (Value(text, () if len(where) == len(cases) else tuple(where)),)
+    return tuple(Value(text, tuple(where)) for text, where in groups.items())
+
+
+def name_cases(cases: Iterable[BaseCase]) -> str:
+    """Return a display text: `stage, magni (plain, lidar)`; the variants of a base are grouped."""
+    by_base: dict[str, list[str]] = {}
+    for case in cases:
+        by_base.setdefault(case.base, []).append(case.variant)
+    return ", ".join(_name_base(base, variants) for base, variants in by_base.items())
+
+
+def _name_base(base: str, variants: list[str]) -> str:
+    named = [variant for variant in variants if variant]
+    if not named:
+        return base
+    plain = "plain, " if "" in variants else ""
+    return f"{base} ({plain}{', '.join(named)})"
+
 
 _ONE_ARGUMENT = re.compile(r"\s*\$\(arg\s+(\w+)\)\s*\Z")
 _EVAL = re.compile(r"\s*\$\(eval\s+(.*)\)\s*\Z", re.DOTALL)

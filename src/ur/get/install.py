@@ -1,7 +1,10 @@
 """Execution of a plan of `ur get`, and removal of the installed packages."""
 
 import os
+import shlex
+import shutil
 import subprocess
+import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -10,9 +13,94 @@ from pathlib import Path
 from ur.get.record import InstallRecord, load_record, store_record
 from ur.get.steps import GetPlan
 from ur.get.tables import parse_simulation
-from ur.get.xacro import install_xacro, remove_package
 from ur.request.requirements.debian_packages import install_debian, list_missing, remove_debian
+from ur.request.requirements.python_packages import run_installer
 from ur.source.diagnostic import UserError, error
+from ur.source.project import project_folder, state_folder
+from ur.source.replace import make_folder, replace_file, sync_folder
+
+Run = Callable[[Sequence[str], str, str], None]
+_PACKAGE_XML = """\
+<package format="2">
+  <name>xacro</name>
+  <version>2.1.1</version>
+  <description>xacro of PyPI, put here by ur get</description>
+  <maintainer email="nobody@example.com">nobody</maintainer>
+  <license>BSD</license>
+</package>
+"""
+# PyPI's xacro asks ROS 2 where packages are.
+_MAIN = """\
+import sys
+
+sys.path.insert(0, {library!r})
+import xacro
+import xacro.substitution_args
+
+
+def find(name):
+    if name == "xacro":
+        return {folder!r}
+    import rospkg
+
+    return rospkg.RosPack().get_path(name)
+
+
+xacro.substitution_args._eval_find = find
+sys.argv[0] = "xacro"
+xacro.main()
+"""
+
+
+def install_xacro(packages: Path, run: Run = run_installer) -> None:
+    """Build the package `xacro` in the folder `packages`, completely or not at all. Raises UserError."""
+    target, new = packages / "xacro", packages / f".xacro.{os.urandom(4).hex()}.ur-new"
+    try:
+        make_folder(str(packages))
+        new.mkdir()
+        _fill(new, target, run)
+        remove_package(target)
+        new.rename(target)
+        sync_folder(str(packages))
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        message = f"xacro could not be installed in {packages}: {reason}"
+        raise UserError(error(message, rule="no-package", help="make room there, then run this again")) from None
+    finally:
+        with suppress(OSError):
+            shutil.rmtree(new)
+
+
+def remove_package(folder: Path) -> None:
+    """Remove the folder of a package atomically. Raises OSError."""
+    replaced = folder.with_name(f".{folder.name}.{os.urandom(4).hex()}.ur-new")
+    try:
+        folder.rename(replaced)
+    except FileNotFoundError:
+        return
+    shutil.rmtree(replaced)
+
+
+def _fill(new: Path, target: Path, run: Run) -> None:
+    python = state_folder() / ".venv/bin/python"
+    lock = project_folder() / "requirements" / "xacro.lock"
+    run(
+        [
+            *(sys.executable, "-I", "-m", "pip", "install", "--disable-pip-version-check", "--progress-bar", "off"),
+            *("--require-hashes", "--only-binary", ":all:", "--no-deps", "--no-compile"),
+            *("--target", str(new / "lib"), "-r", str(lock)),
+        ],
+        "xacro",
+        "pip's settings (pip config list)",
+    )
+    with suppress(FileNotFoundError):
+        shutil.rmtree(new / "lib/bin")  # pip's own script would be a second program of this name
+    replace_file(new / "main.py", _MAIN.format(library=str(target / "lib"), folder=str(target)))
+    start = f"#!/bin/sh\nexec {shlex.quote(str(python if python.exists() else Path(sys.executable)))}"
+    start += f' -I {shlex.quote(str(target / "main.py"))} "$@"\n'
+    for name in ("xacro", "xacro.py"):  # the second is the name in launch files of before 2018
+        replace_file(new / name, start, mode=0o775)
+    replace_file(new / "package.xml", _PACKAGE_XML)
 
 
 @dataclass(frozen=True, slots=True)

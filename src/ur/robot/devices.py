@@ -1,6 +1,6 @@
 """The devices that a base needs, and the devices that are connected to a computer."""
 
-from ur.devices.device import DeviceSnapshot, Expected, Kind
+from ur.devices.known import DeviceSnapshot, Expected, Kind
 from ur.devices.observe import device_script, parse_devices
 from ur.robot.base.properties import Base
 from ur.robot.ssh.shell import Shell

@@ -5,8 +5,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ur.devices.device import Device, DeviceSnapshot
-from ur.devices.known import describe_device
+from ur.devices.known import Device, DeviceSnapshot, describe_device
 from ur.devices.needs import explain_access, explain_holder
 from ur_nodes.camera.source import CameraError
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur.devices.device import Device, DeviceSnapshot
+from ur.devices.known import Device, DeviceSnapshot
 from ur.devices.observe import device_script, parse_devices
 from ur_nodes.camera.capture import V4l2Camera
 from ur_nodes.camera.choice import CameraChoice, choose_camera, describe_choice, explain_failure

@@ -11,7 +11,7 @@ from tests.devices.tree import Tree, TreeShell
 
 from ur.cli.main import main
 from ur.cli.robots import devices
-from ur.devices.device import Device, DeviceSnapshot
+from ur.devices.known import Device, DeviceSnapshot
 
 LIDAR = Device("/dev/ttyUSB0", "serial", "10c4:ea60", serial="0001", links=("/dev/rplidar",), group="dialout")
 

@@ -11,8 +11,7 @@ from tests.fuzz.described import CUT, WORDS, expand, make_files
 from tests.fuzz.target import Target
 
 from ur.get.folder import folder_needs
-from ur.get.plan import Tables, make_plan
-from ur.get.render import render_plan
+from ur.get.plan import Tables, make_plan, render_plan
 from ur.maps.exchange import import_picture
 from ur.maps.store import MapStore
 from ur.source.diagnostic import UserError

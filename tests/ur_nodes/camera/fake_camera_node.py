@@ -15,7 +15,7 @@ import rospy
 from sensor_msgs.msg import CompressedImage
 from tests.ur_nodes.camera.fake_device import FakeCamera, FakeFile
 
-from ur.devices.device import Device, DeviceSnapshot
+from ur.devices.known import Device, DeviceSnapshot
 from ur_nodes.camera.finder import FinderSystem
 from ur_nodes.camera.raspicam_node import main
 

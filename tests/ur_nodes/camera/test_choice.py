@@ -3,7 +3,7 @@ import os
 
 import pytest
 
-from ur.devices.device import Device, DeviceHolder, DeviceSnapshot
+from ur.devices.known import Device, DeviceHolder, DeviceSnapshot
 from ur_nodes.camera.choice import choose_camera, describe_choice, explain_failure
 from ur_nodes.camera.source import CameraError
 

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 from tests.ur_nodes.camera.fake_device import FakeCamera, FakeFile
 
-from ur.devices.device import Device, DeviceSnapshot
+from ur.devices.known import Device, DeviceSnapshot
 from ur_nodes.camera.capture import V4l2Camera
 from ur_nodes.camera.finder import CameraFinder, FinderSystem
 from ur_nodes.camera.source import CameraError, CameraSettings, PictureSource

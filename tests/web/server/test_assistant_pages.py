@@ -15,7 +15,7 @@ from tests.fakes.page_server import PageServerClient
 from tests.ros_session import free_port
 from tests.web.server.robot_processes import IdleRobotEnd, keep
 
-from ur.mcp.action_log import ActionLog
+from ur.mcp.assistant import ActionLog
 from ur.mcp.grants import GrantFiles, Request, ServerRecord
 from ur.web.access.origin import make_origins
 from ur.web.access.roles import Role

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +17,27 @@ if TYPE_CHECKING:
 
     from ur.docs.repository.collect import DocumentedRepository
     from ur.source.progress import Progress
+
+_MAX_LINES = 400
+
+
+def show_difference(path: str, old: str | None, new: str) -> str:
+    """Return a unified difference, empty for equal texts. `old` is None for a missing file."""
+    if old == new:
+        return ""
+    lines = list(
+        difflib.unified_diff(
+            _lines(old or ""), _lines(new), path if old is not None else "/dev/null", f"{path} (made again)"
+        )
+    )
+    if len(lines) > _MAX_LINES:
+        lines = [*lines[:_MAX_LINES], f"... and {len(lines) - _MAX_LINES} more lines\n"]
+    return "".join(line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines)
+
+
+def _lines(text: str) -> list[str]:
+    return text.splitlines(keepends=True)
+
 
 PAGE = "launches.md"
 
@@ -115,7 +137,6 @@ def _doc_attributes(repository: DocumentedRepository) -> dict[Path, str]:
 
 def _settle(files: Mapping[Path, str], check: bool, *, follow: bool = True) -> int:
     from ur.cli.output import replace_file
-    from ur.docs.difference import show_difference
 
     differences, fresh = [], 0
     for path, text in sorted(files.items()):

@@ -87,8 +87,8 @@ def get_packages(names: Sequence[str]) -> int:
 
 def _get(words: Sequence[str], index: Sequence[str], choices: _Choices) -> int:
     from ur.get.install import install
+    from ur.get.plan import render_plan
     from ur.get.record import record_path
-    from ur.get.render import render_plan
     from ur.request.environment import own_packages
 
     tried: set[str] = set()
@@ -135,8 +135,7 @@ def _take_others(plan: GetPlan, choices: _Choices) -> GetPlan:
 
 
 def _find_needs(words: Sequence[str], *, missing: bool, progress: object) -> Needs:
-    from ur.get.folder import folder_needs
-    from ur.get.targets import find_needs
+    from ur.get.folder import find_needs, folder_needs
     from ur.request.environment import add_own_package
 
     environment = add_own_package(os.environ)

@@ -28,7 +28,7 @@ def describe_program(program: Program, environment: Mapping[str, str]) -> str:
 
     Raises UserError when its launch file cannot be read.
     """
-    from ur.docs.repository.programs import read_headings
+    from ur.docs.repository.comments import read_headings
     from ur.request.programs import read_program_arguments
     from ur.source.file import SourceFile
 

@@ -11,11 +11,9 @@ from dataclasses import asdict
 import click
 
 from ur.cli.output import plain_text, write_exactly
-from ur.devices.device import Device, DeviceSnapshot, Expected
-from ur.devices.known import describe_device, find_known
-from ur.devices.needs import Need, examine, list_problems
+from ur.devices.known import Device, DeviceSnapshot, Expected, describe_device, find_known
+from ur.devices.needs import Need, examine, list_problems, write_rules
 from ur.devices.probe import SECONDS, list_questions, parse_answers, probe_script
-from ur.devices.udev import write_rules
 from ur.request.environment import PACKAGE
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.robot.base import load_base

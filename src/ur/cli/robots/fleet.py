@@ -14,10 +14,8 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from ur.cli.answers import read_lines
-from ur.fleet.jobs import Fleet, Job, JobStatus, find_exit_code
-from ur.fleet.logs import logs_folder
-from ur.fleet.processes import Output, Processes
-from ur.fleet.table import describe_end, describe_fleet, summarise
+from ur.fleet.jobs import Fleet, Job, JobStatus, describe_end, describe_fleet, find_exit_code, summarise
+from ur.fleet.processes import Output, Processes, logs_folder
 from ur.request.remote.connection import robot_address
 from ur.robot.discovery.record import load_records, records_folder
 from ur.robot.ssh.address import Address

@@ -11,7 +11,7 @@ from importlib.util import find_spec
 import click
 
 from ur.mcp import NOT_INSTALLED, PACKAGES
-from ur.mcp.action_log import ActionLog
+from ur.mcp.assistant import ActionLog
 from ur.mcp.grants import GrantFiles, grant_files, make_grant
 from ur.mcp.terms import Area, make_area
 from ur.request.environment import apply_selection, current_selection

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ur.docs.documents import BaseCase, TreeDoc, TreeItem
-from ur.docs.vary import name_cases
+from ur.docs.words import name_cases
 from ur.graph.boxes import Arrow, DrawnGraph, GraphBox, Kind
 
 MAX_BOXES = 60

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from ur.docs.cases.resolve import ResolvedCase
 from ur.docs.documents import BaseCase, BaseDoc, SupportDoc
 from ur.docs.repository.bases import find_lacks
-from ur.docs.repository.world import is_unknown
+from ur.docs.repository.collect import is_unknown
 from ur.docs.words import Words
 from ur.source.diagnostic import Diagnostic, Severity
 

@@ -5,7 +5,7 @@ import re
 from collections.abc import Sequence
 
 from ur.docs.documents import BaseCase, TreeDoc
-from ur.docs.links import map_links
+from ur.docs.words import map_links
 from ur.source.printable import printable, printable_lines
 
 _REFERENCE = re.compile("\x00([^\x00]*)\x00")

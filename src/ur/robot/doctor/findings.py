@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from ur.devices.device import DeviceSnapshot, Expected
+from ur.devices.known import DeviceSnapshot, Expected
 from ur.robot.doctor.side import Side
 from ur.robot.ssh.shell import quote
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
-from ur.devices.device import Expected
+from ur.devices.known import Expected
 from ur.robot.devices import inspect_devices
 from ur.robot.discovery.ask import clock_offset
 from ur.robot.doctor.findings import AdvertisedNode, ComputerPair, Owner, Where

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ur.devices.device import Expected
+from ur.devices.known import Expected
 from ur.robot.setup.contact import note_contact
 from ur.robot.setup.robot_states import WantedRobot
 from ur.robot.setup.wanted import Wanted

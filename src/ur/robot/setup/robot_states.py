@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 
-from ur.devices.device import Expected
+from ur.devices.known import Expected
+from ur.devices.needs import RELOAD, write_rules
 from ur.devices.observe import RULES_FILE
-from ur.devices.udev import RELOAD, write_rules
 from ur.robot.boot.units import master_unit
 from ur.robot.robot_file import ROBOT_FILE, Ros2Robot
 from ur.robot.setup.change import Change, ChangeScript

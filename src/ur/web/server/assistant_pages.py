@@ -6,7 +6,7 @@ from typing import Annotated
 from aiohttp import web
 from msgspec import Meta, to_builtins
 
-from ur.mcp.action_log import ActionLog
+from ur.mcp.assistant import ActionLog
 from ur.mcp.grants import GrantFiles, grant_files, make_grant
 from ur.mcp.terms import Area, Speed, make_area
 from ur.source.foreign.json_values import ForeignValue

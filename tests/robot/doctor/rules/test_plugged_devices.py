@@ -8,7 +8,7 @@ from tests.devices.stand_ins.serial_stand_in import SerialStandIn
 from tests.devices.tree import Tree, TreeShell
 from tests.robot.doctor.pairs import PAIR
 
-from ur.devices.device import Expected
+from ur.devices.known import Expected
 from ur.robot.devices import inspect_devices
 from ur.robot.doctor.rules import diagnose
 

@@ -9,8 +9,8 @@ from msgspec.structs import replace as replace_fields
 from tests.robot.doctor.pairs import BOB, LAPTOP, NOBODY, PAIR, ROBOT, WIFI
 from tests.robot.doctor.rules.ros2.cases import CASES as ROS2_CASES
 
-from ur.devices.device import Device, DeviceHolder, DeviceSnapshot, Expected
 from ur.devices.driver_health import DriverHealth, RefusedCommands
+from ur.devices.known import Device, DeviceHolder, DeviceSnapshot, Expected
 from ur.robot.doctor.findings import AdvertisedNode, ComputerPair, Owner
 from ur.robot.doctor.messages import Message
 from ur.robot.doctor.rules import KINDS, diagnose, diagnose_alone

@@ -2,7 +2,7 @@
 
 import pytest
 
-from ur.devices.device import Expected
+from ur.devices.known import Expected
 from ur.robot.setup.change import Change
 from ur.robot.setup.facts import ABSENT, ComputerFacts, FileState
 from ur.robot.setup.raspberry_pi.header import FILES, MODEL, MODULES, list_missing, want_header

@@ -2,10 +2,9 @@
 
 from collections.abc import Iterator
 
-from ur.devices.device import Device, DeviceSnapshot
-from ur.devices.needs import State, examine, find_unit, list_problems
+from ur.devices.known import Device, DeviceSnapshot
+from ur.devices.needs import RELOAD, State, examine, find_unit, list_problems, write_rules
 from ur.devices.observe import RULES_FILE
-from ur.devices.udev import RELOAD, write_rules
 from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand
 from ur.robot.doctor.rules.registry import PairRule, Rule
 from ur.robot.ssh.shell import quote

@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
-from ur.devices.device import Expected
+from ur.devices.known import Expected
 from ur.robot.setup.change import Change, ChangeScript, show_difference
 from ur.robot.setup.engine import apply_change, gather_facts, plan_undo
 from ur.robot.setup.facts import ComputerFacts, FactsRequest
