@@ -92,7 +92,7 @@ def test_help_of_ur_fits_a_terminal_of_50_lines_and_names_no_plumbing_and_no_old
     assert all(len(line) <= 80 for line in lines)
     listed = {line.split()[0] for line in lines if line.startswith("  ")}
     assert listed == {verb.name for verb in VERBS.values() if verb.section != PLUMBING}
-    assert len(listed) == 37
+    assert len(listed) == 36
     assert not listed & {*OLD_SPELLINGS, "env", "completion"}
 
 

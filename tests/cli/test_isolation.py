@@ -17,7 +17,6 @@ from ur.cli.verbs import VERBS
 from ur.robot import remote_run
 from ur.robot.boot.launch_file import find_launch
 from ur.robot.boot.units import launch_line, master_unit
-from ur.robot.deploy import build_attached
 from ur.robot.doctor.messages import MESSAGES_SCRIPT
 from ur.robot.setup.environment import viewer_environment
 from ur.robot.setup.wanted import WantedFile
@@ -181,7 +180,6 @@ def test_scripts_for_other_computers_import_nothing_of_the_current_folder(
 
 
 def test_helper_processes_import_nothing_of_the_current_folder(trap: Trap) -> None:
-    trap.run(PYTHON, "-I", build_attached.__file__, "true")
     pip = "from ur.request.requirements.python_packages import need_all; from pathlib import Path; import sys"
     lock = trap.folder.parent / "requirements/none.lock"
     lock.parent.mkdir()

@@ -32,7 +32,6 @@ COMMANDS = (
     "doctor eve",
     "devices --robot eve --probe",
     "sync eve --yes",
-    "build eve",
     "boot status --robot eve",
     "boot install --robot eve",
     "robot network eve",

@@ -160,10 +160,6 @@ sync 'a b'
 sync --all
 sync --to --from carrot
 sync
-build
-build 'a b'
-build --all
-build --all bob
 mount
 mount 'a b'
 mount nobody --undo

@@ -68,7 +68,7 @@ def test_source_is_named_with_commands_and_hostile_addresses_are_not() -> None:
     steps = make_plan([Missing("amcl"), Missing("move_base")], Tables({}, {}, index=index), lambda _: False)
     text = render_plan(steps)
     assert text.count("git clone -b noetic-devel https://example.org/navigation.git ~/catkin_ws/src/navigation") == 1
-    assert text.endswith("  ur build\n")
+    assert text.endswith("  cd ~/catkin_ws && catkin_make\n")
 
 
 def test_dependencies_that_are_missing_too_are_named() -> None:

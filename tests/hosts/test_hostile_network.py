@@ -185,7 +185,6 @@ def test_changed_host_key_is_refused_by_every_command(net: Bench) -> None:
             setup,
             "shell bob true",
             "sync bob --yes",
-            "build bob",
             "mount bob",
         ]
         lines += ["doctor bob --fix", "robot network bob", "robot wifi bob", "robot rename bob ann --password-from 0"]
@@ -268,7 +267,6 @@ COMMANDS = (
         "doctor eve",
         "doctor eve --fix",
         "sync eve --yes",
-        "build eve",
         "doctor --wireless eve --seconds 2",
         "boot status --robot eve",
     ),

@@ -66,7 +66,7 @@ def _sources(steps: tuple[InstallStep, ...]) -> Iterator[str]:
     for command, folder in commands.items():
         yield f"  {command}"
         yield f"  ur get {folder}"
-    yield "  ur build"
+    yield "  cd ~/catkin_ws && catkin_make"
 
 
 def _name(step: InstallStep) -> str:

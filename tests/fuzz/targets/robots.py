@@ -13,7 +13,6 @@ from ur.robot.boot.launch_file import find_launch
 from ur.robot.boot.status import describe_status, parse_status
 from ur.robot.commit_confirm.guard import parse_last
 from ur.robot.commit_confirm.network_facts import parse_networks
-from ur.robot.deploy.build import parse_builder
 from ur.robot.doctor.observe import parse_side
 from ur.robot.doctor.rules import OBSERVE, diagnose
 from ur.robot.doctor.summary import summarize
@@ -73,7 +72,6 @@ def _text(data: bytes) -> str:
 def _read_facts(data: bytes, _: Path) -> None:
     with suppress(UserError):
         parse_facts(FactsRequest("ros", frozenset({"/etc/hosts"}), frozenset({"ssh"}), frozenset({"ssh"})), _text(data))
-    parse_builder(_text(data))
     parse_last("x", _text(data))
     parse_mounts(_text(data))
 

@@ -180,8 +180,8 @@ def _ask(question: str, *, yes: bool) -> None:
 
 
 def _run_on_robot(robot: str, words: Sequence[str], flags: Sequence[tuple[str, bool]]) -> int:
-    from ur.cli.workspace.build import run_attached
-    from ur.request.remote.connection import connect_robot, robot_address
+    from ur.cli.robots.shell import run_ssh
+    from ur.request.remote.connection import robot_address
     from ur.robot.boot.units import LIBRARIES
     from ur.robot.ssh.shell import quote
 
@@ -191,6 +191,4 @@ def _run_on_robot(robot: str, words: Sequence[str], flags: Sequence[tuple[str, b
         for place in LIBRARIES
     )
     script += "echo 'error: ubiquity_launches is not set up on the robot; ur robot setup installs it' >&2; exit 2"
-    with connect_robot(robot_address(robot)) as shell:
-        terminal = ["-t"] if sys.stdin.isatty() else []
-        return run_attached([*shell.words, *terminal, "--", shell.destination, quote("bash", "-lc", script)])
+    return run_ssh(robot_address(robot), ["-t"] if sys.stdin.isatty() else [], [quote("bash", "-lc", script)])

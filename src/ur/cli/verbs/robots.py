@@ -249,25 +249,6 @@ ROBOTS = (
         ),
     ),
     Verb(
-        "build",
-        "ur.cli.workspace.build",
-        "Build the catkin workspace here or on robots.",
-        _SECTION,
-        arguments=("robot", "..."),
-        descriptions=("Robots: names, HOST or USER@HOST; this computer unless given.",),
-        examples=(
-            ("ur build", "Build the workspace of this computer."),
-            ("ur build bob -j 2", "Build that of a robot."),
-            ("ur build bob eve", "Build those of two robots, in parallel."),
-        ),
-        trust=Trust(
-            "the workspace",
-            starts="`catkin_make` or `catkin build`, and with it scripts of every package in the workspace",
-            sends=f"with ROBOT, the command, to {SSH}",
-            writes="the workspace",
-        ),
-    ),
-    Verb(
         "mount",
         "ur.cli.workspace.mount",
         "Mount a folder of a robot here, or unmount it.",
