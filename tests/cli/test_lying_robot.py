@@ -30,7 +30,7 @@ esac
 KINDS = ("noise", "marks", "paths", "json", "numbers", "nothing", "twisted", "codes")
 COMMANDS = (
     "doctor eve",
-    "devices --robot eve --probe",
+    "devices --robot eve",
     "sync eve --yes",
     "boot status --robot eve",
     "boot install --robot eve",

@@ -4,7 +4,7 @@ import pytest
 
 from ur.devices.known import Device, describe_device, find_known, find_rows, load_known, parse_known
 
-HEAD = "id\tmatch\tproduct\tkind\tstable\tbaud\tsure\tprobe\twhat\tsource\n"
+HEAD = "id\tmatch\tproduct\tkind\tstable\tbaud\tsure\twhat\tsource\n"
 
 
 def test_every_row_has_a_source_and_a_name_that_only_one_kind_of_device_gets() -> None:
@@ -37,7 +37,7 @@ def test_device_with_several_ids_has_several_rows() -> None:
 
 
 @pytest.mark.parametrize(
-    "row", ["a\tb\n", "a\t1:2\t-\ttoaster\t-\t-\tyes\t-\tx\ty\n", "a\t1:2\t-\thid\t-\tx\tyes\t-\tx\ty\n"]
+    "row", ["a\tb\n", "a\t1:2\t-\ttoaster\t-\t-\tyes\tx\ty\n", "a\t1:2\t-\thid\t-\tx\tyes\tx\ty\n"]
 )
 def test_malformed_table_is_named_with_its_line(row: str) -> None:
     with pytest.raises(ValueError, match=r"known_devices\.tsv:2"):

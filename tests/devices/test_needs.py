@@ -79,3 +79,11 @@ def test_group_that_was_joined_just_now_needs_a_login() -> None:
     assert (state, help) == ("forbidden", "ros is in the group dialout since this session began: log in again")
     ((_, _, help),) = list_problems(replace(snapshot, member=frozenset()))
     assert help == "sudo usermod --append --groups dialout ros, then log in again"
+
+
+def test_doctor_misses_the_unplugged_device_and_accepts_it_when_it_is_back() -> None:
+    expected = Expected("lidar", "serial", "/dev/rplidar", "rplidar", 115200)
+    plugged = Device("/dev/ttyUSB0", "serial", "10c4:ea60", links=("/dev/rplidar",))
+    back = Device("/dev/ttyUSB1", "serial", "10c4:ea60", links=("/dev/rplidar",))
+    states = [examine(DeviceSnapshot("pat", devices=found), [expected])[0].state for found in ((plugged,), (), (back,))]
+    assert states == ["ready", "missing", "ready"]

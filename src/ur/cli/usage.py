@@ -23,7 +23,7 @@ _VERBS = (
     ("roslaunch rosrun", "start a launch file: ur launch PACKAGE FILE"),
     ("roscore rosmaster master core", "each run starts a master if there is none: ur run PROGRAM"),
     ("rosdep apt install add download", "install what launch files need: ur get --missing FOLDER"),
-    ("build catkin catkin_make colcon make compile", "build the workspace: catkin_make, on a robot in 'ur shell ROBOT'"),
+    ("build catkin catkin_make colcon make compile", "build it with catkin_make, on a robot in 'ur shell ROBOT'"),
     ("roswtf wtf diagnose", "find what is wrong: ur doctor"),
     ("rqt rqt_graph rosgraph", "draw what runs: ur graph --live"),
     ("rviz rviz2 view viz", "show the robot: ur run rviz_robot, or ur web"),

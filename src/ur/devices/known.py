@@ -84,7 +84,7 @@ class Expected:
     baud: int = 0
 
 
-COLUMNS = ("id", "match", "product", "kind", "stable", "baud", "sure", "probe", "what", "source")
+COLUMNS = ("id", "match", "product", "kind", "stable", "baud", "sure", "what", "source")
 KINDS: tuple[Kind, ...] = ("serial", "camera", "joystick", "i2c", "gpio", "hid", "usb")
 _NAMES = {
     "serial": "serial device",
@@ -108,7 +108,6 @@ class KnownDevice:
     stable: str
     baud: int
     sure: bool
-    probe: str
     what: str
     source: str
 
@@ -134,13 +133,11 @@ def parse_known(text: str) -> tuple[KnownDevice, ...]:
         cells = ["" if cell == "-" else cell for cell in line.split("\t")]
         if len(cells) != len(COLUMNS):
             raise ValueError(f"known_devices.tsv:{number}: expected {len(COLUMNS)} columns, not {len(cells)}")
-        name, match, product, kind, stable, baud, sure, probe, what, source = cells
+        name, match, product, kind, stable, baud, sure, what, source = cells
         found = next((each for each in KINDS if each == kind), None)
         if found is None or sure not in ("yes", "no") or (baud and not baud.isdecimal()):
             raise ValueError(f"known_devices.tsv:{number}: bad kind, baud or sure")
-        rows.append(
-            KnownDevice(name, match, product, found, stable, int(baud or 0), sure == "yes", probe, what, source)
-        )
+        rows.append(KnownDevice(name, match, product, found, stable, int(baud or 0), sure == "yes", what, source))
     return tuple(rows)
 
 

@@ -115,7 +115,7 @@ class BaseDriver:
         self._node.log.error(describe_loss(self._line, reason, self._board.name))
 
     def _report_silence(self) -> None:
-        expected = f"no answer of {self._board.name}; is it switched on, and is this its device (ur devices --probe)?"
+        expected = f"no answer of {self._board.name}; is it switched on, and is this its device (ur devices)?"
         self._node.log.warn(f"{self._line.name}: {expected}", every=REPORT)
 
     def _received(self, data: bytes, stamp: int) -> None:

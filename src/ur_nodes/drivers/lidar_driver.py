@@ -45,7 +45,7 @@ class LidarDriver:
     def _look(self) -> None:
         now = self._node.steady()
         if self._open and now - max(self._measured, self._handshaken) > _ASK_AGAIN:
-            text = f"no beams of {self._protocol.name}; does it turn, and is this its device (ur devices --probe)?"
+            text = f"no beams of {self._protocol.name}; does it turn, and is this its device (ur devices)?"
             self._node.log.warn(f"{self._line.name}: {text}", every=REPORT)
             self._handshake()
 

@@ -41,34 +41,6 @@ class RplidarA1:
         return b""
 
 
-class Xv11Lidar:
-    """Sends a round room of 2 m at 5 turns a second, unasked; an old firmware has packets without a checksum."""
-
-    def __init__(self, *, old: bool = False) -> None:
-        self._old, self._index = old, 0
-
-    def receive(self, data: bytes) -> bytes:
-        return data[:0]  # it listens to nothing
-
-    def tick(self) -> bytes:
-        packet = make_xv11_packet(self._index, 2000)
-        self._index = (self._index + 1) % 90
-        return packet[:-2] + b"\0\0" if self._old else packet
-
-
-def make_xv11_packet(index: int, distance: int) -> bytes:
-    """Four measurements (mm) with the checksum: a sum of 10 words, doubled each time, of 15 bits."""
-    body = struct.pack("<BBH", 0xFA, 0xA0 + index, 300 * 64) + struct.pack("<HH", distance, 100) * 4
-    total = 0
-    for (word,) in struct.iter_unpack("<H", body):
-        total = (total << 1) + word
-    return body + struct.pack("<H", ((total & 0x7FFF) + (total >> 15)) & 0x7FFF)
-
-
-READ, WRITE, RESPONSE = 0xA, 0xB, 0xC
-FIRMWARE_VERSION, BOTH_SPEED_SET = 0x22, 0x2A
-
-
 class MagniMotors:
     """Answers reads of registers and keeps writes; what has a wrong checksum is ignored."""
 

@@ -4,7 +4,7 @@ import json
 import os
 import socket
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
 
@@ -13,7 +13,6 @@ import click
 from ur.cli.output import plain_text, write_exactly
 from ur.devices.known import Device, DeviceSnapshot, Expected, describe_device, find_known
 from ur.devices.needs import Need, examine, list_problems, write_rules
-from ur.devices.probe import SECONDS, list_questions, parse_answers, probe_script
 from ur.request.environment import PACKAGE
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.robot.base import load_base
@@ -27,14 +26,13 @@ from ur.source.progress_line import show_progress
 
 @click.command("devices")
 @click.option("--robot", metavar="ROBOT", help="The robot to inspect: a name, HOST or USER@HOST. [default: here]")
-@click.option("--probe", is_flag=True, help="Ask devices what they are, where the question changes nothing.")
 @click.option("--base", metavar="BASE", help="Compare with what this base needs. [default: the robot's]")
 @click.option("--variant", default="", help="The variant of BASE.")
 @click.option(
     "--rules", is_flag=True, help="Print udev rules with the stable names that BASE needs, and inspect nothing."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def command(robot: str | None, probe: bool, base: str | None, variant: str, rules: bool, as_json: bool) -> int:
+def command(robot: str | None, base: str | None, variant: str, rules: bool, as_json: bool) -> int:
     """List the devices of this computer or a robot.
 
     They are lidars, motor boards, cameras, joysticks. Each line has the probable model by the USB id, the name that is
@@ -54,12 +52,11 @@ def command(robot: str | None, probe: bool, base: str | None, variant: str, rule
             shell, name = stack.enter_context(connect_robot(address)), address.host.removesuffix(".local")
         with show_progress(f"looking at the devices of {name}"):
             snapshot = inspect_devices(shell)
-        answers = _ask(shell, snapshot) if probe else {}
     needs = examine(snapshot, expected)
     if as_json:
-        _print_json(snapshot, needs, answers)
+        _print_json(snapshot, needs)
     else:
-        _print_table(name, snapshot, answers)
+        _print_table(name, snapshot)
         _print_needs(needs, snapshot)
     return 1 if any(need.state != "ready" for need in needs) else 0
 
@@ -76,15 +73,7 @@ def _find_expected(robot: str | None, base: str | None, variant: str) -> tuple[E
     return expected_devices(load_base(PACKAGE, base, variant)) if base else ()
 
 
-def _ask(shell: Shell, snapshot: DeviceSnapshot) -> Mapping[str, str]:
-    questions = list_questions(snapshot)
-    if not questions:
-        return {}
-    with show_progress("asking devices what they are"):
-        return parse_answers(shell.run(probe_script(questions), timeout=10.0 + SECONDS * len(questions)).out)
-
-
-def _print_table(name: str, snapshot: DeviceSnapshot, answers: Mapping[str, str]) -> None:
+def _print_table(name: str, snapshot: DeviceSnapshot) -> None:
     from rich.console import Console
     from rich.table import Table
 
@@ -98,18 +87,14 @@ def _print_table(name: str, snapshot: DeviceSnapshot, answers: Mapping[str, str]
         table.add_column(column, overflow="fold")
     unknown = "nobody" if snapshot.complete else f"nobody ({snapshot.user})"
     for each in devices:
-        what = answers.get(each.path) or describe_device(each)
-        if answers.get(each.path) == "":
-            what += "; no answer that is known"
         holders = ", ".join(f"{holder.program} ({holder.pid})" for holder in each.holders)
         may = plain_text("yes") if each.allowed else plain_text(f"no: group {each.group}", "red")
-        table.add_row(
-            *map(plain_text, (each.path, _with_id(each, what), each.stable)), may, plain_text(holders or unknown)
-        )
+        table.add_row(*map(plain_text, (each.path, _with_id(each), each.stable)), may, plain_text(holders or unknown))
     Console(soft_wrap=not sys.stdout.isatty()).print(table)
 
 
-def _with_id(device: Device, what: str) -> str:
+def _with_id(device: Device) -> str:
+    what = describe_device(device)
     number = f", {device.serial}" if device.serial else ""
     return f"{what} [{device.usb}{number}]" if device.usb else what
 
@@ -128,13 +113,12 @@ def _print_needs(needs: Sequence[Need], snapshot: DeviceSnapshot) -> None:
             click.echo(printable(f"  help: {help}"))
 
 
-def _print_json(snapshot: DeviceSnapshot, needs: Sequence[Need], answers: Mapping[str, str]) -> None:
+def _print_json(snapshot: DeviceSnapshot, needs: Sequence[Need]) -> None:
     devices = [
         {
             **asdict(each),
             "what": describe_device(each),
             "stable": each.stable,
-            "answer": answers.get(each.path),
             "mode": None if each.mode is None else f"{each.mode:o}",
         }
         for each in snapshot.devices

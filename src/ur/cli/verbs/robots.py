@@ -143,11 +143,10 @@ ROBOTS = (
         examples=(
             ("ur devices", "List what is plugged into this computer."),
             ("ur devices --robot bob", "List the robot's, and what its base lacks."),
-            ("ur devices --robot bob --probe", "Also ask lidars which model they are."),
         ),
         trust=Trust(
-            "`/sys` and `/dev`; with `--probe`, answers of devices",
-            sends=f"with `--robot`, a script, to {SSH}; with `--probe`, questions to free ports",
+            "`/sys` and `/dev`",
+            sends=f"with `--robot`, a script, to {SSH}",
         ),
     ),
     Verb(

@@ -52,7 +52,7 @@ class WheelSession:
             text = f"{where}{self._board.name} does not drive: {self._problem or self._held}"
             raise UserError(error(text, rule="no-device", help="set that right, and run this again"))
         text = f"{where}no wheel counts of {self._board.name} for {_ANSWER:g} s; is it switched on?"
-        raise UserError(error(text, rule="no-device", help="see what answers there: ur devices --probe"))
+        raise UserError(error(text, rule="no-device", help="see what is there: ur devices"))
 
     def turn(self, motion: WheelMotion) -> tuple[float, float]:
         """Have the wheels roll DISTANCE; return what the board's left and right counter show (m). Raises UserError."""

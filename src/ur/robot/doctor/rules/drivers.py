@@ -37,7 +37,7 @@ def check_drivers(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG00
         elif driver.problem:
             yield Finding("driver-refuses", f"{name} cannot be used: {driver.problem}", "the log says it, too: ur logs")
         elif driver.frames <= 0.0:
-            help_ = "is it switched on, and is this its device? Stop the programs, then: ur devices --probe"
+            help_ = "is it switched on, and is this its device? Stop the programs, then: ur devices"
             yield Finding("driver-silent", f"{name} sends nothing that its driver understands", help_)
         elif driver.damaged > _FEW and driver.damaged > DAMAGED * (driver.frames + driver.damaged):
             share = driver.damaged / (driver.frames + driver.damaged)
