@@ -58,7 +58,7 @@ class MuxSettings:
     brake_after: float | None = None
 
     def braking_beyond_stop_time(self, speed: float, axis: Axis) -> float:
-        """How much longer than `stop_time` (s) a stop from a speed takes where braking begins after `brake_after`."""
+        """The time (s) beyond `stop_time` that a stop from a speed takes where braking begins after `brake_after`."""
         if self.brake_after is None:
             return 0.0
         return max(0.0, self.brake_after + min(abs(speed), axis.speed) / axis.slow_down - self.stop_time)

@@ -41,6 +41,10 @@ class RplidarA1:
         return b""
 
 
+READ, WRITE, RESPONSE = 0xA, 0xB, 0xC
+FIRMWARE_VERSION, BOTH_SPEED_SET = 0x22, 0x2A
+
+
 class MagniMotors:
     """Answers reads of registers and keeps writes; what has a wrong checksum is ignored."""
 

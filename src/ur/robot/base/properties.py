@@ -63,7 +63,7 @@ class MotionLimits:
 
     @property
     def way_to_rest(self) -> float:
-        """How far (m) it drives at most after the last command: 0.2 v + v^2 / 2a at its full speed v."""
+        """The way (m) that it drives at most after the last command: 0.2 v + v^2 / 2a at its full speed v."""
         speed = max(self.velocity, self.lateral_velocity)
         return BRAKE_AFTER * speed + speed * speed / (2.0 * self.deceleration)
 

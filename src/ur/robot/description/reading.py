@@ -124,13 +124,7 @@ def read_base_figures(
     outline, inner = _read_outline(drive, figures, [(x, y) for x, y, _ in points], origin)
     read_heights(figures, [z for _, _, z in points])
     read_masses(description, drive, figures)
-    notes += read_limits(description, drive, figures, speeds)
-    sideways = description.sideways or any(_SIDEWAYS.search(f"{w.joint.name} {w.joint.child}") for w in drive.wheels)
-    if sideways and "velocity" in figures:
-        figures.setdefault("lateral_velocity", replace(figures["velocity"], source="as ahead: it can drive sideways"))
-    figures.setdefault("lateral_velocity", Figure(0.0, "usual"))
-    if max(figures["velocity"].value, figures["lateral_velocity"].value) <= SHORT_STOP:
-        figures.pop("deceleration")  # it brakes harder than its files ask for
+    notes += _read_speeds(description, drive, figures, speeds)
     supports = _read_supports(drive, figures, outline, origin)
     if len({round(wheel.x, 3) for wheel in drive.wheels}) > 1:
         notes.append("several driven axles (skid steer): simulated as two driven wheels between them")
@@ -154,6 +148,20 @@ def read_base_figures(
         placed,
         tuple(notes),
     )
+
+
+def _read_speeds(
+    description: Description, drive: DriveGeometry, figures: dict[str, Figure], speeds: FoundSpeeds | None
+) -> tuple[str, ...]:
+    """Read what limits the motion, to the side too; return notes."""
+    notes = read_limits(description, drive, figures, speeds)
+    sideways = description.sideways or any(_SIDEWAYS.search(f"{w.joint.name} {w.joint.child}") for w in drive.wheels)
+    if sideways:
+        figures.setdefault("lateral_velocity", replace(figures["velocity"], source="as ahead: it can drive sideways"))
+    figures.setdefault("lateral_velocity", Figure(0.0, "usual"))
+    if max(figures["velocity"].value, figures["lateral_velocity"].value) <= SHORT_STOP:
+        figures.pop("deceleration")  # it brakes harder than its files ask for
+    return notes
 
 
 def _is_too_large(body: Extent, figures: Mapping[str, Figure]) -> bool:
