@@ -1,7 +1,5 @@
 """Topics, services and actions of this library's nodes. Made by tools/make_known_nodes.py."""
 
-from __future__ import annotations
-
 from ur.launchfile.query.interface import Interface, make_interface
 
 LIBRARY_NODES: dict[str, Interface] = {
