@@ -12,7 +12,7 @@ from typing import TextIO
 from ur.robot.base import load_base
 from ur.source.project import launch_library
 from ur_nodes.drivers.registry import BOARDS, FIRMWARES
-from ur_nodes.simulator.devices.terminal import DeviceTerminal
+from ur_nodes.simulator.devices.bench import DeviceTerminal
 
 RESTS = 0.0011  # m/s: a Neato stops by 1 mm/s
 

@@ -16,7 +16,7 @@ from bench.stop_network_parts.lane import Lane
 from bench.stop_network_parts.recorder import RESTS
 
 from ur.robot.base import Base
-from ur_nodes.motion.wheel_drive import WheelDrive
+from ur_nodes.motion.ramp import WheelDrive
 
 _PERIOD = 0.005  # s
 _CONTROL = 2  # periods of the controller: 100 Hz

@@ -16,7 +16,7 @@ from bench.web_parts.server import log_in_to_look, start_attackers  # noqa: E402
 from tests.web.server.test_serve import Service  # noqa: E402
 
 from ur.web.access.roles import Role  # noqa: E402
-from ur.web.server.link_files import admit_script, make_token  # noqa: E402
+from ur.web.server.links import admit_script, make_token  # noqa: E402
 
 ROOT = Path(__file__).parents[2]
 SECONDS, PRESSES = 8.0, 100

@@ -1,7 +1,4 @@
-"""Long runs: memory, open files, threads and log files of `ur launch` while a simulated robot patrols.
-
-Simulated time runs as fast as the computer can, or as real time with --real-time. Sizes are minutes of that time.
-"""
+"""A simulated robot that patrols under `ur launch`, and what its processes use."""
 
 from __future__ import annotations
 
@@ -18,13 +15,9 @@ import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from bench.long_parts.process_samples import Sample, describe_growth, take_sample
 from bench.navigation_parts.worlds import GOALS
-from bench.scale_parts.process_samples import Sample, describe_growth, take_sample
-from bench.scale_parts.rows import Row
 
-SIZES = (15, 30, 45, 60)
-SIZE = "minutes"
-PEER = ""
 _ROOT = Path(__file__).resolve().parents[2]
 _WORLD = "maze"
 _EACH = 5.0  # minutes between two samples
@@ -42,17 +35,11 @@ _LAUNCH = """<launch>
 """
 
 
-def measure(sizes: Sequence[int]) -> Iterator[Row]:
-    """Rows of all processes together at these simulated minutes. Raises SystemExit when something grows."""
-    yield from _measure(sizes, 0.0)
+def measure(sizes: Sequence[int], speed: float) -> Iterator[str]:
+    """Yield lines about all processes together at these minutes; `speed` is 1 for real time, 0 for as fast as can be.
 
-
-def measure_real_time(minutes: int) -> Iterator[Row]:
-    """The same at real time, at four times up to these minutes."""
-    yield from _measure(sorted({max(1, minutes * quarter // 4) for quarter in (1, 2, 3, 4)}), 1.0)
-
-
-def _measure(sizes: Sequence[int], speed: float) -> Iterator[Row]:
+    Raises SystemExit when something grows.
+    """
     last = max(sizes)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that the nodes are ended then, too
     with tempfile.TemporaryDirectory(prefix="bench_long_") as name, Patrol(Path(name), speed) as patrol:
@@ -63,7 +50,7 @@ def _measure(sizes: Sequence[int], speed: float) -> Iterator[Row]:
             patrol.sleep_until(began + 60.0 * minutes)
             samples.append(take_sample(patrol.process.pid, patrol.logs, minutes))
             if minutes in sizes:
-                yield from _rows(samples[-1])
+                yield _describe(samples[-1])
         elapsed = time.monotonic() - wall
         factor = 60.0 * last / elapsed
         print(f"  {last} minutes in {elapsed / 60.0:.1f} ({factor:.1f} times real time), {patrol.count()}")
@@ -73,12 +60,11 @@ def _measure(sizes: Sequence[int], speed: float) -> Iterator[Row]:
         raise SystemExit(f"grows: {', '.join(growing)}")
 
 
-def _rows(sample: Sample) -> Iterator[Row]:
+def _describe(sample: Sample) -> str:
     every = sample.processes.values()
-    yield Row("long: memory", sample.minutes, sum(each.memory for each in every), "MB")
-    yield Row("long: open files", sample.minutes, sum(each.files for each in every), "files")
-    yield Row("long: threads", sample.minutes, sum(each.threads for each in every), "threads")
-    yield Row("long: log files", sample.minutes, sample.logs, "MB")
+    memory, files = sum(each.memory for each in every), sum(each.files for each in every)
+    threads = sum(each.threads for each in every)
+    return f"{sample.minutes:5g} min: {memory:.0f} MB, {files} files, {threads} threads, {sample.logs:.1f} MB of logs"
 
 
 class Patrol:

@@ -2,7 +2,7 @@ import os
 from pathlib import Path
 
 import pytest
-from bench.scale_parts.process_samples import ProcessSample, Sample, describe_growth, fit_slope, has_risen, take_sample
+from bench.long_parts.process_samples import ProcessSample, Sample, describe_growth, fit_slope, has_risen, take_sample
 
 
 def samples(memory: list[float], files: list[int], logs: float = 1.0) -> list[Sample]:

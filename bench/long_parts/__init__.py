@@ -1,0 +1,1 @@
+"""Parts of bench/long: the patrol, and samples of its processes."""

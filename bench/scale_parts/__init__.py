@@ -1,1 +1,0 @@
-"""Parts of bench/scale: one module a subject, and the rows that they measure."""
