@@ -89,7 +89,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur.run.host.cgroup",
         "ur.run.host.descendants",
         "ur_nodes.geometry",
-        "ur_nodes.motion.wheel_drive",
+        "ur_nodes.motion.ramp",
         "ur_nodes.ports",
         "ur_nodes.run",
         "ur_nodes.simulator.devices.plant",
@@ -113,7 +113,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.geometry",
         "ur_nodes.ports",
         "ur_nodes.run",
-        "ur_nodes.motion.wheel_drive",
+        "ur_nodes.motion.ramp",
     ),
     "ur_nodes.simulator.devices": (
         "ur.source",
@@ -202,7 +202,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         *("ur.recordings", "ur.run.host.descendants", "ur.source"),
         *("ur_nodes.datagram_socket", "ur_nodes.memory_use", "ur_nodes.motion.lease", "ur_nodes.ports", "ur_nodes.run"),
     ),
-    "ur_nodes.recorder": ("ur.recordings", "ur_nodes.black_box.selection", "ur_nodes.ports", "ur_nodes.run"),
+    "ur_nodes.recorder": ("ur.recordings", "ur_nodes.black_box.black_box", "ur_nodes.ports", "ur_nodes.run"),
     "ur_nodes.replay": ("ur.recordings", "ur.source", "ur_nodes.datagram_socket", "ur_nodes.ports", "ur_nodes.run"),
     "ur_nodes.missions": (),
     "ur_nodes.missions.robot": (

@@ -15,7 +15,7 @@ def test_committed_files_of_the_page_are_made_from_the_tables_of_the_server(name
 
 
 def test_every_layer_of_small_things_is_drawn() -> None:
-    from ur_nodes.web.layers.overlay_values import OVERLAYS
+    from ur_nodes.web.layers.overlays import OVERLAYS
 
     script = (TOOL["STATIC"] / "overlays.js").read_text(encoding="utf-8")
     drawn = script.partition("const DRAW = {")[2].partition("};")[0]

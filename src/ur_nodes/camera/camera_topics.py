@@ -81,7 +81,7 @@ class CameraTopics:
             self._node.log.warn(f"a picture is left out: {shot.problem}", every=10.0)
 
     def report(self, problem: CameraError) -> None:
-        """See Consumer. `ur_nodes.pictures.silence` repeats the problem while pictures are missing."""
+        """See Consumer. `ur_nodes.pictures.feed` repeats the problem while pictures are missing."""
         self._node.log.error(str(problem))
 
 

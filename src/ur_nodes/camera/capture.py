@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 
 from ur.source.printable import printable
 from ur_nodes.camera import abi
+from ur_nodes.camera.abi import DeviceFile
 from ur_nodes.camera.controls import apply_settings
-from ur_nodes.camera.device_file import DeviceFile
 from ur_nodes.camera.formats import (
     JPEG_FORMATS,
     RAW_FORMATS,

@@ -3,7 +3,7 @@
 import errno
 
 from ur_nodes.camera import abi
-from ur_nodes.camera.device_file import DeviceFile
+from ur_nodes.camera.abi import DeviceFile
 from ur_nodes.camera.source import CameraSettings
 
 # <linux/v4l2-controls.h>

@@ -6,8 +6,7 @@ from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.run.host.descendants import become_driver
 from ur_nodes.drivers.base_driver import BaseDriver
 from ur_nodes.drivers.health import report_to_file
-from ur_nodes.drivers.registry import BOARDS, make_board
-from ur_nodes.drivers.settings import connect_serial, read_base
+from ur_nodes.drivers.registry import BOARDS, connect_serial, make_board, read_base
 from ur_nodes.ports.node import Node
 from ur_nodes.run import run
 

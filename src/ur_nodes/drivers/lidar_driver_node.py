@@ -5,8 +5,7 @@ import sys
 from ur.source.diagnostic import UserError, error
 from ur_nodes.drivers.health import report_to_file
 from ur_nodes.drivers.lidar_driver import LidarDriver
-from ur_nodes.drivers.registry import LIDARS
-from ur_nodes.drivers.settings import connect_serial, read_base
+from ur_nodes.drivers.registry import LIDARS, connect_serial, read_base
 from ur_nodes.ports.node import Node
 from ur_nodes.run import run
 

@@ -11,7 +11,7 @@ from ur.source.suggest import did_you_mean
 from ur.worlds.world_file import WorldModel
 from ur_nodes.geometry.hull import hull_of_outline
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.motion.wheel_drive import WheelDrive
+from ur_nodes.motion.ramp import WheelDrive
 from ur_nodes.simulator.mujoco_model import TIME_STEP, build_model, start_pose
 from ur_nodes.simulator.people.pedestrians import NearbyRobot, Pedestrians
 from ur_nodes.simulator.people.strike import Strikes

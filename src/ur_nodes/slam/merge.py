@@ -17,8 +17,7 @@ from ur_nodes.slam.matching.covariance import LEAST_NOISE
 from ur_nodes.slam.occupancy import OccupancyMap
 from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.pose_graph.graph import PoseGraph
-from ur_nodes.slam.pose_graph.loop_closer import Confirmation
-from ur_nodes.slam.pose_graph.loops import KeyframeGroup, PoseLink, find_groups, verify_group
+from ur_nodes.slam.pose_graph.loop_closer import Confirmation, KeyframeGroup, PoseLink, find_groups, verify_group
 from ur_nodes.slam.relocation import WholeMap
 
 _TRIALS = 60  # scans of the second map that are searched for on the first one, at most

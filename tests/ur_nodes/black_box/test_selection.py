@@ -1,6 +1,6 @@
 """The topics that the black box records."""
 
-from ur_nodes.black_box.selection import PICTURE_PERIOD, select_topics
+from ur_nodes.black_box.black_box import PICTURE_PERIOD, select_topics
 from ur_nodes.ports.graph import Graph, Topic
 
 

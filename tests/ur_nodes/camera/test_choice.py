@@ -4,7 +4,7 @@ import os
 import pytest
 
 from ur.devices.known import Device, DeviceHolder, DeviceSnapshot
-from ur_nodes.camera.choice import choose_camera, describe_choice, explain_failure
+from ur_nodes.camera.finder import choose_camera, describe_choice, explain_failure
 from ur_nodes.camera.source import CameraError
 
 FIRST = Device("/dev/video0", "camera", "046d:082d", "A1", "Logitech", "HD Pro Webcam C920", "uvcvideo", "1-1")

@@ -10,7 +10,7 @@ from ur.source.diagnostic import UserError
 from ur_nodes.client.waypoints import WaypointStore, name_of_map
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.navigate.arguments import error_line
+from ur_nodes.teleop.navigate.commands import error_line
 
 HERE = Pose2(1.25, -2.5, math.radians(90))
 

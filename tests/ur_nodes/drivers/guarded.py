@@ -15,7 +15,7 @@ from tests.ur_nodes.drivers.mutations import StillPlant
 from ur.run.host.cgroup import Cgroup
 from ur_nodes.drivers.boards import arduino, magni
 from ur_nodes.drivers.registry import FIRMWARES
-from ur_nodes.simulator.devices.terminal import DeviceTerminal
+from ur_nodes.simulator.devices.bench import DeviceTerminal
 
 LONGEST = 30.0  # s
 # Greets the board and sends it speeds, as BaseDriver does.

@@ -24,7 +24,7 @@ from ur_nodes.drivers.lines.line import LineSettings, LineUser
 from ur_nodes.drivers.lines.motor_guard import MotorGuard
 from ur_nodes.drivers.lines.serial_line import SerialLine
 from ur_nodes.drivers.registry import BOARDS
-from ur_nodes.simulator.devices.terminal import DeviceTerminal
+from ur_nodes.simulator.devices.bench import DeviceTerminal
 
 
 @pytest.mark.parametrize("name", one_of(BOARDS, "magni"))

@@ -7,8 +7,8 @@ import yaml
 from ur.robot.base import list_bases, load_base
 from ur.source.diagnostic import UserError
 from ur_nodes.motion.mux_events import Lock, MuxSettings, Source
+from ur_nodes.motion.mux_settings import read_locks, read_sources
 from ur_nodes.motion.ramp import Axis
-from ur_nodes.motion.sources import read_locks, read_sources
 
 PACKAGE = Path(__file__).resolve().parents[3] / "ubiquity_launches"
 GOOD = {"name": "keyboard", "topic": "key_vel", "timeout": 0.5, "priority": 90}

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from tests.base_contract import load
 
 from ur.robot.base import Base
-from ur_nodes.motion.wheel_drive import WheelDrive
+from ur_nodes.motion.ramp import WheelDrive
 
 PERIOD = 0.02
 

@@ -1,4 +1,4 @@
-from ur_nodes.pictures.silence import explain_silence
+from ur_nodes.pictures.feed import explain_silence
 
 
 def test_error_of_a_publisher_is_the_reason() -> None:

@@ -16,8 +16,7 @@ from ur_nodes.memory.bus import Bus
 from ur_nodes.memory.node import MemoryNode
 from ur_nodes.ports.graph import Graph, Topic
 from ur_nodes.ports.raw import RecordedMessage, RecordedType
-from ur_nodes.recorder.split_writer import NearlyFullError, SplitSettings, SplitWriter
-from ur_nodes.recorder.topic_recording import RecordNode, choose_topics
+from ur_nodes.recorder.topic_recording import NearlyFullError, RecordNode, SplitSettings, SplitWriter, choose_topics
 
 STRING = "std_msgs/String"
 WORDS = RecordedType("/words", STRING, "string data\n")
@@ -71,7 +70,7 @@ FULL = """
 import os, resource, signal, sys
 from pathlib import Path
 from ur_nodes.ports.raw import RecordedMessage, RecordedType
-from ur_nodes.recorder.split_writer import SplitSettings, SplitWriter
+from ur_nodes.recorder.topic_recording import SplitSettings, SplitWriter
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (400_000, 400_000))
 writer = SplitWriter(SplitSettings(Path(sys.argv[1]), free=0, seconds=3.5))

@@ -13,8 +13,7 @@ from ur.source.diagnostic import UserError
 from ur.source.foreign.json_values import read_json, write_json
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.raw import RawMessage
-from ur_nodes.replay.playback import ReplayNode
-from ur_nodes.replay.player import Player
+from ur_nodes.replay.playback import Player, ReplayNode
 
 STRING = "std_msgs/String"
 

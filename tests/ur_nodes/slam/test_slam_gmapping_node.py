@@ -23,7 +23,7 @@ from ur_nodes.simulator.simulation import Simulation
 from ur_nodes.slam.gmapping.slam import entropy
 from ur_nodes.slam.matching.scan import make_scan
 from ur_nodes.slam.slam_gmapping_node import SlamGmappingNode
-from ur_nodes.slam.storage.convert import load_poses
+from ur_nodes.slam.storage.writer import load_poses
 from ur_nodes.slam.tracker import MapTracker
 
 BASE = load_base(launch_library(), "stage", "")

@@ -12,7 +12,7 @@ from ur.maps.store import MapStore, own_store
 from ur.source.diagnostic import UserError
 from ur.source.project import launch_library
 from ur_nodes.geometry.grid import load_map
-from ur_nodes.slam.storage.convert import load_poses
+from ur_nodes.slam.storage.writer import load_poses
 
 SLAM = launch_library() / "n_slam_gmapping" / "bin" / "slam_gmapping"
 SAVER = launch_library() / "n_map_saver" / "bin" / "map_saver"

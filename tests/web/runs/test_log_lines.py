@@ -1,7 +1,7 @@
 import os
 from pathlib import Path
 
-from ur.web.runs.log_lines import LogLines, read_lines
+from ur.web.runs.watcher import LogLines, read_lines
 
 
 def test_page_continues_where_it_was_and_learns_what_it_has_missed() -> None:

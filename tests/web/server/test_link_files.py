@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from ur.web.access.roles import TOKEN_LIFE, Role
-from ur.web.server.link_files import LinkFiles, admit_script, make_token
+from ur.web.server.links import LinkFiles, admit_script, make_token
 
 
 def admit(home: Path, token: str, role: Role) -> Path:

@@ -21,7 +21,7 @@ pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/we
 
 from ur.source.diagnostic import UserError
 from ur.web.access.roles import Role
-from ur.web.server.link_files import admit_script, make_token
+from ur.web.server.links import admit_script, make_token
 from ur.web.server.serve import open_port
 
 

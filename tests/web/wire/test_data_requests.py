@@ -5,8 +5,17 @@ from typing import Any
 
 import pytest
 
-from ur.web.wire.data_frames import pack_frame, pack_json, unpack_frame
-from ur.web.wire.data_requests import DataEnvelope, DescribeMesh, DescribeModel, Show, find_number, read_data_request
+from ur.web.wire.data_requests import (
+    DataEnvelope,
+    DescribeMesh,
+    DescribeModel,
+    Show,
+    find_number,
+    pack_frame,
+    pack_json,
+    read_data_request,
+    unpack_frame,
+)
 from ur.web.wire.reading import BadRequestError
 
 

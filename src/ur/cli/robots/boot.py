@@ -194,8 +194,7 @@ def _change_each(
 def _show_link(shell: SshShell, host: str, *, look: bool = False) -> None:
     """Have the robot's page admit a new link, and print it. Only the hash of its token is sent to the robot."""
     from ur.web.access.roles import Role
-    from ur.web.server.link_files import admit_script, make_token
-    from ur.web.server.links import FIRST_PORT, LISTENERS, draw_code, make_link
+    from ur.web.server.links import FIRST_PORT, LISTENERS, admit_script, draw_code, make_link, make_token
 
     token = make_token()
     done = shell.run(admit_script(token, Role.LOOK if look else Role.DRIVE))

@@ -12,7 +12,6 @@ from ur.web.access.rate import Buckets, draw, make_bucket
 from ur.web.access.roles import Role
 from ur.web.runs.commands import CommandQueue
 from ur.web.server.assistant_pages import AssistantPages
-from ur.web.server.cameras import Cameras
 from ur.web.server.data.data_pages import DataPages
 from ur.web.server.drivers import DrivingPage, DrivingPages, describe_request
 from ur.web.server.logins.gate import SESSION, VIEWER_PATH, LoginGate, demand_drive, read_body
@@ -23,7 +22,7 @@ from ur.web.server.robot_process import RobotProcess
 from ur.web.server.run_pages import RunPages
 from ur.web.server.static_files import StaticFile
 from ur.web.server.viewer_gate import ViewerGate
-from ur.web.server.viewers import Viewers, ViewingPage, open_socket, receive
+from ur.web.server.viewers import Cameras, Viewers, ViewingPage, open_socket, receive
 from ur.web.wire.frames import Kind, Layer, key_of
 from ur.web.wire.reading import BadRequestError
 from ur.web.wire.requests import LONGEST, Stick, read_request

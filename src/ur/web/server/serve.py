@@ -11,8 +11,8 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Awaitable, Callable
-from contextlib import AsyncExitStack, suppress
+from collections.abc import Awaitable, Callable, Iterator
+from contextlib import AsyncExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -27,13 +27,55 @@ from ur.web.access.roles import DAY, SESSION_LIFE, Role
 from ur.web.server.application import Application
 from ur.web.server.connections.http_server import open_server
 from ur.web.server.connections.listener import listen
-from ur.web.server.enter_key import call_on_enter
-from ur.web.server.link_files import LinkFiles
-from ur.web.server.links import FIRST_PORT, LISTENERS, draw_code, find_address, make_link
+from ur.web.server.links import FIRST_PORT, LISTENERS, LinkFiles, draw_code, find_address, make_link
 from ur.web.server.logins.gate import VIEWER_PATH, LoginGate
 from ur.web.server.logins.sessions import discard_line
 from ur.web.server.robot_process import robot_environment
 from ur.web.server.static_files import load_files
+
+_PAUSE = 0.5  # s between checks of a terminal that belongs to another program
+
+
+@contextmanager
+def call_on_enter(act: Callable[[], object]) -> Iterator[bool]:
+    """Call `act` for each press of Enter while the context lasts; yield whether a terminal is available.
+
+    In the background the terminal belongs to the shell: nothing is read then, which would stop this process.
+    """
+    if not sys.stdin or sys.stdin.closed or not sys.stdin.isatty():
+        yield False
+        return
+    loop, descriptor = asyncio.get_running_loop(), sys.stdin.fileno()
+    waiting: list[asyncio.TimerHandle] = []
+
+    def read() -> None:
+        if _is_in_background(descriptor):
+            loop.remove_reader(descriptor)
+            waiting[:] = [loop.call_later(_PAUSE, loop.add_reader, descriptor, read)]
+            return
+        data = b""
+        with suppress(OSError):
+            data = os.read(descriptor, 1024)
+        if data:
+            act()
+        else:  # the terminal has closed
+            loop.remove_reader(descriptor)
+
+    loop.add_reader(descriptor, read)
+    try:
+        yield True
+    finally:
+        loop.remove_reader(descriptor)
+        for each in waiting:
+            each.cancel()
+
+
+def _is_in_background(descriptor: int) -> bool:
+    try:
+        return os.tcgetpgrp(descriptor) != os.getpgrp()
+    except OSError:  # not the controlling terminal of this process
+        return False
+
 
 _PORTS = range(FIRST_PORT, 8100)
 _LONGEST_LOG = 1 << 20  # bytes

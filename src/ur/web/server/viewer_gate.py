@@ -12,20 +12,21 @@ import asyncio
 import json
 import secrets
 import time
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import aiohttp
 from aiohttp import WSCloseCode, WSMsgType, web
+from msgspec import Meta
 
 from ur.source.foreign.json_values import Count, read_json
+from ur.system.child_processes import NodeProcess, start_node
 from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import Role
 from ur.web.server.drivers import DrivingPages
 from ur.web.server.logins.gate import SESSION
-from ur.web.server.viewer_process import ViewerProcess, ViewerProcessError
 from ur.web.server.viewers import limit_buffer
 from ur.web.wire.reading import BadRequestError
 from ur.web.wire.viewer_protocol import (
@@ -44,6 +45,68 @@ from ur.web.wire.viewer_protocol import (
     write_status,
 )
 
+if TYPE_CHECKING:
+    Topics = aiohttp.ClientWebSocketResponse[bool]
+
+_MODULE = "ur_nodes.web.viewers.viewer_endpoint_node"
+_START_LIMIT = 20.0  # s
+
+
+@dataclass(frozen=True, slots=True)
+class _Address:
+    host: Annotated[str, Meta(pattern=r"^127\.[0-9.]{1,12}\Z")]
+    port: Annotated[int, Meta(gt=0, lt=1 << 16)]
+
+
+class ViewerProcessError(Exception):
+    """The process does not start; the text is the reason, in one line."""
+
+
+class ViewerProcess:
+    """Keeps the process running while a client holds it. `log` is called with its output."""
+
+    def __init__(self, environment: Mapping[str, str], log: Callable[[str], None]) -> None:
+        self._environment, self._log = environment, log
+        self._lock = asyncio.Lock()
+        self._holders = 0
+        self._node: NodeProcess | None = None
+        self._address = ("", 0)
+
+    @asynccontextmanager
+    async def hold(self) -> AsyncIterator[tuple[str, int]]:
+        """Keep the process running while the context lasts, and yield its loopback address.
+
+        Raises ViewerProcessError.
+        """
+        self._holders += 1
+        try:
+            async with self._lock:
+                if self._node is None or self._node.process.returncode is not None:
+                    await self._end()
+                    await self._start()
+            yield self._address
+        finally:
+            self._holders -= 1
+            async with self._lock:
+                if not self._holders:
+                    await self._end()
+
+    async def _start(self) -> None:
+        self._node = await start_node(_MODULE, self._environment, lambda line: self._log(f"viewers: {line}"))
+        try:
+            line = await asyncio.wait_for(self._node.links[0][0].readline(), _START_LIMIT)
+            address = read_json(line, _Address)
+        except (OSError, ValueError, asyncio.TimeoutError):
+            await self._end()
+            raise ViewerProcessError("the topics of the robot cannot be offered; see web.log") from None
+        self._address = address.host, address.port
+
+    async def _end(self) -> None:
+        node, self._node = self._node, None
+        if node is not None:
+            await node.close()
+
+
 _MOST_VIEWERS = 8
 _MOST_TOPICS = 100  # that a viewer advertises
 _PING_EVERY = 0.2  # s
@@ -54,10 +117,6 @@ _GOAL_RATE, _GOAL_BURST = 2.0, 10.0  # goals and poses of one viewer, a second: 
 _MOST_BAD = 20
 _EXPECTED = f"expected {' or '.join(SCHEMAS)}; drive by hand on the page of 'ur web', whose commands prove their age"
 _REASONS = {"driver": "another one drives, take over on the page of 'ur web'", "late": "the connection was too slow"}
-
-
-if TYPE_CHECKING:
-    Topics = aiohttp.ClientWebSocketResponse[bool]
 
 
 @dataclass(frozen=True, slots=True)

@@ -44,7 +44,7 @@ export class Overlays {
   }
 }
 
-/** How each layer is drawn from the value of `ur_nodes.web.layers.overlay_values`, the lowest first.
+/** How each layer is drawn from the value of `ur_nodes.web.layers.overlays`, the lowest first.
  * @type {Record<string, (context: Context, view: View, colours: Colours, value: any) => void>} */
 const DRAW = {
   frontiers: (context, view, colours, value) => drawFrontiers(context, view, colours, value.frontiers ?? []),

@@ -1,12 +1,34 @@
-"""Pictures, and the calibration of their cameras."""
+"""Pictures, the calibration of their cameras, and the services of cameras."""
 
 from __future__ import annotations
 
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+from sensor_msgs.srv import SetCameraInfo
 
-from ur_nodes.codecs.codec import LARGE, Codec, fill_header, frame_of
-from ur_nodes.codecs.dialect import ROS_2, bytes_of, number_of, stamp_of
-from ur_nodes.ports.values import Calibration, PackedPicture, Picture
+from ur_nodes.codecs.codec import LARGE, Codec, ServiceCodec, fill_header, frame_of
+from ur_nodes.codecs.dialect import ROS_2, bytes_of, number_of, parts_of, stamp_of
+from ur_nodes.ports.services import UseCalibration
+from ur_nodes.ports.values import Calibration, PackedPicture, Picture, Result
+
+_Request, _Response = parts_of(SetCameraInfo)
+
+
+def _request(value: UseCalibration) -> SetCameraInfo.Request:
+    request = _Request()
+    fill_calibration(request.camera_info, value.calibration)
+    return request
+
+
+SERVICES = {
+    UseCalibration: ServiceCodec(
+        SetCameraInfo,
+        _request,
+        lambda request: UseCalibration(calibration_of(request.camera_info)),
+        lambda result: _Response(success=result.success, status_message=result.text),
+        lambda response: Result(bool(response.success), str(response.status_message)),
+    ),
+}
+
 
 _NUMBERS = "dkrp" if ROS_2 else "DKRP"  # the fields of a CameraInfo with distortion and matrices
 

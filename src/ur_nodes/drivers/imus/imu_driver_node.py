@@ -11,8 +11,7 @@ from ur_nodes.drivers.health import report_to_file
 from ur_nodes.drivers.imus.imu import I2cBus
 from ur_nodes.drivers.imus.imu_driver import ImuDriver
 from ur_nodes.drivers.lines.line import explain_error
-from ur_nodes.drivers.registry import IMUS
-from ur_nodes.drivers.settings import find_device, read_base
+from ur_nodes.drivers.registry import IMUS, find_device, read_base
 from ur_nodes.ports.node import Node
 from ur_nodes.run import run
 

@@ -3,19 +3,40 @@
 import contextlib
 import os
 import select
+import socket
 import termios
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
+from urllib.parse import urlsplit
 
 import serial
 
 from ur_nodes.drivers.lines.line import LineSettings, LineUser, explain_error
 from ur_nodes.drivers.lines.motor_guard import MotorGuard, StartGuard, start_guard
-from ur_nodes.drivers.lines.tcp import SCHEME, open_socket
 from ur_nodes.ports.node import Node
+
+SCHEME = "tcp://"
+_PATIENCE = 2.0  # s until a device that does not answer is given up
+
+
+def open_socket(address: str) -> socket.socket | str:
+    """Connect to `tcp://HOST:PORT`; or why that failed. What is sent and not taken for _PATIENCE breaks the line."""
+    try:
+        parts = urlsplit(address)
+        port = parts.port
+        if not parts.hostname or port is None:
+            return "no address of a device, expected tcp://HOST:PORT"
+        connected = socket.create_connection((parts.hostname, port), timeout=_PATIENCE)
+    except (OSError, ValueError) as problem:
+        return "it does not answer" if isinstance(problem, TimeoutError) else explain_error(problem)
+    connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, round(_PATIENCE * 1000))
+    connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    connected.setblocking(False)
+    return connected
+
 
 _PAUSE = 0.3  # s between two attempts to open it
 _LOOK = 0.1  # s in which a reading that waits notices the end

@@ -13,8 +13,7 @@ from gpiod.line import Edge as Detection
 from ur.source.diagnostic import UserError, error
 from ur_nodes.drivers.health import report_to_file
 from ur_nodes.drivers.lines.line import explain_error
-from ur_nodes.drivers.registry import SONARS
-from ur_nodes.drivers.settings import find_device, read_base
+from ur_nodes.drivers.registry import SONARS, find_device, read_base
 from ur_nodes.drivers.sonars.echoes import LONGEST, Listened, PinEdge, SonarPins, SonarPort, find_echo
 from ur_nodes.drivers.sonars.sonar_driver import SonarDriver
 from ur_nodes.ports.node import Node

@@ -1,12 +1,19 @@
-"""Lease and requests as JSON, their form on topics. Input is untrusted until it is checked here."""
+"""Lease and requests as JSON: their form on topics, untrusted until it is checked here, and on the robot's disk."""
 
+import json
+import os
 import re
+import zlib
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Annotated, Literal
 
 from msgspec import Meta
 
 from ur.source.foreign.json_values import BadJsonError, Stamp, read_json, write_json
+from ur.source.replace import PRIVATE, replace_file, sync_folder
 from ur_nodes.motion.challenge.freshness import NO_STAMP
 
 Action = Literal["acquire", "renew", "ask", "take", "release", "grant"]
@@ -19,6 +26,7 @@ LEASE_TIMEOUT = 2.5
 """Seconds without a request after which a client is lost, unless a parameter says otherwise."""
 
 _LONGEST_REQUEST = 1024  # characters
+_LONGEST = 16384  # bytes of the file
 _LONGEST_LEASE = 8192
 _ID = "[0-9A-Za-z_.:-]"
 _CLIENT = re.compile(f"{_ID}{{1,64}}", re.ASCII)
@@ -159,3 +167,47 @@ def clean_name(value: object, longest: int = LONGEST_NAME) -> str:
 
 def _clean_person(person: Viewer) -> Viewer:
     return replace(person, name=clean_name(person.name))
+
+
+@dataclass(frozen=True, slots=True)
+class LeaseStore:
+    """The file of the lease of one mux. `run` is the id of the master's run; `sync` flushes a file to disk."""
+
+    path: Path
+    run: str = ""
+    sync: Callable[[int], object] = os.fsync
+
+    def load(self) -> tuple[Lease | None, bool]:
+        """Return the lease and whether it is of this run of the master; None if there is none or it is damaged."""
+        try:
+            with self.path.open("rb") as file:
+                value = read_json(file.read(_LONGEST), dict[str, object])
+        except (OSError, BadJsonError):
+            return None, True
+        return read_lease(value.get("lease")), value.get("run") == self.run
+
+    def save(self, lease: Lease) -> None:
+        """Write the lease to disk. Raises OSError, after removing an older lease if possible."""
+        try:
+            text = json.dumps({"run": self.run, "lease": write_lease(lease)})
+            replace_file(self.path, text, mode=PRIVATE, parents=True, sync=self.sync)
+        except OSError:
+            with suppress(OSError):
+                self.clear()
+            raise
+
+    def clear(self) -> None:
+        """Remove the file. Raises OSError."""
+        with suppress(FileNotFoundError):
+            self.path.unlink()
+            sync_folder(str(self.path.parent))
+
+
+def make_store(environment: Mapping[str, str], mux: str, run: str) -> LeaseStore:
+    """Return the store of the mux with this node name, at the master or domain of the environment."""
+    home = environment.get("ROS_HOME") or str(Path(environment.get("HOME") or os.sep) / ".ros")
+    ros2 = environment.get("ROS_VERSION") == "2"
+    graph = environment.get("ROS_DOMAIN_ID") or "0" if ros2 else environment.get("ROS_MASTER_URI", "")
+    key = f"{graph}\0{mux}"
+    name = f"{mux.strip('/').replace('/', '.')[:64]}-{zlib.crc32(key.encode()):08x}.json"
+    return LeaseStore(Path(home, "ur_lease", name), run)

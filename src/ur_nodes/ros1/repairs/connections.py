@@ -22,6 +22,7 @@ from __future__ import annotations
 import logging
 import socket
 import threading
+import time
 import weakref
 import xmlrpc.client
 from typing import Any
@@ -34,7 +35,6 @@ from rospy.impl import masterslave, registration, tcpros_base, tcpros_pubsub, tc
 from rospy.impl.transport import INBOUND
 
 from ur.robot.addresses import AddressCache
-from ur_nodes.ros1.repairs.half_open import end_half_open, share_port
 from ur_nodes.ros1.repairs.sockets import (
     is_link_trouble,
     is_remote,
@@ -45,6 +45,42 @@ from ur_nodes.ros1.repairs.sockets import (
 )
 from ur_nodes.ros1.repairs.subscriptions import Subscriptions
 from ur_nodes.ros1.repairs.xml_rpc_links import BoundedTransport
+
+LIMIT = 180.0  # s; by then the peer's own kernel has noticed: roscpp has it ask from 60 s on
+PAUSE = 0.25  # s between two requests
+_QUESTION = 0.25  # s for an answer
+
+
+def share_port(server: socket.socket) -> None:
+    """Allow further sockets on the port of a listening one, which `end_half_open` needs."""
+    server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+
+
+def end_half_open(
+    local: tuple[str | int, ...], peer: tuple[str | int, ...], over: threading.Event, family: int = socket.AF_INET
+) -> bool:
+    """Reset the peer's end of a connection that has ended here, as soon as the network allows it.
+
+    True once the peer answers that it has no such connection. False when it never answered, or `over` was set.
+    """
+    end = time.monotonic() + LIMIT
+    while time.monotonic() < end and not over.is_set():
+        with socket.socket(family, socket.SOCK_STREAM) as question:
+            question.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            share_port(question)
+            question.settimeout(_QUESTION)
+            try:
+                question.bind(local)
+                question.connect(peer)
+            except ConnectionRefusedError:
+                return True
+            except TimeoutError:
+                continue
+            except OSError:
+                pass  # no network at all, for now
+        over.wait(PAUSE)
+    return False
+
 
 HEADER_LIMIT = 5.0  # s for the headers that both ends of a connection exchange: a busy program is slow
 SERVICE_LIMIT = 3.0  # s for a connection to a service, which is tried once

@@ -64,7 +64,7 @@ class SimulatedCameraTopics:
     Nothing is started or drawn before there is a subscriber. A picture that is due while the last one is still being
     drawn is left out, unless the simulation goes as fast as it can: then it waits (`wait`). When many are left out that
     is logged once. Where nothing can draw, an error in the log explains why, and it is tried again every 10 s: the
-    subscribers' own messages repeat it (`ur_nodes.pictures.silence`).
+    subscribers' own messages repeat it (`ur_nodes.pictures.feed`).
     """
 
     def __init__(

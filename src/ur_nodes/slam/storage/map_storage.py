@@ -16,8 +16,7 @@ from ur_nodes.ports.values import Result
 from ur_nodes.slam.gmapping.map_output import GridMapOutput
 from ur_nodes.slam.gmapping.slam import Slam
 from ur_nodes.slam.map_state import MapState
-from ur_nodes.slam.storage.convert import load_poses
-from ur_nodes.slam.storage.writer import MapWriter, pause_before_next
+from ur_nodes.slam.storage.writer import MapWriter, load_poses, pause_before_next
 
 SILENCE = 30.0  # s between two reports of the same problem
 _END_LIMIT = 60.0  # s for the map to be written at the end

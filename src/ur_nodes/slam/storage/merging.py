@@ -73,8 +73,7 @@ def merge_stored(store: MapStore, first: str, second: str, name: str) -> dict[st
     from ur_nodes.slam.merge import NotMerged, merge_maps
     from ur_nodes.slam.occupancy import OccupancyMap
     from ur_nodes.slam.pose_graph.edge import find_drives
-    from ur_nodes.slam.storage.convert import load_poses
-    from ur_nodes.slam.storage.writer import MapWriter
+    from ur_nodes.slam.storage.writer import MapWriter, load_poses
 
     first, second = store.resolve(first), store.resolve(second)
     states, records = [], []

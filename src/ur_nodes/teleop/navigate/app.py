@@ -16,8 +16,8 @@ from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.widget import MapView
 from ur_nodes.teleop.navigate import commands as c
-from ur_nodes.teleop.navigate.arguments import bad_command_error, error_line
 from ur_nodes.teleop.navigate.command_line import CommandLine
+from ur_nodes.teleop.navigate.commands import bad_command_error, error_line
 from ur_nodes.teleop.navigate.message_text import REQUESTED, describe_stop
 from ur_nodes.teleop.navigate.panel import Panel, list_places
 from ur_nodes.teleop.navigate.status_text import (

@@ -12,7 +12,6 @@ from ur_nodes.client.snapshot import LastGoalState, NavigationClient, RobotSnaps
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.navigate import commands as c
-from ur_nodes.teleop.navigate.arguments import bad_command_error, error_line
 from ur_nodes.teleop.navigate.batch_text import (
     BatchTimeouts,
     describe_change,
@@ -20,6 +19,7 @@ from ur_nodes.teleop.navigate.batch_text import (
     reason_to_give_up,
     result_line,
 )
+from ur_nodes.teleop.navigate.commands import bad_command_error, error_line
 from ur_nodes.teleop.navigate.status_text import reason_not_to_drive, silence_line
 from ur_nodes.teleop.navigate.target import route_of, target_of
 

@@ -4,8 +4,7 @@ from collections.abc import Mapping
 from functools import partial
 
 from ur.source.printable import printable
-from ur.web.wire.data_frames import ALL, pack_json
-from ur.web.wire.data_requests import DescribeModel, Question, Show, read_data_request
+from ur.web.wire.data_requests import ALL, DescribeModel, Question, Show, pack_json, read_data_request
 from ur.web.wire.reading import BadRequestError
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node

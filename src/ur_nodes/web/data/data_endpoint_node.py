@@ -2,7 +2,7 @@
 
     python -I -m ur_nodes ur_nodes.web.data.data_endpoint_node LINK
 
-LINK is a descriptor. Requests of pages arrive as lines, frames (`ur.web.wire.data_frames`) leave. All that a topic
+LINK is a descriptor. Requests of pages arrive as lines, frames (`ur.web.wire.data_requests`) leave. All that a topic
 holds is decoded here and not where the robot is driven from. The node ends when LINK is closed, or when another master
 has started.
 """

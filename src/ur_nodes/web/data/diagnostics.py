@@ -3,7 +3,7 @@
 from collections.abc import Callable, Collection, Mapping
 
 from ur.source.printable import printable
-from ur.web.wire.data_frames import pack_json
+from ur.web.wire.data_requests import pack_json
 from ur_nodes.ports.node import Node, Subscription
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import RawMessage

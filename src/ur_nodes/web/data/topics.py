@@ -4,8 +4,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from ur.web.wire.data_frames import pack_json
-from ur.web.wire.data_requests import Show
+from ur.web.wire.data_requests import Show, pack_json
 from ur_nodes.ports.graph import Graph, Topic
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality

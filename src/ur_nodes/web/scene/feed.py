@@ -1,21 +1,97 @@
-"""Frames, markers and point clouds, sent while a page shows them."""
+"""Frames, bounded markers and point clouds, sent while a page shows them."""
 
 import math
 import struct
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ur.web.wire.data_frames import pack_frame, pack_json
-from ur.web.wire.data_requests import Show
+from ur.source.printable import printable
+from ur.web.wire.data_requests import Show, pack_frame, pack_json
 from ur_nodes.ports.node import Node, Subscription
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.validation import problem_of
 from ur_nodes.ports.values import MarkerChange, MarkerChanges, PointCloud, Transform
 from ur_nodes.web.layers.pacing import Every
-from ur_nodes.web.scene.markers import ShownMarkers
+
+_MOST_KEPT = 300  # markers of one topic
+_MOST_POINTS = 3000  # of one marker
+_MOST_POINTS_OF_ALL = 12_000
+_FARTHEST_POINT = 1e5  # m
+
+
+class ShownMarkers:
+    """The markers of one topic by namespace and id. Times are seconds of any steady clock."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[str, int], tuple[float, dict[str, Any]]] = {}
+        self.changed = False
+
+    def apply(self, change: MarkerChange, now: float) -> None:
+        """Apply a change unless its marker is malformed."""
+        key = change.marker.namespace[:200], change.marker.number
+        if change.action == "clear":
+            self._known.clear()
+        elif change.action == "delete":
+            self._known.pop(key, None)
+        else:
+            found = describe_marker(change)
+            if found is None or (key not in self._known and len(self._known) >= _MOST_KEPT):
+                return
+            self._known[key] = (now + change.lifetime if change.lifetime > 0 else math.inf), found
+        self.changed = True
+
+    def describe(self, now: float) -> list[dict[str, Any]]:
+        """Return the markers that are shown at `now`, at most as many as pages get."""
+        alive = {key: each for key, each in self._known.items() if each[0] > now}
+        self._known, self.changed = alive, False
+        shown, points = [], 0
+        for _, each in alive.values():
+            points += len(each.get("points", ())) // 3
+            if points > _MOST_POINTS_OF_ALL:
+                break
+            shown.append(each)
+        return shown
+
+    def expires(self, now: float) -> bool:
+        """Return whether a marker has expired since it was described."""
+        return any(until <= now for until, _ in self._known.values())
+
+
+def describe_marker(change: MarkerChange) -> dict[str, Any] | None:
+    """Describe a marker as JSON: frame, kind, pose, scale, colour, points, text; None if it cannot be shown."""
+    marker = change.marker
+    if not _good((*marker.pose, *marker.size, *marker.colour)):
+        return None
+    found: dict[str, Any] = {
+        "frame": change.frame[:100],
+        "kind": marker.shape,
+        "pose": _round(marker.pose),
+        "scale": _round(marker.size),
+        "color": _round(marker.colour),
+    }
+    points, colours = marker.points[:_MOST_POINTS], marker.colours[:_MOST_POINTS, :3]
+    if not _good(points):
+        return None
+    if len(points):
+        found["points"] = points.round(4).ravel().tolist()
+        if len(colours) == len(points) and _good(colours):
+            found["colors"] = colours.round(4).ravel().tolist()
+    if marker.shape == "text":
+        found["text"] = printable(marker.text[:200])
+    return found
+
+
+def _good(numbers: Sequence[float] | NDArray[np.float64]) -> bool:
+    return bool((np.abs(numbers) < _FARTHEST_POINT).all())
+
+
+def _round(numbers: Sequence[float]) -> list[float]:
+    return [round(each, 4) for each in numbers]
+
 
 MOST_POINTS = 15_000
 """Points of a cloud that is sent."""

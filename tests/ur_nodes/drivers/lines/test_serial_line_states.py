@@ -10,7 +10,7 @@ from tests.ur_nodes.drivers.pipes import fill_pipe, open_pipe, read_rest
 
 from ur_nodes.drivers.lines.line import LineSettings, LineUser
 from ur_nodes.drivers.lines.serial_line import SerialLine
-from ur_nodes.simulator.devices.terminal import DeviceTerminal
+from ur_nodes.simulator.devices.bench import DeviceTerminal
 
 
 class QueuedNode:

@@ -20,7 +20,7 @@ from ur_nodes.drivers.registry import BOARDS, FIRMWARES, make_board
 from ur_nodes.drivers.wheels.program import main, report, run_test
 from ur_nodes.drivers.wheels.session import WheelSession
 from ur_nodes.drivers.wheels.verdict import MOTIONS, WheelObservation, WheelVerdict, judge
-from ur_nodes.simulator.devices.terminal import DeviceTerminal
+from ur_nodes.simulator.devices.bench import DeviceTerminal
 
 BASE = load("create2", "")
 FILE = PACKAGE / "bases" / "create2" / "base.yaml"

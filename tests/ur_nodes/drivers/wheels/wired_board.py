@@ -12,7 +12,7 @@ from tests.ur_nodes.drivers.wheels.lifted import TICK, LiftedPlant
 
 from ur.robot.base.wiring import Wiring
 from ur_nodes.drivers.registry import BOARDS, FIRMWARES
-from ur_nodes.simulator.devices.terminal import DeviceTerminal
+from ur_nodes.simulator.devices.bench import DeviceTerminal
 
 PROGRAM = "ur_nodes.drivers.wheels.program"
 _PATIENCE = 20.0  # s

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ur_nodes.motion.lease.store import LeaseStore, make_store
-from ur_nodes.motion.lease.text import FREE, Lease, Viewer
+from ur_nodes.motion.lease.text import FREE, Lease, LeaseStore, Viewer, make_store
 
 LEASE = Lease("held", "a", "laptop", "keyboard_drive", 1.8e9, False, (Viewer("b", "desktop"),), computer="c1")
 

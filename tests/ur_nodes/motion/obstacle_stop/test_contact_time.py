@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from ur_nodes.geometry.hull import hull_of_outline
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.motion.obstacle_stop.contact_time import time_to_contact
+from ur_nodes.motion.obstacle_stop.guard import time_to_contact
 
 MAGNI = ((0.13, 0.205), (-0.28, 0.205), (-0.28, -0.205), (0.13, -0.205))
 HULL = hull_of_outline(MAGNI)

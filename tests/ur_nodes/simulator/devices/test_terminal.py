@@ -6,8 +6,7 @@ import pytest
 from ur.robot.base import load_base
 from ur.source.diagnostic import UserError
 from ur.source.project import launch_library
-from ur_nodes.simulator.devices.bench import list_own_drivers
-from ur_nodes.simulator.devices.terminal import DeviceTerminal
+from ur_nodes.simulator.devices.bench import DeviceTerminal, list_own_drivers
 
 
 def test_terminal_has_the_name_of_the_device_and_carries_every_byte(tmp_path: Path) -> None:

@@ -18,8 +18,7 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.pose_graph.edge import Edge
-from ur_nodes.slam.storage.convert import load_poses
-from ur_nodes.slam.storage.writer import MapWriter, pause_before_next
+from ur_nodes.slam.storage.writer import MapWriter, load_poses, pause_before_next
 
 SAVED_EVERY = 2  # keyframes, 2.5 s apart
 GRID = Grid(np.zeros((4, 4), np.int8), 0.05, Pose2(-1.0, 0.0, 0.0))

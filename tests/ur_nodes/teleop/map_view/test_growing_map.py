@@ -6,7 +6,7 @@ from ur.source.ansi import strip_styles
 from ur_nodes.client.snapshot import RobotSnapshot
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.map_view.growing_map import Zoom, draw_map_lines, follow, prepare_map, press_zoom
+from ur_nodes.teleop.map_view.map_feed import Zoom, draw_map_lines, follow, prepare_map, press_zoom
 
 
 def room(width: float, height: float) -> Grid:

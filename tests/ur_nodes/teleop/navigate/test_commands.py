@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur.source.diagnostic import UserError
-from ur_nodes.teleop.navigate.arguments import error_line
 from ur_nodes.teleop.navigate.commands import (
     CancelGoal,
     Command,
@@ -20,6 +19,7 @@ from ur_nodes.teleop.navigate.commands import (
     Relocalise,
     Remember,
     SetPose,
+    error_line,
     parse_command,
 )
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from ur.web.wire.data_frames import unpack_frame
+from ur.web.wire.data_requests import unpack_frame
 from ur.web.wire.frames import LENGTH
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.qualities import Quality

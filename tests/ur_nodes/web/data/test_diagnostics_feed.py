@@ -3,7 +3,7 @@
 import json
 import struct
 
-from ur.web.wire.data_frames import unpack_frame
+from ur.web.wire.data_requests import unpack_frame
 from ur_nodes.memory.bus import Bus
 from ur_nodes.web.data.diagnostics import KIND, StatusFeed
 

@@ -11,8 +11,7 @@ from ur_nodes.client.waypoints import PlaceSettings, WaypointStore, choose_file,
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
-from ur_nodes.web.maps.place_file import PlaceFile
-from ur_nodes.web.maps.places import MOST_PLACES, Places, change_places, read_places
+from ur_nodes.web.maps.place_file import MOST_PLACES, PlaceFile, Places, change_places, read_places
 
 GRID = Grid(np.zeros((3, 4), np.int8), 0.05, Pose2(0.0, 0.0, 0.0))
 

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ur.web.wire.data_frames import unpack_frame
-from ur.web.wire.data_requests import Show
+from ur.web.wire.data_requests import Show, unpack_frame
 from ur_nodes.geometry.pose import Pose3
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.qualities import Quality

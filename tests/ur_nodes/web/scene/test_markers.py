@@ -8,8 +8,7 @@ import numpy as np
 
 from ur_nodes.geometry.pose import Pose3
 from ur_nodes.ports.values import Marker, MarkerChange, Transform
-from ur_nodes.web.scene.feed import FrameTree
-from ur_nodes.web.scene.markers import ShownMarkers
+from ur_nodes.web.scene.feed import FrameTree, ShownMarkers
 
 
 def pose(x: float = 0.0, w: float = 1.0) -> Pose3:

@@ -11,7 +11,7 @@ from aiohttp import web
 from aiohttp.test_utils import make_mocked_request
 
 from ur.web.runs.commands import EndedCommand
-from ur.web.server.data.three import ThreeScript
+from ur.web.server.data.data_pages import ThreeScript
 
 
 class Commands:

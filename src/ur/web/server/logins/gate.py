@@ -15,7 +15,7 @@ from ur.web.access.heads import Head, find_cookies
 from ur.web.access.origin import LOOPBACK, Origins, allows_host, allows_origin, allows_viewer
 from ur.web.access.rate import Buckets
 from ur.web.access.roles import SESSION_LIFE, Grant, Role
-from ur.web.server.link_files import LinkFiles
+from ur.web.server.links import LinkFiles
 from ur.web.server.logins.sessions import Sessions, discard_line
 
 Body = TypeVar("Body")

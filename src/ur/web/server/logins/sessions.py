@@ -26,7 +26,7 @@ from ur.web.access.roles import (
     use_token,
     write_sessions,
 )
-from ur.web.server.link_files import LinkFiles
+from ur.web.server.links import LinkFiles
 
 _LONGEST = 1 << 20  # bytes of the file
 _SAVED_EVERY = 3600.0  # s: the precision of the last use after the server was killed

@@ -54,7 +54,7 @@ export function makeLabel(THREE, text, [r, g, b, a], height = LABEL) {
   return sprite;
 }
 
-/** @param {Three} THREE @param {any} marker see `ur_nodes.web.scene.markers` */
+/** @param {Three} THREE @param {any} marker see `ur_nodes.web.scene.feed` */
 export function makeMarker(THREE, marker) {
   const { kind, pose, scale, color, points = [], colors } = marker;
   const [sx, sy, sz] = scale.map((/** @type {number} */ each) => Math.max(Math.abs(each), 1e-4));
