@@ -151,7 +151,6 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur.source",
         "ur.maps",
         "ur_nodes.geometry",
-        "ur_nodes.mapping.save_requests",
         "ur_nodes.ports",
         "ur_nodes.run",
     ),

@@ -27,7 +27,7 @@ _MODULES = {
     "ur_nodes.codecs.vision.fiducials": ("SeenFiducials", "StampedFiducials", "MappedFiducials"),
     "ur_nodes.codecs.frames": ("tuple",),
     "ur_nodes.codecs.services": ("Trigger", "Silent", "Switch"),
-    _OPTIONAL: ("LoadMap", "SaveTopicMap", "SaveOwnMap", "SerializeMap", "ClearCostmap", "SetInitialPose", "Pause"),
+    _OPTIONAL: ("LoadMap", "ClearCostmap"),
 }
 _MODULE_OF = {kind: module for module, kinds in _MODULES.items() for kind in kinds}
 

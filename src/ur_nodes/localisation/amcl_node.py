@@ -12,7 +12,7 @@ from ur_nodes.memory_use import return_large_arrays
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.scan_feed import SILENCE, ScanFeed
-from ur_nodes.ports.services import AskMap, SetInitialPose, Silent, UseMap
+from ur_nodes.ports.services import AskMap, Silent, UseMap
 from ur_nodes.ports.values import Map, PoseEstimate, Poses, Result, Scan, Transform
 from ur_nodes.run import run
 
@@ -110,7 +110,6 @@ class AmclNode:
         node.serve("global_localization", Silent, lambda _request: self._amcl.scatter())
         node.serve("request_nomotion_update", Silent, lambda _request: self._amcl.request_update())
         node.serve("set_map", UseMap, self._set_map)
-        node.serve("set_initial_pose", SetInitialPose, self._set_pose)
         self._source = MapSource(node, self._on_map, topic=settings.use_map_topic)
 
     def _on_map(self, given: Map) -> None:
@@ -120,10 +119,6 @@ class AmclNode:
     def _set_map(self, request: UseMap) -> Result:
         self._amcl.use_map(request.map)
         self._place(PoseEstimate(request.stamp, request.frame, request.pose, request.covariance))
-        return Result(success=True)
-
-    def _set_pose(self, request: SetInitialPose) -> Result:
-        self._place(request.estimate)
         return Result(success=True)
 
     def _place(self, given: PoseEstimate) -> None:

@@ -12,7 +12,6 @@ from ur.maps.zones import find_home
 from ur.source.diagnostic import UserError
 from ur_nodes.geometry.grid import Grid, load_map
 from ur_nodes.mapping.changes import attempt, change_walls, subscribe_changes
-from ur_nodes.mapping.save_requests import SaveRequests
 from ur_nodes.mapping.zone_server import ZoneServer
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
@@ -77,7 +76,6 @@ class MapServer:
         self._zones = ZoneServer(node, file, grid, self._frame)
         self._walls = WallServer(node, file, grid, self._offer)
         node.serve_later("change_map", LoadMap, self._change_map)
-        self._saves = SaveRequests(node)
 
     def _offer(self, grid: Grid) -> None:
         now, (height, width) = self._node.now(), grid.shape

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.ports.values import Calibration, Map, PoseEstimate, StampedPose
+from ur_nodes.ports.values import Calibration, Map, StampedPose
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,44 +86,8 @@ class MapProblem(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class SaveTopicMap:
-    """Write the map of a topic, '' for `map`, as NAME.pgm and NAME.yaml. The limits of cells are in per cent."""
-
-    name: str
-    topic: str = ""
-    occupied: int = 65
-    free: int = 25
-
-
-@dataclass(frozen=True, slots=True)
-class SaveOwnMap:
-    """As SaveTopicMap, for the map that the node itself makes."""
-
-    name: str
-
-
-@dataclass(frozen=True, slots=True)
-class SerializeMap:
-    """Store a map so that it can be continued, '' for the name that it has."""
-
-    name: str
-
-
-@dataclass(frozen=True, slots=True)
 class ClearCostmap:
     """Forget the obstacles of a costmap."""
-
-
-@dataclass(frozen=True, slots=True)
-class SetInitialPose:
-    """Take a pose of the robot as known."""
-
-    estimate: PoseEstimate
-
-
-@dataclass(frozen=True, slots=True)
-class Pause:
-    """Use no more scans, or use them again."""
 
 
 READING = (AskMap, AskPath)

@@ -47,7 +47,7 @@ class SlamGmappingNode:
         self._node.work(lambda: self._slam.use(settings), lambda _done: None, SCANS)
 
     def _use_scan(self, scan: Scan, odometry: Pose2 | None) -> None:
-        readings = [] if self._output.requests.paused else self._lidars.readings(scan, odometry)
+        readings = self._lidars.readings(scan, odometry)
         if readings:
             self._feed.hold()
             heading = self._headings.at(seconds_of(scan.stamp), odometry) if odometry else None

@@ -14,7 +14,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.localisation.amcl_node import AmclNode
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.services import AskMap, SetInitialPose, Silent, UseMap
+from ur_nodes.ports.services import AskMap, Silent, UseMap
 from ur_nodes.ports.values import Map, PoseEstimate, Poses, Result, Scan, Transform
 
 MAZE = load_map(launch_library() / "n_map_server/maps/maze.yaml")
@@ -182,15 +182,6 @@ def test_place_in_another_frame_or_without_a_map_is_refused_with_a_reason() -> N
     assert "/initialpose: message of /robot ignored: a coordinate is nan" in stage.log()
     stage.place(Pose2(1e5, 1.0, 0.0))
     assert "initialpose at x 100000 m, y 1 m ignored, expected a place on the map" in stage.log()
-
-
-def test_pose_of_a_request_counts_as_one_of_the_topic() -> None:
-    stage = AmclStage(MAZE)
-    stage.drive(3, 0.1, 0.0)
-    estimate = PoseEstimate(0, "map", Pose2(1.5, 0.5, 0.3), np.diag((0.0001, 0.0001, 0.0001)))
-    assert stage.ask("set_initial_pose", SetInitialPose(estimate)).success
-    stage.drive(1, 0.1, 0.0)
-    assert math.dist(stage.estimates[-1].pose[:2], (1.6, 0.53)) < 0.3
 
 
 def test_service_says_that_there_is_no_map_yet() -> None:

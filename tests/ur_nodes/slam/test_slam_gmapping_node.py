@@ -17,7 +17,7 @@ from ur_nodes.geometry.pose import Pose2, Pose3
 from ur_nodes.geometry.scan import directions_of_scan, mount_of_pose
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.services import AskMap, Pause, SaveOwnMap, SerializeMap, Trigger
+from ur_nodes.ports.services import AskMap, Trigger
 from ur_nodes.ports.values import Imu, Map, MapInfo, Number, Result, Scan, Transform
 from ur_nodes.simulator.simulation import Simulation
 from ur_nodes.slam.gmapping.slam import entropy
@@ -207,27 +207,6 @@ def test_every_second_scan_is_used_where_half_of_them_are_to_be() -> None:
     assert len(stage.entropies) == len(stage.used) // 2
 
 
-def test_scans_are_left_out_while_the_node_is_paused() -> None:
-    stage = SlamStage()
-    stage.drive(0.0, 0.8, 1.0)
-    assert stage.ask("slam_toolbox/pause_new_measurements", Pause()).success
-    stage.bus.run(0.5)
-    used = len(stage.entropies)
-    stage.drive(0.0, 0.8, 1.0)
-    assert len(stage.entropies) == used
-    assert stage.ask("slam_toolbox/pause_new_measurements", Pause()).success
-    stage.drive(0.0, 0.8, 1.0)
-    assert len(stage.entropies) > used
-
-
-def test_map_is_saved_under_a_name_by_request(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("HOME", str(tmp_path))
-    stage = SlamStage()
-    stage.drive(0.0, 0.8, 1.0)
-    assert stage.ask("slam_toolbox/save_map", SaveOwnMap("attic")).success
-    assert load_map(tmp_path / "attic.yaml").width > 20
-
-
 def test_map_is_saved_again_and_again_on_request_and_at_the_end_and_continued(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -242,10 +221,6 @@ def test_map_is_saved_again_and_again_on_request_and_at_the_end_and_continued(
     saved = store.record("flat").keyframes
     stage.drive(0.4, 0.0, 1.0)
     assert stage.ask("slam_gmapping/save", Trigger()) == Result(True, "flat")
-    assert stage.ask("slam_toolbox/serialize_map", SerializeMap("flat")).success
-    assert stage.ask("slam_toolbox/serialize_map", SerializeMap("office")).text == (
-        "the map is stored as 'flat', not as 'office'; 'ur maps' renames it"
-    )
     asked = store.record("flat").keyframes
     assert 0 < saved < asked
     with pytest.raises(UserError, match="map 'flat' is in use"), store.claim("flat"):

@@ -1,1 +1,1 @@
-"""Services of Nav2 and slam_toolbox, where their messages are installed."""
+"""Services of Nav2, where their messages are installed."""

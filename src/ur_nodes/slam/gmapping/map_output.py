@@ -5,10 +5,9 @@ from collections.abc import Callable, Sequence
 from ur_nodes.geometry.difference import describe_poses
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.mapping.save_requests import SaveRequests
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.services import AskMap, Pause
+from ur_nodes.ports.services import AskMap
 from ur_nodes.ports.values import Map, MapInfo, Result
 from ur_nodes.slam.gmapping.settings import GmappingSettings
 from ur_nodes.slam.gmapping.slam import Slam
@@ -22,10 +21,7 @@ _DRAWING = "map"
 
 
 class GridMapOutput:
-    """The topics `map` and `map_metadata`, latched, and the service `dynamic_map`. Drawing never delays a scan.
-
-    `requests` are those of clients that pause the mapping and save its map.
-    """
+    """The topics `map` and `map_metadata`, latched, and the service `dynamic_map`. Drawing never delays a scan."""
 
     def __init__(self, node: Node, settings: GmappingSettings, slam: Slam) -> None:
         self._node, self._settings, self._slam = node, settings, slam
@@ -36,7 +32,6 @@ class GridMapOutput:
         self._map = node.publish("map", Map, Quality.LATCHED)
         self._info = node.publish("map_metadata", MapInfo, Quality.LATCHED)
         node.serve_later("dynamic_map", AskMap, self._answer)
-        self.requests = SlamRequests(node)
         self._timer = node.every(settings.map_update_interval, self.publish)
 
     def use(self, settings: GmappingSettings) -> None:
@@ -88,18 +83,3 @@ class GridMapOutput:
         missing = Result(False, "there is no map yet; is the lidar driver running?")
         frame = self._settings.map_frame
         self._picture(lambda grid: give(Result(True, value=Map(self._node.now(), frame, grid)) if grid else missing))
-
-
-class SlamRequests:
-    """Serves clients of slam_toolbox that pause the mapping and save its map; `paused` while scans are ignored."""
-
-    def __init__(self, node: Node) -> None:
-        self._node = node
-        self.paused = False
-        self._saves = SaveRequests(node, own="slam_toolbox/save_map")
-        node.serve("slam_toolbox/pause_new_measurements", Pause, self._pause)
-
-    def _pause(self, _request: Pause) -> Result:
-        self.paused = not self.paused
-        self._node.log.info("scans are not used any more" if self.paused else "scans are used again")
-        return Result(success=True)

@@ -11,7 +11,7 @@ from ur.maps.store import PICTURE, own_store
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
-from ur_nodes.ports.services import SerializeMap, Trigger
+from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result
 from ur_nodes.slam.gmapping.map_output import GridMapOutput
 from ur_nodes.slam.gmapping.slam import Slam
@@ -77,7 +77,6 @@ class MapStorage:
             node.log.info(f"continuing the map '{name}'; looking for the place on it")
             self._output.publish()
         node.serve_later("~save", Trigger, self._answer)
-        node.serve_later("slam_toolbox/serialize_map", SerializeMap, self._store_as)
         node.on_end(lambda: self._save(self._report_end), within=_END_LIMIT)
         node.after(every, self._save_again, steady=True)
         node.log.info(f"saving the map as '{name}', every {every:g} s and at the end")
@@ -136,14 +135,6 @@ class MapStorage:
             give(Result(not problem, problem or self.name))
 
         self._save(end)
-
-    def _store_as(self, request: SerializeMap, give: Callable[[Result], None]) -> None:
-        if request.name in ("", self.name):
-            self._answer(Trigger(), give)
-            return
-        problem = f"the map is stored as '{self.name}', not as {request.name!r}; 'ur maps' renames it"
-        self._node.log.error(problem)
-        give(Result(False, problem))
 
     def _report_end(self, problem: str) -> None:
         name, log = self.name, self._node.log

@@ -1,4 +1,4 @@
-"""A client of Nav2's and slam_toolbox's services, of rclpy alone: prints their answers as JSON. Argument: a folder.
+"""A client of Nav2's services, of rclpy alone: prints their answers as JSON. Argument: a folder.
 
 In the folder are `first.yaml`, which is served, and `second.yaml`.
 """
@@ -14,7 +14,7 @@ from typing import Any
 import rclpy
 from nav_msgs.srv import GetMap
 
-NAV2, SLAM = import_module("nav2_msgs.srv"), import_module("slam_toolbox.srv")  # the tests generate them
+NAV2 = import_module("nav2_msgs.srv")  # the tests generate it
 PATIENCE = 30.0  # s
 
 
@@ -37,19 +37,10 @@ def main(folder: Path) -> None:
     served = stage.ask("map_server/map", GetMap).map
     loaded = stage.ask("map_server/load_map", NAV2.LoadMap, map_url=str(folder / "second.yaml"))
     missing = stage.ask("map_server/load_map", NAV2.LoadMap, map_url=str(folder / "third.yaml"))
-    saved = stage.ask("map_saver/save_map", NAV2.SaveMap, map_url=str(folder / "copy"))
-    again = stage.ask("map_saver/save_map", NAV2.SaveMap, map_url=str(folder / "copy"))
-    picture = stage.ask("map_saver/save_map", NAV2.SaveMap, map_url=str(folder / "other"), image_format="png")
-    own = SLAM.SaveMap.Request()
-    own.name.data = str(folder / "own")
     found = {
         "served": [served.info.width, served.info.height],
         "loaded": [loaded.result, loaded.map.info.width, loaded.map.info.height],
         "missing": missing.result,
-        "saved": [saved.result, again.result, picture.result],
-        "own": stage.ask("slam_toolbox/save_map", SLAM.SaveMap, name=own.name).result,
-        "paused": stage.ask("slam_toolbox/pause_new_measurements", SLAM.Pause).status,
-        "placed": str(stage.ask("set_initial_pose", NAV2.SetInitialPose)),
         "cleared": [
             str(stage.ask(f"{each}_costmap/clear_entirely_{each}_costmap", NAV2.ClearEntireCostmap))
             for each in ("global", "local")

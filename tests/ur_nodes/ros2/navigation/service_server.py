@@ -1,17 +1,16 @@
-"""A node that offers what `amcl` and `move_base` offer to clients of Nav2, and answers that it has been done."""
+"""A node that offers what `move_base` offers to clients of Nav2, and answers that it has been done."""
 
 from __future__ import annotations
 
 import sys
 
 from ur_nodes.ports.node import Node
-from ur_nodes.ports.services import ClearCostmap, SetInitialPose
+from ur_nodes.ports.services import ClearCostmap
 from ur_nodes.ports.values import Result
 from ur_nodes.run import run
 
 
 def start(node: Node) -> None:
-    node.serve("set_initial_pose", SetInitialPose, lambda _request: Result(success=True))
     for each in ("global", "local"):
         service = f"{each}_costmap/clear_entirely_{each}_costmap"
         node.serve(service, ClearCostmap, lambda _request: Result(success=True))

@@ -1,4 +1,4 @@
-"""Services of Nav2 and slam_toolbox, asked by rclpy's client with their own messages."""
+"""Services of Nav2, asked by rclpy's client with their own messages."""
 
 from __future__ import annotations
 
@@ -13,11 +13,10 @@ from tests.ros2_messages import add_messages
 from tests.ros2_session import PYTHON, Ros2Session
 
 from ur.maps.picture_file import write_picture
-from ur_nodes.geometry.grid import load_map
 
 pytestmark = [pytest.mark.timeout(300)]
 HERE = Path(__file__).parent
-MISSING, FAILED = 1, 255
+MISSING = 1
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +35,6 @@ def found(folder: Path) -> Iterator[dict[str, Any]]:
         write_picture(folder / name, np.zeros(shape, np.int8), 0.1, (0.0, 0.0, 0.0))
     try:
         session.start("map_server", "ur_nodes.mapping.map_server_node", str(folder / "first.yaml"))
-        session.start("slam_gmapping", "ur_nodes.slam.slam_gmapping_node", "map:=made_map")
         session.start("service_server", str(HERE / "service_server.py"))
         program = session.run(str(HERE / "service_client.py"), str(folder), within=200.0)
         assert program.stdout, program.stderr
@@ -51,16 +49,5 @@ def test_map_is_given_and_another_one_loaded(found: dict[str, Any]) -> None:
     assert found["missing"] == MISSING
 
 
-def test_map_is_saved_once_and_not_replaced(found: dict[str, Any], folder: Path) -> None:
-    assert found["saved"] == [True, False, False]
-    assert load_map(folder / "copy.yaml").shape == (5, 6)
-
-
-def test_mapping_is_paused_and_its_map_saved_under_the_names_of_slam_toolbox(found: dict[str, Any]) -> None:
-    assert found["own"] in (0, FAILED)  # the map of the server, or none yet
-    assert found["paused"] is True
-
-
-def test_pose_is_set_and_costmaps_are_cleared(found: dict[str, Any]) -> None:
-    assert "SetInitialPose_Response" in found["placed"]
+def test_costmaps_are_cleared(found: dict[str, Any]) -> None:
     assert all("ClearEntireCostmap_Response" in each for each in found["cleared"])
