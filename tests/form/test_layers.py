@@ -19,7 +19,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.robot": ("ur.source", "ur.system", "ur.devices"),
     "ur.worlds": ("ur.source",),
     "ur.recordings": ("ur.source",),
-    "ur.report": ("ur.source", "ur.recordings", "ur.launchfile.syntax", "ur.run.master", "ur.run.record"),
+    "ur.report": ("ur.source", "ur.recordings", "ur.run.master", "ur.run.record"),
     "ur.fleet": ("ur.source", "ur.system.child_processes"),
     "ur.maps": ("ur.source", "ur.worlds"),
     "ur.check": ("ur.source", "ur.launchfile", "ur.robot", "ur.worlds"),

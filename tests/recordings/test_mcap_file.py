@@ -10,8 +10,7 @@ import pytest
 from mcap.reader import SeekingReader
 from mcap.writer import CompressionType, Writer
 
-from ur.recordings.description import describe_recording
-from ur.recordings.mcap_file import open_recording
+from ur.recordings.mcap_file import describe_recording, open_recording
 from ur.source.diagnostic import UserError
 
 SECOND = 10**9

@@ -110,8 +110,7 @@ def test_what_cannot_be_read_is_refused_or_left_as_it_is() -> None:
 
 def test_report_of_ros1_is_opened_by_rosbags_and_has_right_checksums(tmp_path: Path) -> None:
     copy = tmp_path / "copy.mcap"
-    found = copy_recording(write(tmp_path / "one.mcap", DRIVE), copy, SecretFilter())
-    assert found.grid is not None
+    copy_recording(write(tmp_path / "one.mcap", DRIVE), copy, SecretFilter())
     with AnyReader([copy]) as reader:
         seen = [(each.topic, reader.deserialize(data, each.msgtype)) for each, _, data in reader.messages()]
     assert [name for name, _ in seen] == ["/map", "/tf", "/tf", "/tf"]

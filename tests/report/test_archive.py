@@ -1,4 +1,4 @@
-"""The archive of a report: what it holds, and the page in a browser."""
+"""The archive of a report: what it holds."""
 
 import socket
 import struct
@@ -13,11 +13,8 @@ from mcap.records import SummaryOffset
 from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
 from rosbags.typesys import Stores, get_typestore
-from tests.chromium import Chromium, find_chromium
 
-from ur.recordings.place import RecordedMap
-from ur.report.archive import MOST_BYTES, list_run_recordings, make_page, write_report
-from ur.report.recording import Recording
+from ur.report.archive import MOST_BYTES, list_run_recordings, write_report
 from ur.report.sources import RunSources, collect, merge_logs, read_parameters
 from ur.run.record.registry import EndedRun, RunEntry
 
@@ -67,26 +64,21 @@ SOURCES = RunSources(
 )
 
 
-def test_archive_holds_recording_page_and_files(tmp_path: Path, recording: Path) -> None:
-    report = write_report(tmp_path / "report.zip", "wander", SOURCES, [recording])
+def test_archive_holds_recording_and_files(tmp_path: Path, recording: Path) -> None:
+    report = write_report(tmp_path / "report.zip", SOURCES, [recording])
     assert report.size < MOST_BYTES
     assert report.path.stat().st_mode & 0o777 == 0o600
     with zipfile.ZipFile(report.path) as archive:
         assert archive.testzip() is None
         names = set(archive.namelist())
-        page = archive.read("report.html").decode()
         archive.extract("recording.mcap", tmp_path)
     assert names >= {
         "recording.mcap",
-        "report.html",
         "run.json",
         "parameters.json",
         "logs/move_base.log",
         "removed.txt",
     }
-    assert "bumper left was touched &lt;b&gt;" in page
-    assert "<script>" not in page
-    assert "http" not in page
     with recording.open("rb") as before, (tmp_path / "recording.mcap").open("rb") as after:
         old, new = (list(make_reader(file).iter_messages()) for file in (before, after))
     assert [(each[1].topic, each[2].log_time) for each in new] == [(each[1].topic, each[2].log_time) for each in old]
@@ -95,7 +87,7 @@ def test_archive_holds_recording_page_and_files(tmp_path: Path, recording: Path)
 
 
 def test_recording_has_an_index_and_right_checksums(tmp_path: Path, recording: Path) -> None:
-    write_report(tmp_path / "report.zip", "wander", SOURCES, [recording])
+    write_report(tmp_path / "report.zip", SOURCES, [recording])
     with zipfile.ZipFile(tmp_path / "report.zip") as archive:
         archive.extract("recording.mcap", tmp_path)
     with (tmp_path / "recording.mcap").open("rb") as file:
@@ -112,7 +104,7 @@ def test_recording_has_an_index_and_right_checksums(tmp_path: Path, recording: P
 def test_broken_recording_is_named_and_left_out(tmp_path: Path, recording: Path) -> None:
     broken = tmp_path / "broken.mcap"
     broken.write_bytes(recording.read_bytes()[:300])
-    report = write_report(tmp_path / "report.zip", "wander", SOURCES, [broken])
+    report = write_report(tmp_path / "report.zip", SOURCES, [broken])
     assert any("recording" in each for each in report.missing)
     with zipfile.ZipFile(report.path) as archive:
         assert "recording.mcap" not in archive.namelist()
@@ -122,7 +114,7 @@ def test_nothing_is_left_where_the_archive_cannot_be_written(tmp_path: Path, rec
     (tmp_path / "folder").mkdir()
     (tmp_path / "folder" / "full").write_text("")
     with pytest.raises(OSError, match=r"[Nn]ot a directory"):
-        write_report(tmp_path / "folder" / "full" / "report.zip", "wander", SOURCES, [recording])
+        write_report(tmp_path / "folder" / "full" / "report.zip", SOURCES, [recording])
     assert [path.name for path in (tmp_path / "folder").iterdir()] == ["full"]
 
 
@@ -184,31 +176,8 @@ def test_report_is_written_without_the_recording_where_its_readers_cannot_be_ins
     tmp_path: Path, recording: Path
 ) -> None:
     reason = "rosbags could not be installed"
-    report = write_report(tmp_path / "report.zip", "wander", SOURCES, [recording], reason)
+    report = write_report(tmp_path / "report.zip", SOURCES, [recording], reason)
     with zipfile.ZipFile(report.path) as archive:
         assert {"run.json", "logs/move_base.log"} <= set(archive.namelist())
         assert "recording.mcap" not in archive.namelist()
         assert f"missing: the recording: {reason}" in archive.read("removed.txt").decode()
-
-
-def test_page_shows_a_report_without_errors_at_each_size(tmp_path: Path) -> None:
-    program = find_chromium()
-    if program is None:
-        pytest.skip("Chromium is not installed")
-    recording = Recording(begin=10.0, end=130.0)
-    recording.events = [(70.0, "the emergency stop was pressed")]
-    recording.log = [(20.0, "warning", "/amcl: slow"), (71.0, "error", "/move_base: <gave up>")]
-    recording.speeds = [(10.0 + number, number % 3 * 0.1) for number in range(120)]
-    recording.turns = recording.speeds
-    recording.track = [(0.0, 0.0), (0.5, 0.5)]
-    recording.grid = RecordedMap(3, 3, 0.5, (-1.0, -1.0, 0.0), bytes([100, 100, 100, 100, 0, 100, 100, 255, 100]))
-    recording.topics = {"/odom": ("nav_msgs/Odometry", 120, 4000)}
-    page = tmp_path / "report.html"
-    page.write_text(make_page("wander <1>", {"run": "wander.1"}, recording, {"a.txt": "<i>"}, ["a: 1 times a token"]))
-    with Chromium(program, tmp_path) as browser:
-        for width in (390, 1200):
-            browser.resize(width, 800)
-            browser.open(page.as_uri())
-            assert browser.run("document.documentElement.scrollWidth <= innerWidth")
-            assert browser.run("document.querySelectorAll('svg').length") == 4
-        assert browser.complaints == []

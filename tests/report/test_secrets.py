@@ -160,53 +160,6 @@ def test_what_was_removed_is_listed_without_its_value() -> None:
     }
 
 
-FILES = {
-    "a.launch": (
-        '<launch>\n<arg name="wifi_password" default="{0}"/>\n<param name="mqtt_password" value="{1}"/>\n'
-        "<param\n  name='password'\n  type='str'\n  value='{2}'\n/>\n"
-        '<node name="n" pkg="p" type="t" args="--password {3} -x">\n<env name="API_TOKEN" value="{4}"/>\n'
-        '<rosparam param="tokens">[{5}, {6}]</rosparam>\n<rosparam>\npw: {7}\nlist:\n  - passwort: >-\n      {8}\n'
-        "</rosparam>\n</node>\n</launch>\n"
-    ),
-    "b.yaml": (
-        'passwords: ["{0}", "{1}"]\npassword: >-\n  {2}\ntokens:\n  - {3}\n  - {4}\nwlan:\n  psk:\n    home: {5}\n'
-        "pw: {6}\npasswort: {7}\npin:\n\n  {8}\n"
-    ),
-    "c.json": (
-        '{{"passwords": [\n"{0}",\n"{1}"], "a": {{"api_key":\n"{2}", "pwd": "{3}"}},\n'
-        '"tokens": {{"x": ["{4}", "{5}"]}},\n'
-        '"secret": {{"a": "{6}", "b": "{7}"}}, "auth":\n\n"{8}"}}\n'
-    ),
-    "d.py": (
-        "PASSWORD = '{0}'\nAPI_TOKEN = (\n    '{1}'\n)\nconnect(password='{2}', token=\"{3}\")\n"
-        "KEYS = [\n    '{4}',\n]\nargs = '--password {5}'\nos.environ['PSK'] = '{6}'\npw: str = '{7}'\n"
-        "auth(\n  '{8}')\n"
-    ),
-    "e.launch": "<launch>\n<arg name='password' default='{0}'\n<<< not XML\n<param name='token' value='{1}'/>\n",
-}
-
-
-@pytest.mark.parametrize("name", FILES)
-def test_secrets_of_changed_files_are_found_by_their_language(name: str, tmp_path: Path) -> None:
-    chance = random.Random(name)
-    found = [make_secret(chance, plain=True) for _ in range(18)]
-    old, new = (FILES[name].format(*found[start : start + 9]) for start in (0, 9))
-    diff = "".join(f"{sign}{line}\n" for sign, text in (("-", old), ("+", new)) for line in text.splitlines())
-    planted = [each for each in found if each in diff]
-    log = "".join(f"[INFO] the value is {each}\n" for each in planted if name not in ("d.py", "e.launch"))
-    sources = RunSources({"workspace.diff": f"+speed = 1\n{diff}", "logs/n.log": log}, {}, ((name, old), (name, new)))
-    with zipfile.ZipFile(write_report(tmp_path / "report.zip", "n", sources, []).path) as archive:
-        texts = {each: archive.read(each).decode() for each in archive.namelist()}
-    assert [(each, file) for each in planted for file, text in texts.items() if each in text] == []
-    assert "+speed = 1\n" in texts["workspace.diff"]
-    assert "workspace.diff: " in texts["removed.txt"]
-
-
-@pytest.mark.parametrize("text", ["pin=12", "<param name='pin' value='12'/>", "key 12", "  pass: 12"])
-def test_line_of_a_change_from_which_no_value_went_is_left_out(text: str) -> None:
-    assert "12" not in SecretFilter().clean_changes(f"+{text}\n", "workspace.diff")
-
-
 def test_text_with_too_many_secrets_to_look_for_is_left_out() -> None:
     secrets = SecretFilter(1000)
     secrets.learn_text("token=abcdef\ntoken=ghijkl\n")

@@ -9,6 +9,7 @@ import math
 import os
 import struct
 import sys
+import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -22,6 +23,7 @@ from typing import IO, TYPE_CHECKING
 from ur.recordings.mcap_channels import LATCHED, SENDER
 from ur.source.diagnostic import UserError, error_about
 from ur.source.foreign.files import open_file, refuse_file
+from ur.source.printable import printable
 
 if TYPE_CHECKING:
     from mcap.records import Channel, Chunk, McapRecord, Message, Schema
@@ -329,3 +331,24 @@ def _topic_of(schema: Schema | None, channel: Channel) -> RecordingTopic:
         sender=channel.metadata.get(SENDER, ""),
         latched=channel.metadata.get(LATCHED) == "1",
     )
+
+
+def describe_recording(recording: RecordingFile) -> Iterator[str]:
+    """Its time and length, its reasons and events, and its topics."""
+    began = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(recording.start / 1e9))
+    broken = "" if recording.complete else ", its end is missing"
+    yield f"{recording.path}: {recording.seconds:.1f} s from {began}{broken}"
+    for text in recording.metadata.get("reasons", {}).values():
+        yield f"  because: {printable(text)}"
+    for stamp, text in sorted(recording.metadata.get("events", {}).items()):
+        yield f"  {_second(stamp, recording):7.1f} s  {printable(text)}"
+    width = max((len(name) for name in recording.topics), default=0)
+    for name, topic in sorted(recording.topics.items()):
+        yield f"  {printable(name):<{width}}  {topic.count:6} messages  {printable(topic.type_name)}"
+
+
+def _second(stamp: str, recording: RecordingFile) -> float:
+    try:
+        return float(stamp) - recording.start / 1e9
+    except ValueError:
+        return 0.0

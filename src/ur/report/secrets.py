@@ -4,11 +4,7 @@ import base64
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import suppress
 from urllib.parse import quote
-
-from ur.launchfile.syntax import parse_launch_file
-from ur.source.foreign.yaml_text import load_yaml
 
 _STRONG = re.compile(
     "passwd|passwor[dt]|kennwort|passphrase|passcode|secret|token|api[_-]?key|access[_-]?key|private[_-]?key|credential"
@@ -39,9 +35,6 @@ _FORMS: tuple[tuple[str, re.Pattern[str]], ...] = (
     ("name of a home folder", re.compile(r"/(?:home|Users)/(?P<a>[^/\s:\"'<>,;)\]}]+)")),
 )
 _NAMED = "value with the name of a secret"
-_XML = (".launch", ".xml", ".urdf", ".xacro")
-_YAML = (".yaml", ".yml", ".json", ".rviz")
-_GOES_ON = tuple("=:([{,|>\\")  # ends of lines whose value is on the next one
 _LEAST = 4  # characters of a value that is removed wherever it stands
 _MOST_WORK = 5_000_000_000  # characters that are compared, of all texts and values
 _PLAIN = frozenset({"true", "false", "none", "null", "auto", "default", "home", "root"})
@@ -79,43 +72,11 @@ class SecretFilter:
         for begin, end, kind in _spans(text):
             self._keep(text[begin:end], kind)
 
-    def learn_file(self, name: str, text: str) -> None:
-        """Learn from a file by its language, XML, YAML or JSON, and as `learn_text` does."""
-        if name.endswith(_YAML):
-            with suppress(ValueError):
-                self.learn(load_yaml(text))
-        elements = [parse_launch_file(name, text.encode()).root] if name.endswith(_XML) else []
-        while elements:
-            element = elements.pop()
-            if element is None:
-                continue
-            elements += element.elements
-            given = element.attributes
-            named = next((given[each] for each in ("name", "param") if is_secret_name(given.get(each, ""))), "")
-            for attribute, value in given.items():
-                self.learn(value, named if attribute in ("value", "default") else attribute)
-                self.learn_text(value)
-            with suppress(ValueError):
-                self.learn(load_yaml(element.text), named)
-        self.learn_text(text)
-
     def _keep(self, value: str, kind: str) -> None:
         for each in (value.strip(), *(re.split(r"[:@]", value) if kind == "password in an address" else ())):
             if len(each) >= _LEAST and each.lower() not in _PLAIN and not each.startswith("[removed"):
                 for form in _forms(each) if each not in self._values else ():
                     self._values.setdefault(form, kind)
-
-    def clean_changes(self, text: str, file: str) -> str:
-        """Clean the differences of files, without the lines that hold the name of a secret, or go on after it."""
-        lines = text.splitlines()
-        goes_on = False
-        for number, line in enumerate(lines):
-            named = goes_on or any(is_secret_name(each) for each in _WORD.findall(line))
-            if named:
-                lines[number] = "[removed: line with the name of a secret]"
-                self.removed[file, "line with the name of a secret"] += 1
-            goes_on = named and (not line[1:].strip() or line.rstrip().endswith(_GOES_ON))
-        return self.clean("".join(f"{line}\n" for line in lines), file)
 
     def clean(self, text: str, file: str) -> str:
         """A text without secrets."""

@@ -1,7 +1,7 @@
-"""The public protocols of an RPLidar A1, the lidar of a Neato XV-11 and Magni's motor controller.
+"""The public protocols of an RPLidar A1 and of Magni's motor controller.
 
-RPLidar: Slamtec's "RPLIDAR interface protocol and application notes". XV-11: the packets of firmware 2.4 as the driver
-xv_11_laser_driver reads them. Magni: the packets of ubiquity_motor's motor_message.h and motor_message.cc.
+RPLidar: Slamtec's "RPLIDAR interface protocol and application notes". Magni: the packets of ubiquity_motor's
+motor_message.h and motor_message.cc.
 """
 
 import struct

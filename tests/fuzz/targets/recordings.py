@@ -9,8 +9,7 @@ from pathlib import Path
 from mcap.writer import CompressionType, Writer
 from tests.fuzz.target import Target
 
-from ur.recordings.description import describe_recording
-from ur.recordings.mcap_file import open_recording
+from ur.recordings.mcap_file import describe_recording, open_recording
 from ur.source.diagnostic import UserError
 
 _WORDS = (

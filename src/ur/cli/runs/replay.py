@@ -88,8 +88,7 @@ def _control(speed: float | None, jump: float | None, back: float | None, *, pau
 
 
 def _describe(path: Path) -> int:
-    from ur.recordings.description import describe_recording
-    from ur.recordings.mcap_file import open_recording
+    from ur.recordings.mcap_file import describe_recording, open_recording
     from ur.request.requirements.python_packages import need_all
 
     need_all(["mcap"], "recordings.lock", "what recordings need (8 MB to download)")

@@ -8,7 +8,7 @@ import click
 
 from ur.cli.runs.detached import choose_run
 from ur.cli.runs.logs import find_ended_run
-from ur.run.record.registry import EndedRun, RunEntry
+from ur.run.record.registry import EndedRun
 from ur.source.diagnostic import UserError
 
 _AFTER_END = 120.0  # s after a run in which its black box may still write
@@ -22,8 +22,8 @@ _LOOK = 0.1  # s
 def command(run: str | None, output: str | None) -> int:
     """Write what happened in a run into one archive.
 
-    The archive has the newest recording of the black box, logs, parameters, versions, the changes of the workspace, and
-    report.html, a page that shows them offline. If the run is active, its black box writes its recording first.
+    The archive has the newest recording of the black box, logs, parameters and versions. If the run is active, its
+    black box writes its recording first.
     Passwords, keys, tokens, names of wireless networks and of home folders are removed; removed.txt lists where.
     """
     from ur.recordings.black_boxes import recordings_folder
@@ -46,7 +46,7 @@ def command(run: str | None, output: str | None) -> int:
         _await_recording(folder)
     sources = collect(entry, ended, os.environ)
     recordings = list_run_recordings(folder, entry.started, _end_of(ended))
-    report = write_report(path, _title(entry), sources, recordings, unreadable)
+    report = write_report(path, sources, recordings, unreadable)
     for each in report.missing:
         click.echo(f"warning: the report is without {each}", err=True)
     click.echo(f"{report.path}: {report.size / 1e6:.1f} MB")
@@ -69,7 +69,3 @@ def _await_recording(folder: Path) -> None:
 
 def _end_of(ended: EndedRun | None) -> float:
     return time.time() + 1.0 if ended is None else ended.ended + _AFTER_END
-
-
-def _title(entry: RunEntry) -> str:
-    return f"{entry.title}, {time.strftime('%Y-%m-%d %H:%M', time.localtime(entry.started))}"

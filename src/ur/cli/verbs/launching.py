@@ -69,7 +69,6 @@ LAUNCHING = (
         ),
         trust=Trust(
             "records, logs and recordings of your runs, the answers of the ROS master",
-            starts="`git diff`, which reads no settings of the workspace",
             sends="a request to the black boxes on this computer, questions to the ROS master",
             writes="an archive, without secrets",
         ),
