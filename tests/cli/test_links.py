@@ -61,16 +61,14 @@ def test_format_leaves_them_out(mine: Path, foreign: Path, capsys: pytest.Captur
     assert (foreign / "launch/second.launch").is_symlink()
 
 
-@pytest.mark.parametrize("options", [[], ["--doc-attributes"]])
-def test_docs_leave_them_out(mine: Path, foreign: Path, capsys: pytest.CaptureFixture[str], options: list[str]) -> None:
+def test_docs_leave_them_out(mine: Path, foreign: Path, capsys: pytest.CaptureFixture[str]) -> None:
     victim = mine / "launch/mine.launch"
     (foreign / "launches.md").symlink_to(victim)
-    assert main(["docs", ".", *options]) == 0
+    assert main(["docs", "."]) == 0
     assert count_notes(capsys.readouterr().err) == 1
     assert victim.read_text() == UGLY
-    if not options:
-        assert not (foreign / "launches.md").is_symlink()
-        assert "mine.launch" not in (foreign / "launches.md").read_text()
+    assert not (foreign / "launches.md").is_symlink()
+    assert "mine.launch" not in (foreign / "launches.md").read_text()
 
 
 def test_package_is_not_written_through_a_link_that_leads_out(

@@ -65,26 +65,6 @@ def test_output_to_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out.startswith("# my_robot\n")
 
 
-def test_doc_attributes_change_the_launch_file_only(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["docs", "--doc-attributes", "--check"]) == 1
-    assert '+  <arg name="word" default="hello" doc="What is said."/>' in capsys.readouterr().out
-    assert main(["docs", "--doc-attributes"]) == 0
-    assert 'doc="What is said."' in (folder / "launch" / "talk.launch").read_text()
-    assert not (folder / "launches.md").exists()
-    assert main(["docs", "--doc-attributes", "--check"]) == 0
-
-
-def test_other_encodings_are_left_alone(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = folder / "launch" / "talk.launch"
-    path.write_bytes(
-        ('<?xml version="1.0" encoding="iso-8859-1"?>\n' + LAUNCH.replace("said", "gesagt, ä")).encode("latin-1")
-    )
-    before = path.read_bytes()
-    assert main(["docs", "--doc-attributes"]) == 0
-    assert path.read_bytes() == before
-    assert "not UTF-8" in capsys.readouterr().err
-
-
 def test_broken_file_is_reported_and_documented(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "launch" / "broken.launch").write_text("<launch><node</launch>")
     assert main(["docs"]) == 0
