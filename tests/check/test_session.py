@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.check.cache.test_recall import EDITS, FILES, Workspace
 
-from ur.check.render.json import render_json
+from ur.check.render.text import render_json
 from ur.check.run import finish_report
 from ur.check.session import CheckSession
 

@@ -10,7 +10,7 @@ import pytest
 from ur.check.cache import store
 from ur.check.cache.recall import Recall
 from ur.check.cache.store import CacheBounds, load_recall, store_recall
-from ur.check.render.json import render_json
+from ur.check.render.text import render_json
 from ur.check.run import check_paths
 from ur.launchfile.world import MemoryWorld
 

@@ -1,14 +1,10 @@
-"""Reports as JSON, SARIF, GitHub commands and text."""
+"""Reports as JSON, GitHub commands and text."""
 
 from __future__ import annotations
 
 import json
 
-from ur.check.catalogue import load_rules
-from ur.check.render.github import render_github
-from ur.check.render.json import render_json
-from ur.check.render.sarif import render_sarif
-from ur.check.render.text import render_text, shorten_paths
+from ur.check.render.text import render_github, render_json, render_text, shorten_paths
 from ur.check.run import CheckReport, check_paths
 from ur.launchfile.world import MemoryWorld
 
@@ -35,20 +31,6 @@ def test_json_has_places_from_one_and_counts() -> None:
         "severity": "error",
     }
     assert [(note["path"], note["line"]) for note in finding["notes"]] == [("main.launch", 2)]
-
-
-def test_sarif_names_rules_places_and_related_places() -> None:
-    body = json.loads(render_sarif(report(), load_rules(), "1.2.3"))
-    run = body["runs"][0]
-    assert body["version"] == "2.1.0"
-    assert run["tool"]["driver"]["version"] == "1.2.3"
-    for result in run["results"]:
-        assert run["tool"]["driver"]["rules"][result["ruleIndex"]]["id"] == result["ruleId"]
-    result = next(each for each in run["results"] if each["ruleId"] == "undeclared-argument")
-    place = result["locations"][0]["physicalLocation"]
-    assert place["artifactLocation"]["uri"] == "part.launch"
-    assert place["region"] == {"startLine": 3, "startColumn": 26, "endLine": 3, "endColumn": 34}
-    assert result["relatedLocations"][0]["physicalLocation"]["region"]["startLine"] == 2
 
 
 def test_github_commands_are_one_line_each_with_escapes() -> None:

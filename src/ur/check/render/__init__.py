@@ -1,1 +1,1 @@
-"""Output formats of a check: text, JSON, SARIF, GitHub commands, and the pages of the rules."""
+"""Output formats of a check: text, JSON, GitHub commands, and the pages of the rules."""

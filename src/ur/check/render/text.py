@@ -1,5 +1,6 @@
-"""Reports as text, for display."""
+"""Reports of a check: as text for display, as JSON for programs, and as GitHub's workflow commands."""
 
+import json
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import groupby
@@ -79,3 +80,69 @@ def shorten_paths(report: CheckReport, folder: str) -> CheckReport:
 
     findings, gaps = tuple(map(moved, report.findings)), tuple(map(moved, report.gaps))
     return replace(report, findings=findings, gaps=gaps)
+
+
+def render_github(report: CheckReport) -> str:
+    """Return one line per finding; empty without findings."""
+    return "".join(_line(found) + "\n" for found in report.findings)
+
+
+def _line(found: Diagnostic) -> str:
+    text = found.message
+    for note in found.notes:
+        text += f"\nnote: {note.span}: {note.message}" if note.span else f"\nnote: {note.message}"
+    if found.help:
+        text += f"\nhelp: {found.help}"
+    properties = {"title": found.rule}
+    if found.span is not None:
+        (line, column), (end_line, end_column) = found.span.position, found.span.file.position(found.span.end)
+        properties = {"file": found.span.file.path, "line": str(line), "endLine": str(end_line), **properties}
+        if end_line == line:  # columns of several lines are not allowed
+            properties |= {"col": str(column), "endColumn": str(end_column)}
+    listed = ",".join(f"{name}={_escape_property(value)}" for name, value in properties.items())
+    return f"::{found.severity.value} {listed}::{_escape(text)}"
+
+
+def _escape(text: str) -> str:
+    return printable(text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A"))
+
+
+def _escape_property(text: str) -> str:
+    return _escape(text).replace(":", "%3A").replace(",", "%2C")
+
+
+def render_json(report: CheckReport) -> str:
+    """Return one object: `findings`, sorted by position, a `summary`, and values that are `not_known`.
+
+    Lines and columns count from 1.
+    """
+    body = {
+        "findings": [_finding(found) for found in report.findings],
+        "summary": {
+            "files": report.files,
+            "errors": report.errors,
+            "warnings": len(report.findings) - report.errors,
+            "suppressed": report.suppressed,
+        },
+        "not_known": [{**place_of(gap.span), "message": gap.message} for gap in report.gaps],
+    }
+    return json.dumps(body, indent=2, ensure_ascii=False) + "\n"
+
+
+def _finding(found: Diagnostic) -> dict[str, object]:
+    return {
+        **place_of(found.span),
+        "severity": found.severity.value,
+        "rule": found.rule,
+        "message": found.message,
+        "help": found.help,
+        "notes": [{**place_of(note.span), "message": note.message} for note in found.notes],
+    }
+
+
+def place_of(span: Span | None) -> dict[str, object]:
+    """Return path, line and column of the start, and line and column after the end; nulls without a position."""
+    if span is None:
+        return {"path": None, "line": None, "column": None, "end_line": None, "end_column": None}
+    (line, column), (end_line, end_column) = span.position, span.file.position(span.end)
+    return {"path": span.file.path, "line": line, "column": column, "end_line": end_line, "end_column": end_column}

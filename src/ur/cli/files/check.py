@@ -30,7 +30,7 @@ _INTERVAL = 0.3  # s between two checks for changes
 @click.option(
     "--format",
     "form",
-    type=click.Choice(["human", "json", "sarif", "github"]),
+    type=click.Choice(["human", "json", "github"]),
     default="human",
     show_default=True,
     help="How findings are printed.",
@@ -163,26 +163,13 @@ def _words(given: tuple[str, ...]) -> list[str]:
 
 
 def _show(report: CheckReport, form: str) -> None:
-    from ur.check.catalogue import load_rules
-    from ur.check.render.text import render_text, shorten_paths
+    from ur.check.render.text import render_github, render_json, render_text, shorten_paths
 
     report = shorten_paths(report, str(Path.cwd()))
     if form == "human":
         click.echo(render_text(report, colour=shows_colour(sys.stdout)), nl=False)
-    elif form == "json":
-        from ur.check.render.json import render_json
-
-        click.echo(render_json(report), nl=False)
-    elif form == "sarif":
-        from importlib.metadata import version
-
-        from ur.check.render.sarif import render_sarif
-
-        click.echo(render_sarif(report, load_rules(), version("ubiquity-launches")), nl=False)
     else:
-        from ur.check.render.github import render_github
-
-        click.echo(render_github(report), nl=False)
+        click.echo(render_json(report) if form == "json" else render_github(report), nl=False)
 
 
 def check_package(path: str, fix: bool) -> int:
