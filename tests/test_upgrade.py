@@ -19,7 +19,7 @@ from ur.maps.waypoint_file import waypoint_path
 from ur.robot.discovery.record import RobotRecord, load_records, records_folder
 from ur.robot.discovery.seen import SeenRobot, load_seen, note_seen, seen_path
 from ur.robot.selection import Selection, load_selection, selection_path
-from ur.robot.sync.memory import WorkspacePair, load_memory, memory_path
+from ur.robot.sync.steps import WorkspacePair, load_memory, memory_path
 from ur.web.access.roles import list_sessions, read_sessions
 from ur_nodes.client.waypoints import WaypointStore, name_of_map
 from ur_nodes.geometry.grid import Grid

@@ -15,7 +15,7 @@ import psutil
 from bench.either_ros import master_answers, node_name, select_ros
 
 from ur.robot.base import Base, load_base
-from ur.robot.base.search import find_base_package
+from ur.robot.base.files import find_base_package
 
 ROOT = Path(__file__).resolve().parents[2]
 MAPS = ROOT / "ubiquity_launches" / "n_map_server" / "maps"

@@ -118,7 +118,7 @@ def test_no_planted_secret_is_in_the_archive(tmp_path: Path) -> None:
     sources, secrets, said = plant(random.Random(SEED), 1000)
     recording = tmp_path / "box.mcap"
     write_recording(recording, said)
-    report = write_report(tmp_path / "report.zip", "wander", sources, [recording])
+    report = write_report(tmp_path / "report.zip", sources, [recording])
     found = read_everything(report.path)
     forms = {
         secret: (secret, quote(secret, safe=""), base64.b64encode(secret.encode()).decode().rstrip("="))

@@ -74,7 +74,7 @@ CASES = {
     ),
     "memory of a sync": Case(
         ":",
-        "from pathlib import Path\nfrom ur.robot.sync.memory import SyncMemory, WorkspacePair, store_memory\n"
+        "from pathlib import Path\nfrom ur.robot.sync.steps import SyncMemory, WorkspacePair, store_memory\n"
         "store_memory(Path('s/bob.json'), SyncMemory(WorkspacePair('a', 'b', 'c'), {}))",
         "s/bob.json",
         "agreed",

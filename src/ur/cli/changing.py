@@ -89,7 +89,7 @@ def become_root(shell: SshShell, given: str) -> list[Secret]:
 
     Raises UserError if root access fails, or another change is pending there.
     """
-    from ur.robot.commit_confirm.begin import become_root as become
+    from ur.robot.commit_confirm.perform import become_root as become
     from ur.robot.ssh.secret import Secret
 
     def ask() -> Secret:
@@ -110,7 +110,7 @@ def show_plan(change: GuardedChange, facts: ComputerFacts) -> None:
 
 def begin(shell: SshShell, change: GuardedChange, facts: ComputerFacts, wait: int) -> str:
     """Send the change to the robot; return the id of the attempt. Raises UserError if it did not start."""
-    from ur.robot.commit_confirm.begin import begin_change
+    from ur.robot.commit_confirm.perform import begin_change
 
     requester = f"{getpass.getuser()}@{socket.gethostname()}"
     return begin_change(shell, change, facts, requester, wait, print_line)

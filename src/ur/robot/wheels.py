@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ur.robot.base import load_base
-from ur.robot.base.files import read_base_section
-from ur.robot.base.search import is_base_name
+from ur.robot.base.files import is_base_name, read_base_section
 from ur.robot.base.wiring import Wiring, write_wiring
 from ur.robot.boot.units import LIBRARIES, own_line
 from ur.robot.robot_file import ROBOT_FILE, load_robot_file, parse_robot_file

@@ -17,7 +17,7 @@ from ur.cli.main import main
 from ur.cli.verbs import load_verb
 from ur.request.environment import PACKAGE as LIBRARY
 from ur.robot.base import load_base, read_base
-from ur.robot.base.search import find_base_package
+from ur.robot.base.files import find_base_package
 from ur.tools.new.parts import NodeTopic, Observed
 from ur.tools.new.target import find_target
 

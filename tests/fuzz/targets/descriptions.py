@@ -9,7 +9,7 @@ from tests.robot.description.urdfs import MESHES, SMALL
 
 from ur.robot.description.base_text import write_base_file
 from ur.robot.description.expansion.xacro import ExpansionComputer
-from ur.robot.description.load import load_description
+from ur.robot.description.meshes import load_description
 from ur.robot.description.reading import read_base_figures
 from ur.robot.description.surroundings import find_surroundings
 from ur.source.diagnostic import UserError

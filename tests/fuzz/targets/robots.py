@@ -19,7 +19,7 @@ from ur.robot.doctor.summary import summarize
 from ur.robot.mount import parse_mounts
 from ur.robot.remote_run import ask_part
 from ur.robot.setup.facts import FactsRequest, parse_facts
-from ur.robot.ssh.public_key import parse_public_key
+from ur.robot.ssh.host_key import parse_public_key
 from ur.robot.ssh.shell import ShellResult
 from ur.robot.sync.sync import list_workspaces
 from ur.run.remote.protocol import parse_answer, parse_request

@@ -16,7 +16,7 @@ from ur.robot.discovery.seen import load_seen
 from ur.robot.robot_file import load_robot_file
 from ur.robot.selection import load_selection
 from ur.robot.setup.robot_states import WantedRobot, robot_file
-from ur.robot.sync.memory import load_memory
+from ur.robot.sync.steps import load_memory
 from ur.run.clients.protocol import BadLineError, parse_command, parse_event
 from ur.run.record.registry import Computer, list_runs
 from ur.run.remote.own_clients import read_clients

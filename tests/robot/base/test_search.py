@@ -5,7 +5,7 @@ import pytest
 
 from ur.request.environment import PACKAGE
 from ur.robot.base import load_base
-from ur.robot.base.search import find_base_package, list_base_packages
+from ur.robot.base.files import find_base_package, list_base_packages
 from ur.source.diagnostic import UserError
 from ur.source.user_folders import MARKER
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from ur.robot.base.body_mesh import write_stl
 from ur.robot.description.expansion.xacro import ExpansionComputer
-from ur.robot.description.load import LoadedDescription, load_description
 from ur.robot.description.mesh_file import read_mesh
+from ur.robot.description.meshes import LoadedDescription, load_description
 from ur.robot.description.reading import DescriptionReading, read_base_figures
 from ur.robot.description.surroundings import find_surroundings
 from ur.robot.description.urdf_parts import Description

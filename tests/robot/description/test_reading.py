@@ -7,9 +7,8 @@ from tests.robot.description.urdfs import FOUR_WHEELS, MESHES, SMALL
 
 from ur.robot.base import Base, read_base
 from ur.robot.description.base_text import write_base_file
-from ur.robot.description.figures import Figure
 from ur.robot.description.parse import parse_urdf
-from ur.robot.description.reading import BRAKING, DescriptionReading, read_base_figures
+from ur.robot.description.reading import BRAKING, DescriptionReading, Figure, read_base_figures
 from ur.robot.description.speed_files import FoundSpeeds
 from ur.source.diagnostic import UserError
 from ur.tools.new.description import describe_reading

@@ -11,7 +11,7 @@ from ur.robot.doctor.observe import parse_side
 from ur.robot.doctor.rules.login import _ONE_KEY
 from ur.robot.setup.facts import ComputerFacts, FileState
 from ur.robot.setup.keys import AUTHORIZED, KEY, WantedOwnLogin, allowed_key, known_host
-from ur.robot.ssh.public_key import parse_public_key
+from ur.robot.ssh.host_key import parse_public_key
 from ur.source import UserError
 
 GOOD = "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIEFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFB"

@@ -4,8 +4,16 @@ from pathlib import Path
 
 import pytest
 
-from ur.robot.sync.memory import SyncMemory, WorkspacePair, known_files, load_memory, memory_path, store_memory
-from ur.robot.sync.steps import Agreed, File
+from ur.robot.sync.steps import (
+    Agreed,
+    File,
+    SyncMemory,
+    WorkspacePair,
+    known_files,
+    load_memory,
+    memory_path,
+    store_memory,
+)
 
 FILE = File("file", 3, 5, True, "abc")
 MEMORY = SyncMemory(

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.robot.sync.paths import check_paths, lock_sync, workspace_path
+from ur.robot.sync.sync import check_paths, lock_sync, workspace_path
 from ur.source.diagnostic import UserError
 
 

@@ -5,8 +5,7 @@ from dataclasses import replace
 import pytest
 
 from ur.robot.doctor.wifi import WirelessLink
-from ur.robot.wireless.advice import advise
-from ur.robot.wireless.sample import Sample
+from ur.robot.wireless.sample import Sample, advise
 
 NAMES = ("laptop", "bob")
 GOOD = Sample(0.0, 5, 0, 0.002)

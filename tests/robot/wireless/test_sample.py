@@ -3,8 +3,7 @@
 import pytest
 
 from ur.robot.doctor.wifi import WirelessLink
-from ur.robot.wireless.record import COLUMNS, render_row
-from ur.robot.wireless.sample import Echoes, Sample, summarize
+from ur.robot.wireless.sample import COLUMNS, Echoes, Sample, render_row, summarize
 
 
 def take(echoes: Echoes) -> tuple[int, int, float | None]:

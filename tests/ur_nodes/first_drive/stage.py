@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur.robot.base import Base, load_base
-from ur.robot.base.search import find_base_package
+from ur.robot.base.files import find_base_package
 from ur.source.project import launch_library
 from ur_nodes.geometry.grid import Grid, load_map
 from ur_nodes.geometry.pose import Pose2, make_pose3

@@ -18,10 +18,8 @@ from ur.request.remote.connection import robot_address
 from ur.robot.discovery.seen import load_seen, seen_path
 from ur.robot.doctor.wifi import WirelessLink
 from ur.robot.ssh.address import Address
-from ur.robot.wireless.advice import advise
 from ur.robot.wireless.meter import Meter
-from ur.robot.wireless.record import HEADER, write_row
-from ur.robot.wireless.sample import Sample, Summary, summarize
+from ur.robot.wireless.sample import HEADER, Sample, Summary, advise, summarize, write_row
 from ur.source.diagnostic import UserError, error, error_about
 from ur.source.progress_line import show_progress
 from ur.source.replace import check_output

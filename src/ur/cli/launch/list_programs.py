@@ -70,7 +70,7 @@ def _selected_base() -> Base | None:
     """Return the base of the selected robot; None if it is unknown."""
     from ur.request.bases.robot_facts import know_base
     from ur.robot.base import load_base
-    from ur.robot.base.search import find_base_package
+    from ur.robot.base.files import find_base_package
 
     try:
         selection = know_base(current_selection(os.environ), os.environ)

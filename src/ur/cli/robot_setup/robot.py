@@ -31,8 +31,8 @@ from ur.robot.setup.login import Task, open_robot
 from ur.robot.setup.raspberry_pi.header import undo_header
 from ur.robot.setup.robot import prepare_viewer, preview, set_up, undo_ros2
 from ur.robot.setup.robot_states import ViewerFacts
-from ur.robot.setup.ros2.find import find_robot_ros2
 from ur.robot.setup.ros2.mux_between import give_back, take_over
+from ur.robot.setup.ros2.states import find_robot_ros2
 from ur.robot.setup.verify import Check, verify
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import LocalShell

@@ -133,7 +133,7 @@ def _advise(chosen: Selection, near: str | None) -> str:
 
 def _list_bases() -> tuple[str, ...]:
     from ur.robot.base import list_bases
-    from ur.robot.base.search import list_base_packages
+    from ur.robot.base.files import list_base_packages
 
     return tuple(name for package in list_base_packages(PACKAGE, os.environ) for name in list_bases(package))
 
@@ -142,6 +142,6 @@ def check_base(chosen: Selection) -> None:
     """Raise UserError if the base or its variant does not exist."""
     if chosen.base:
         from ur.robot.base import load_base  # YAML is only needed here
-        from ur.robot.base.search import find_base_package
+        from ur.robot.base.files import find_base_package
 
         load_base(find_base_package(PACKAGE, chosen.base, os.environ), chosen.base, chosen.variant)

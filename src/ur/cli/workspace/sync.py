@@ -13,11 +13,19 @@ from ur.cli.workspace.mount import read_mounts
 from ur.fleet.processes import answer_confirmed
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.robot.sync.compare import compare
-from ur.robot.sync.memory import load_memory, memory_path, store_memory
-from ur.robot.sync.paths import check_paths, lock_sync, name_this_computer, refuse_sync, workspace_path
 from ur.robot.sync.show import describe_plan, summarise
-from ur.robot.sync.steps import SIDES, Side, SyncPlan
-from ur.robot.sync.sync import WORKSPACE, SyncOutcome, carry_out, list_workspaces
+from ur.robot.sync.steps import SIDES, Side, SyncPlan, load_memory, memory_path, store_memory
+from ur.robot.sync.sync import (
+    WORKSPACE,
+    SyncOutcome,
+    carry_out,
+    check_paths,
+    list_workspaces,
+    lock_sync,
+    name_this_computer,
+    refuse_sync,
+    workspace_path,
+)
 from ur.source.printable import printable
 from ur.source.progress_line import show_progress
 

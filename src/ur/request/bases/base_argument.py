@@ -12,8 +12,8 @@ from ur.launchfile.syntax.parse import parse_launch_file
 from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.request.launch_request import LaunchFiles
 from ur.robot.base import SENSORS, Base, UpstreamDriver, list_bases, list_variants, load_base
+from ur.robot.base.files import find_base_package
 from ur.robot.base.own_drivers import NO_WATCHDOG, OWN_DRIVERS
-from ur.robot.base.search import find_base_package
 from ur.source.diagnostic import Diagnostic, UserError, error
 from ur.source.project import launch_library
 

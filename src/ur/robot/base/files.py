@@ -1,13 +1,36 @@
-"""Base files of a launch package, and their variants."""
+"""Base files of launch packages and workspaces, and their variants."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from ur.robot.base.properties import Base
 from ur.robot.base.reader import read_whole
-from ur.robot.base.search import is_base_name
 from ur.source.diagnostic import UserError, error
 from ur.source.section import Section, read_section
 from ur.source.suggest import did_you_mean
+from ur.source.user_folders import MARKER, list_workspaces
+
+
+def is_base_name(name: str) -> bool:
+    """Return whether a text is a valid base name: a single folder name, not a path."""
+    return bool(name) and "/" not in name and "\0" not in name and name not in (".", "..")
+
+
+def list_base_packages(package: Path, environment: Mapping[str, str]) -> tuple[Path, ...]:
+    """Return the folders whose `bases/` belong to a launch package: its own, then those of workspaces, in order."""
+    prefixes = map(Path, list_workspaces(environment))
+    added = [prefix / "share" / package.name for prefix in prefixes if (prefix / MARKER).is_file()]
+    return (package, *(folder for folder in added if (folder / "bases").is_dir()))
+
+
+def find_base_package(package: Path, name: str, environment: Mapping[str, str]) -> Path:
+    """Return the first of these folders that contains the base; the launch package if none does."""
+    found = (
+        folder
+        for folder in list_base_packages(package, environment)
+        if is_base_name(name) and (folder / "bases" / name / "base.yaml").is_file()
+    )
+    return next(found, package)
 
 
 def list_bases(package: str | Path) -> tuple[str, ...]:

@@ -1,13 +1,16 @@
-"""Measurement of a description's meshes: each becomes a shape with the points of its hull."""
+"""Meshes of a description as triangles, and a description with them: read, expanded and surrounded by its files."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from urllib.parse import unquote
 
+from ur.robot.description.expansion.xacro import ExpansionComputer, read_description
 from ur.robot.description.mesh_file import SUFFIXES, read_mesh
+from ur.robot.description.parse import parse_urdf
 from ur.robot.description.pose import Vector
 from ur.robot.description.surroundings import Surroundings
 from ur.robot.description.urdf_parts import Description, Link, Mesh, Shape
@@ -99,3 +102,30 @@ class _Reader:
 
 def _scale(points: tuple[Vector, ...], scale: Vector) -> tuple[Vector, ...]:
     return tuple((x * scale[0], y * scale[1], z * scale[2]) for x, y, z in points)
+
+
+@dataclass(frozen=True, slots=True)
+class LoadedDescription:
+    """A description, the packages that its xacro file includes but that are not installed, and unread meshes.
+
+    `outside` are the meshes that are not read since they lie outside of the description and of all packages.
+    """
+
+    description: Description
+    missing: tuple[str, ...] = ()
+    outside: tuple[str, ...] = ()
+
+
+def load_description(
+    path: Path, around: Surroundings, computer: ExpansionComputer, arguments: Sequence[str] = ()
+) -> LoadedDescription:
+    """Read a URDF or xacro file, and its meshes. Raises UserError.
+
+    `around` are the surroundings of the file; `arguments` are those of xacro. The packages of `computer` are found at
+    most once.
+    """
+    computer = replace(computer, packages=cache(computer.packages))
+    expanded = read_description(path, around, computer, arguments)
+    description = parse_urdf(expanded.text, str(path))
+    measured, outside = measure_meshes(description, around, computer.packages)
+    return LoadedDescription(measured, expanded.missing, outside)

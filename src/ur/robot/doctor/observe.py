@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from ur.robot.doctor.messages import MESSAGES_SCRIPT, parse_messages
 from ur.robot.doctor.side import Disk, FailedUnit, Setting, Side
 from ur.robot.doctor.wifi import WIFI_SCRIPT, parse_wifi
-from ur.robot.ssh.public_key import parse_public_key
+from ur.robot.ssh.host_key import parse_public_key
 from ur.robot.ssh.shell import quote
 from ur.source.foreign.numbers import parse_decimal, parse_integer
 from ur.system.releases import parse_os_release

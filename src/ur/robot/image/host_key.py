@@ -10,7 +10,7 @@ from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.keys import known_host
 from ur.robot.setup.wanted import Wanted, WantedFolder
 from ur.robot.ssh.guard import private_folder
-from ur.robot.ssh.public_key import parse_public_key
+from ur.robot.ssh.host_key import parse_public_key
 from ur.robot.ssh.shell import LocalShell
 from ur.source.diagnostic import UserError, error
 

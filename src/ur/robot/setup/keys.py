@@ -6,7 +6,7 @@ from ur.robot.setup.change import Change, ChangeScript
 from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.made import RECORD, note_script
 from ur.robot.setup.wanted import Wanted, WantedFolder, WantedLine
-from ur.robot.ssh.public_key import PublicKey, parse_public_key
+from ur.robot.ssh.host_key import PublicKey, parse_public_key
 from ur.robot.ssh.shell import REPLACE, quote
 from ur.source.diagnostic import UserError, error_about
 

@@ -19,8 +19,7 @@ from ur.robot.setup.keys import HOST_KEY, KEY, allowed_key, known_host, own_keys
 from ur.robot.setup.lock import hold_robot
 from ur.robot.setup.login import Report, Task, find_passwords, is_password, open_robot
 from ur.robot.setup.robot_states import ViewerFacts, WantedPassword, WantedRobot, base_request, wanted_there
-from ur.robot.setup.ros2.find import restart_silent_units
-from ur.robot.setup.ros2.states import wanted_on_ros2
+from ur.robot.setup.ros2.states import restart_silent_units, wanted_on_ros2
 from ur.robot.setup.wanted import Wanted, WantedFile
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey, find_known_keys

@@ -14,7 +14,7 @@ from ur.source.read import read_source
 from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
-    from ur.robot.description.load import LoadedDescription
+    from ur.robot.description.meshes import LoadedDescription
     from ur.robot.description.reading import DescriptionReading
     from ur.robot.description.surroundings import Surroundings
 
@@ -70,7 +70,7 @@ def load_file(
     """
     from ur.request.environment import own_packages
     from ur.robot.description.expansion.xacro import ExpansionComputer
-    from ur.robot.description.load import load_description
+    from ur.robot.description.meshes import load_description
 
     made = Path(own_packages(os.environ))
     computer = ExpansionComputer(os.environ, lambda: list_packages(around), made, consent or (lambda _: False))

@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from ur.robot.description.expansion import xacro
-from ur.robot.description.expansion.process import ExpansionBounds
-from ur.robot.description.expansion.xacro import ExpansionComputer, read_description
+from ur.robot.description.expansion.xacro import ExpansionBounds, ExpansionComputer, read_description
 from ur.robot.description.surroundings import find_surroundings
 from ur.source.diagnostic import UserError
 

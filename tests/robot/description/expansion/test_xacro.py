@@ -8,8 +8,13 @@ from pathlib import Path
 import pytest
 
 from ur.robot.description.expansion import xacro
-from ur.robot.description.expansion.process import BOUNDS, ExpansionBounds
-from ur.robot.description.expansion.xacro import DescriptionText, ExpansionComputer, read_description
+from ur.robot.description.expansion.xacro import (
+    BOUNDS,
+    DescriptionText,
+    ExpansionBounds,
+    ExpansionComputer,
+    read_description,
+)
 from ur.robot.description.surroundings import find_surroundings
 from ur.source.diagnostic import UserError
 

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from ur.robot.setup.internet.proxy import (
+from ur.robot.setup.internet.share import (
     Forward,
     Refusal,
     Server,

@@ -2,8 +2,7 @@
 
 import pytest
 
-from ur.robot.setup.internet.proxy import Server
-from ur.robot.setup.internet.share import find_unreached, parse_servers, reaches
+from ur.robot.setup.internet.share import Server, find_unreached, parse_servers, reaches
 from ur.robot.ssh.shell import LocalShell
 
 INDEX = (Server("index.test", 443), Server("files.test", 443))

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand, Where
 from ur.robot.doctor.rules.registry import PairRule, Rule, SideRule
 from ur.robot.doctor.side import Side
-from ur.robot.ssh.public_key import PATTERN
+from ur.robot.ssh.host_key import PATTERN
 from ur.robot.ssh.shell import quote
 
 _ALLOW = ">>~/.ssh/authorized_keys; chmod 600 ~/.ssh/authorized_keys"

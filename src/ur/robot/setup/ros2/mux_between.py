@@ -12,7 +12,7 @@ from ur.robot.setup.engine import apply_change, apply_states, gather_facts, plan
 from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.packages import WantedService
 from ur.robot.setup.robot_states import WantedRobot, base_request, robot_file
-from ur.robot.setup.ros2.find import inspect_robot
+from ur.robot.setup.ros2.states import inspect_robot
 from ur.robot.setup.ros2.take_over import (
     DROP_IN,
     LAUNCH_FILE,
