@@ -22,7 +22,7 @@ from ur.run.clients.protocol import (
     find_severity,
 )
 from ur.run.clients.run_state import NodeRow
-from ur.run.debugger.attach import DebuggerCommand
+from ur.run.debugger.choice import DebuggerCommand
 from ur.tui.app import WatchApp
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -86,7 +86,7 @@ class StillServices:
         """Nothing."""
         return ""
 
-    def debug(self, _row: NodeRow, _run: RunStarted) -> DebuggerCommand | str:
+    def debug(self, _row: NodeRow) -> DebuggerCommand | str:
         """Nothing."""
         return ""
 

@@ -26,7 +26,7 @@ from ur.run.clients.protocol import (
     parse_command,
 )
 from ur.run.clients.run_state import NodeRow
-from ur.run.debugger.attach import DebuggerCommand
+from ur.run.debugger.choice import DebuggerCommand
 from ur.tui.app import WatchApp
 
 NOON = 1_700_049_600.0
@@ -98,9 +98,8 @@ class FakeServices:
         self.beside.append(list(words))
         return self.problem
 
-    def debug(self, row: NodeRow, run: RunStarted) -> DebuggerCommand | str:
+    def debug(self, row: NodeRow) -> DebuggerCommand | str:
         assert row.name
-        assert run.pid
         return self.debugger
 
 

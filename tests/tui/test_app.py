@@ -2,7 +2,7 @@ import pytest
 from tests.tui.fake import FakeServices, example, read_screen, until, watching
 
 from ur.run.clients.protocol import RunCommand, StopRun
-from ur.run.debugger.attach import DebuggerCommand
+from ur.run.debugger.choice import DebuggerCommand
 from ur.run.supervisor.events import KillNode, RestartNode, StartNode, StopNode
 from ur.tui.dialogs import Question
 

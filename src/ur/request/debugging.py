@@ -9,9 +9,8 @@ from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.world import World
 from ur.request.plan_files import find_node
 from ur.run.debugger.choice import TOOLS, Debugging, Tool, choose_tool, plan_debugging
-from ur.run.debugger.environment import find_core_dump, find_debug_tools, find_free_port, read_core_rules, read_target
-from ur.run.paths import ros_home
-from ur.run.process.command import choose_folder, find_executable
+from ur.run.debugger.environment import find_debug_tools, find_free_port, read_target
+from ur.run.process.command import find_executable
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 
@@ -41,15 +40,8 @@ def debug_nodes(plan: Plan, requests: Sequence[str], world: World, *, terminal: 
         found = plan_debugging(target, tool, tools, port)
         changed[node.full_name] = _put_in_front(node, found)
         lines += found.notes if found.terminal == "log" else found.notes[1:]  # a window is visible
-        lines += _describe_core(node.full_name, path, node.cwd, world) if tool == "gdb" else ()
         port += 1
     return replace(plan, nodes=tuple(changed.get(node.full_name, node) for node in plan.nodes)), tuple(lines)
-
-
-def _describe_core(name: str, path: str, cwd: str | None, world: World) -> tuple[str, ...]:
-    folder = choose_folder(cwd, path) or ros_home(world.environment)
-    command, _ = find_core_dump(os.path.realpath(path), folder, read_core_rules(os.getpid()))
-    return (f"{name} left a core file when it crashed before; {shlex.join(command)} looks at it",) if command else ()
 
 
 def has_terminal() -> bool:

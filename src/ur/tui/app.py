@@ -46,11 +46,11 @@ class WatchApp(LogActions):
         self.push_screen(Question(f"Kill {row.name}?", choices, self.palette), answer)
 
     def action_debug(self) -> None:
-        """Debug a node: gdb on a program that runs, or on the core file of its crash."""
+        """Debug a node: gdb on a program that runs."""
         row = self._steerable()
         if row is None:
             return
-        found = self.services.debug(row, self.state.run)
+        found = self.services.debug(row)
         if isinstance(found, str):
             self.show_notice(found)
         else:

@@ -35,7 +35,7 @@ KEYS = (
     KeyBinding("x", "stop", "x", "stop it, and keep it stopped", "stop"),
     KeyBinding("r", "restart", "r", "restart it", "restart"),
     KeyBinding("k", "kill", "k", "kill it (asks)", "kill"),
-    KeyBinding("d", "debug", "d", "debug it: gdb on a program, or on its core file", "debug"),
+    KeyBinding("d", "debug", "d", "debug it: gdb on a program that runs", "debug"),
     KeyBinding("n", "only_node", "n", "only this node's messages; again: all nodes", "only it", group=1),
     KeyBinding("m", "mute", "m", "mute this node; again: not", "mute", group=1),
     KeyBinding("v", "severity", "v", "everything, warnings and errors, errors only", "severity", group=1),

@@ -12,9 +12,9 @@ from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
 from ur.run.clients.client import RunControl
-from ur.run.clients.protocol import Notice, OutputLine, RunEvent, RunStarted, RunStopping, Watch
+from ur.run.clients.protocol import Notice, OutputLine, RunEvent, RunStopping, Watch
 from ur.run.clients.run_state import NodeRow, RunState, apply_events, begin_state
-from ur.run.debugger.attach import DebuggerCommand
+from ur.run.debugger.choice import DebuggerCommand
 from ur.source.printable import printable
 from ur.tui.journal import Journal
 from ur.tui.keys import describe_foot
@@ -58,7 +58,7 @@ class Services(Protocol):
     def run_here(self, words: Sequence[str]) -> str:
         """Run a command on this terminal, which is released meanwhile. Return the problem, '' for none."""
 
-    def debug(self, row: NodeRow, run: RunStarted) -> DebuggerCommand | str:
+    def debug(self, row: NodeRow) -> DebuggerCommand | str:
         """Return the debugger for a node, or the reason why there is none."""
 
     def run_beside(self, words: Sequence[str]) -> str:

@@ -9,9 +9,8 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 
-from ur.run.clients.protocol import RunStarted
 from ur.run.clients.run_state import NodeRow
-from ur.run.debugger.attach import DebuggerCommand, choose_debugger
+from ur.run.debugger.choice import DebuggerCommand, choose_debugger
 from ur.run.debugger.environment import find_debug_tools, read_node_facts
 
 
@@ -68,11 +67,11 @@ class SystemServices:
             return f"{words[0]}: {(problem.strerror or str(problem)).lower()}"
         return ""
 
-    def debug(self, row: NodeRow, run: RunStarted) -> DebuggerCommand | str:
+    def debug(self, row: NodeRow) -> DebuggerCommand | str:
         """Return the debugger for a node, or the reason why there is none."""
         changed = row.changed
         try:
-            facts = read_node_facts(row.name, changed.program, changed.folder, changed.pid, run.pid)
+            facts = read_node_facts(row.name, changed.program, changed.pid)
         except PermissionError:
             return f"{row.name} runs as another user, and cannot be debugged"
         python = facts.target.interpreter if facts.target.kind == "python" else ""

@@ -1,4 +1,4 @@
-"""package.xml and CMakeLists.txt, images of disks, core files, and messages of topics."""
+"""package.xml and CMakeLists.txt, images of disks, and messages of topics."""
 
 from contextlib import suppress
 from pathlib import Path
@@ -8,7 +8,6 @@ from tests.fuzz.target import Target
 from ur.launchfile.world.packages import package_name_in
 from ur.robot.image.content import describe_other, identify_filesystem, identify_packing
 from ur.robot.image.partitions import read_partitions
-from ur.run.debugger.environment import belongs_to
 from ur.run.master.tcpros import read_frames
 from ur.source.diagnostic import UserError
 from ur.tools.package.cmake import put_block, write_block
@@ -57,7 +56,6 @@ def _read_image(data: bytes, _: Path) -> None:
 
 
 def _read_messages(data: bytes, _: Path) -> None:
-    belongs_to(data, "/usr/bin/a")
     read_frames(data)
 
 

@@ -15,7 +15,7 @@ from ur.run.record.registry import EndedRun, RunEntry
 from ur.web.runs.watcher import MOST_ENDED, describe_runs
 
 ENTRY = RunEntry("demo.7", 7, 1, "demo", "http://localhost:11311", "/secret/log", 100.0, True, "here", "/secret/run")
-RUNNING = NodeChanged("/talk", "running", pid=8, log="/secret/talk.log", program="/secret/talk", folder="/secret")
+RUNNING = NodeChanged("/talk", "running", pid=8, log="/secret/talk.log", program="/secret/talk")
 
 
 def show(*events: RunEvent) -> dict[str, Any]:

@@ -137,9 +137,7 @@ class Monitor:
             started,
             self._plan.listener,
             {
-                each.unit.name: NodeConstants(
-                    outputs.find_path(each), each.executable or each.argv[0], each.cwd or self._run.home
-                )
+                each.unit.name: NodeConstants(outputs.find_path(each), each.executable or each.argv[0])
                 for each in self._run.programs
             },
             lambda anew: outputs.skip_back() if anew else outputs.read_back(),

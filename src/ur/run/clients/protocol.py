@@ -43,8 +43,7 @@ class NodeChanged:
     `waiting`: not started yet, or restarted in `restart_in` s. `ended`: not restarted automatically; then `exit_code`
     or `signal` describe its last end (both None: it could not be started, or its start was never requested), and
     `reason` tells the user why it could not be started, or is not restarted. `held`: the user stopped it. `core`: the
-    master and rosout, which accept no commands. `log` is the file with its output, `program` its executable, `folder`
-    its working directory.
+    master and rosout, which accept no commands. `log` is the file with its output, `program` its executable.
     """
 
     name: str
@@ -60,7 +59,6 @@ class NodeChanged:
     required: bool = False
     log: str = ""
     program: str = ""
-    folder: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -85,11 +85,10 @@ _NODE_STATES: dict[UnitStatus, NodeState] = {
 
 @dataclass(frozen=True, slots=True)
 class NodeConstants:
-    """Constant facts about a node: its log file, its executable, and its working directory."""
+    """Constant facts about a node: its log file, and its executable."""
 
     log: str
     program: str
-    folder: str
 
 
 class RunPublisher:
@@ -208,7 +207,7 @@ class RunPublisher:
 
     def _describe_unit(self, each: UnitState) -> NodeChanged:
         state = _NODE_STATES[each.status]
-        facts = self._facts.get(each.unit.name, NodeConstants("", "", ""))
+        facts = self._facts.get(each.unit.name, NodeConstants("", ""))
         stopping = each.alive and (each.request is not None or self._state.cause is not None)
         return NodeChanged(
             name=each.unit.name,
@@ -224,7 +223,6 @@ class RunPublisher:
             required=each.unit.required,
             log=facts.log,
             program=facts.program,
-            folder=facts.folder,
         )
 
     def _sample(self, now: float) -> None:

@@ -1,4 +1,4 @@
-"""Selection of a debugger, its terminal, and its command line from the installed tools. Pure."""
+"""Selection of a debugger and its terminal, for a node that starts and for one that runs. Pure."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -164,3 +164,53 @@ def _check_installed(name: str, tool: Tool, tools: DebugTools) -> None:
             subject=name,
         )
     )
+
+
+@dataclass(frozen=True, slots=True)
+class DebuggedNode:
+    """A node, and the executable of its process ('' without a process)."""
+
+    target: DebugTarget
+    pid: int | None = None
+    process: str = ""
+
+    @property
+    def python(self) -> bool:
+        """Return whether the node is, or would be, run by Python."""
+        if self.process:
+            return self.process.rpartition("/")[2].startswith("python")
+        return self.target.kind in ("python", "module")
+
+
+@dataclass(frozen=True, slots=True)
+class DebuggerCommand:
+    """The command of a debugger. `here`: it occupies this terminal, and opens no window."""
+
+    argv: tuple[str, ...]
+    here: bool
+
+
+def choose_debugger(facts: DebuggedNode, tools: DebugTools) -> DebuggerCommand | str:
+    """Choose gdb on a running program; return the reason as text if it cannot be."""
+    name = facts.target.name
+    if facts.process and not facts.python and _is_shell(facts.process):
+        return f"{name} is a shell script: ur launch --prefix '{name}=bash -x' ... shows what it does"
+    if not facts.process and facts.target.kind == "script":
+        return f"{name} is a script that does not run now: start it, then debug it"
+    if facts.python:
+        return f"{name} is Python: ur launch --debug {name} ... starts it in pudb"
+    terminal = choose_terminal(tools)
+    if terminal == "log":
+        return f"there is no terminal here to debug {name} in"
+    if "gdb" not in tools.installed:
+        return f"gdb, which debugs {name}, is not installed: {install_command(PACKAGES['gdb'])}"
+    if facts.pid is None:
+        return f"{name} does not run: ur launch --debug {name} ... starts it in gdb; coredumpctl opens its core file"
+    argv = (*(() if tools.may_attach else ("sudo",)), "gdb", "-q", "-p", str(facts.pid))
+    if terminal == "window":
+        return DebuggerCommand(("xterm", "-T", name, "-e", *argv), here=False)
+    return DebuggerCommand(argv, here=True)
+
+
+def _is_shell(path: str) -> bool:
+    return path.rpartition("/")[2] in ("bash", "sh", "dash", "zsh", "ash", "busybox")

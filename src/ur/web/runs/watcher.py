@@ -300,7 +300,7 @@ def _describe_run(entry: RunEntry, state: RunState) -> dict[str, object]:
 
 
 def _describe_node(node: NodeRow) -> dict[str, object]:
-    hidden = ("log", "program", "folder")  # paths of this computer, which a browser cannot use
+    hidden = ("log", "program")  # paths of this computer, which a browser cannot use
     fields = {name: value for name, value in asdict(node.changed).items() if name not in hidden}
     restart_in = None if node.changed.restart_in is None else round(node.changed.restart_in)
     measured = {"ready": node.ready, "missing": list(node.missing), "cpu": node.cpu, "memory": node.memory}
