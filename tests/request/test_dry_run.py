@@ -70,11 +70,13 @@ def test_arguments_have_their_descriptions_and_choices(file: str, capsys: pytest
     )
 
 
-def test_start_is_refused_with_the_command_that_does_it(file: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_start_without_ros2_is_refused_with_the_command_that_installs_it(
+    file: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["launch", "--plain", file, "map:=office"]) != 0
     printed = capsys.readouterr().err
-    assert "this is a launch file for ROS 2, which 'ur launch' does not start yet" in printed
-    assert f"ros2 launch {file} map:=office" in printed
+    assert "this is a launch file for ROS 2, and ROS 1 is selected" in printed
+    assert "ur use sim --ros 2" in printed
 
 
 def test_origin_of_an_argument_and_a_parameter_is_explained(file: str, capsys: pytest.CaptureFixture[str]) -> None:

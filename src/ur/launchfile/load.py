@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from ur.launchfile.plan.commands import RunWith
 from ur.launchfile.plan.draft import Draft
 from ur.launchfile.plan.load import load_ros1
 from ur.launchfile.plan.specs import MachineSpec, Plan, TraceStep
@@ -20,6 +21,7 @@ def load_plan(
     computers: Sequence[MachineSpec] = (),
     budget: Budget | None = None,
     parsed: dict[str, LaunchFile] | None = None,
+    run: RunWith | None = None,
 ) -> Plan:
     """Resolve launch files with `NAME:=VALUE` arguments, as the launcher does for which they are written.
 
@@ -29,14 +31,15 @@ def load_plan(
     `run_commands` for the parameters that programs print. A `trace` receives the steps by which values resulted, in
     order. `trees` caches parsed files by absolute path; `parsed` caches them by their paths as written. `computers` are
     machines without a `<machine>` tag; a file's tag of the same name takes precedence. `budget` limits the computation
-    of expressions; several loads of a file can share one.
+    of expressions; several loads of a file can share one. `run` runs the commands whose output is a value in a file for
+    ROS 2; without it these values are gaps.
     """
     if len(files) == 1:
         parsed = {} if parsed is None else parsed
         if is_for_ros2(files[0], world, trees, parsed):
             from ur.launchfile.ros2.load import load_ros2
 
-            return load_ros2(files[0], arguments, world, trace)
+            return load_ros2(files[0], arguments, world, trace, run=run)
     return load_ros1(files, arguments, world, trace, trees, computers, budget, parsed)
 
 

@@ -99,8 +99,10 @@ def _ros2(ros: Ros, environment: Mapping[str, str], package: str) -> dict[str, s
         "ROS_AUTOMATIC_DISCOVERY_RANGE": environment.get("ROS_AUTOMATIC_DISCOVERY_RANGE") or "LOCALHOST",
         "UR_FACTS": facts_file(environment, domain),
     }
-    if ros.wheels:
-        wanted["AMENT_PREFIX_PATH"] = ros.prefix
+    if ros.wheels:  # workspaces that the user has sourced come first
+        given = environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+        own = [each for each in given if each and each != ros.prefix]
+        wanted["AMENT_PREFIX_PATH"] = os.pathsep.join([*own, ros.prefix])
     prefixes = {**environment, **wanted}.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     own = [each for each in environment.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if each not in ("", "/usr/share")]
     folders = dict.fromkeys([package, *own, *(f"{each}/share" for each in prefixes if each)])

@@ -6,7 +6,6 @@ The imports of a stage are inside it: most launches need few of them, and a star
 from __future__ import annotations
 
 import os
-import shlex
 import socket
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack, suppress
@@ -200,8 +199,8 @@ def load_with_packages(launch: Launch) -> LoadedPlan:
 
             refuse_undeclared(launch.options.program, request.arguments, request.files.declared)
         loaded = load_chosen(follow_world(request), launch.reporter.report, inspect)
-        if loaded.plan is not None and loaded.plan.launcher != "roslaunch":
-            raise UserError(_explain_launcher(loaded.plan, launch.line.argv))
+        if loaded.plan is not None and loaded.plan.launcher != "roslaunch" and os.environ.get("ROS_VERSION") != "2":
+            raise UserError(_explain_launcher(launch.line.argv))
         return loaded
 
     def make_xacro_first(findings: Iterable[Diagnostic]) -> None:
@@ -222,14 +221,12 @@ def load_with_packages(launch: Launch) -> LoadedPlan:
     return loaded
 
 
-def _explain_launcher(plan: Plan, argv: tuple[str, ...]) -> Diagnostic:
-    message = f"{argv[0]}: this is a launch file for ROS 2, which 'ur launch' does not start yet"
-    return error(
-        message,
-        rule="wrong-ros-version",
-        help=f"{plan.launcher} {shlex.join(argv)}; 'ur launch --dry-run' shows what that starts",
-        subject=argv[0],
-    )
+def _explain_launcher(argv: tuple[str, ...]) -> Diagnostic:
+    message = f"{argv[0]}: this is a launch file for ROS 2, and ROS {os.environ.get('ROS_VERSION') or '1'} is selected"
+    if os.environ.get("ROS_VERSION") == "0":
+        message = f"{argv[0]}: this is a launch file for ROS 2, which is not installed on this computer"
+    help_ = "ur use sim --ros 2, then start it again; 'ur launch --dry-run' shows what it starts"
+    return error(message, rule="wrong-ros-version", help=help_, subject=argv[0])
 
 
 def write_report(diagnostics: Iterable[Diagnostic], path: str) -> None:

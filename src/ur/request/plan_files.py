@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ur.launchfile.load import load_plan
+from ur.launchfile.plan.commands import run_with
 from ur.launchfile.plan.problems import NOT_GIVEN
 from ur.launchfile.plan.specs import MachineSpec, NodeSpec, Origin, Plan
 from ur.launchfile.query.items import list_nodes
@@ -94,7 +95,8 @@ def load_request(request: LaunchRequest, inspect: Inspect | None = None) -> Load
     arguments = (*arguments, *localisation_argument(request, arguments, bases))
     computers = [describe_computer(selection.robot, f"{selection.robot}.local")] if remote else []
     computers += [describe_computer(part, "localhost")] if part is not None else []
-    plan = load_plan(files.paths, texts(arguments), files.world, computers=computers, parsed=files.parsed)
+    run = None if request.options.queries else run_with
+    plan = load_plan(files.paths, texts(arguments), files.world, computers=computers, parsed=files.parsed, run=run)
     findings = plan.diagnostics
     if any(node.terminal for node in plan.nodes):
         findings = tuple(map(_harden, findings))

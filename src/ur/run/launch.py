@@ -28,7 +28,8 @@ from ur.run.record.registry import RunEntry, make_run_name, read_computer, regis
 from ur.run.run import Run, RunClients
 from ur.run.startup.node_selection import find_remote, find_terminals, force_options, leave_out_viewers
 from ur.run.supervisor.events import Event, SetupFailed, ShareFailed, ShareStarted
-from ur.source.diagnostic import UserError, error
+from ur.run.supervisor.state import Planned
+from ur.source.diagnostic import Diagnostic, UserError, error
 from ur.source.run_users import FOLDER_VARIABLE, note_user, read_birth
 
 if TYPE_CHECKING:
@@ -46,12 +47,13 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     environment = {**world.environment, **options.environment}
     bounds, home = read_bounds(environment), make_home(environment)
     nodes, programs = _find_nodes(plan, world, console, options)
+    planned = _plan_effects(plan, nodes)
     middleware = find_middleware(environment, world, options, console)
     environment |= middleware.environment
     folder = make_run_folder(environment, middleware.run_id or new_run_id())
     programs = middleware.arrange(number_logs(programs, middleware.logs), nodes, folder)
     commands = start_commands(plan.params, environment)
-    if not programs and not middleware.core:
+    if not programs and not middleware.core and not planned:
         done = middleware.set_parameters(plan, folder, options, commands)
         if isinstance(done, SetupFailed):
             raise UserError(error(done.reason, rule="setup-failed"))
@@ -86,6 +88,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
             simulated_time=any(param.name == "/use_sim_time" and param.value is True for param in plan.params),
             clients=plan_clients((entry, listener), nodes, options, environment),
             owners=options.owners,
+            planned=planned,
             list_joined=lambda: list_joined_runs(entry),
         )
         try:
@@ -113,15 +116,35 @@ def _find_nodes(
     for note in notes:
         console.warn(note)
     nodes = tuple(force_options(node, options) for node in shown)
-    programs, missing = find_programs(nodes, world)
+    programs, missing = _find_programs(plan, nodes, world)
     problems = [*find_remote(plan, nodes), *missing]
     if problems:
         raise UserError(*problems)
-    check_sendable(plan.params)
+    if plan.launcher == "roslaunch":
+        check_sendable(plan.params)
     problems = find_terminals(nodes, detached=options.call_started is not None)
     if problems:
         raise UserError(*problems)
     return nodes, programs
+
+
+def _find_programs(
+    plan: Plan, nodes: Sequence[NodeSpec], world: World
+) -> tuple[tuple[UnitProgram, ...], tuple[Diagnostic, ...]]:
+    if plan.launcher == "roslaunch":
+        return find_programs(nodes, world)
+    from ur.run.process.described import describe_programs, refuse_gaps
+
+    refuse_gaps(plan)
+    return describe_programs(plan, nodes, world)
+
+
+def _plan_effects(plan: Plan, nodes: Sequence[NodeSpec]) -> tuple[Planned, ...]:
+    if not plan.actions and not any(node.trigger for node in nodes):
+        return ()
+    from ur.run.process.described import plan_effects
+
+    return plan_effects(plan, nodes)
 
 
 def _report_share(options: RunOptions) -> Callable[[], Event] | None:

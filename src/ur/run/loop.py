@@ -9,7 +9,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from ur.run.clients.monitor import Monitor
 from ur.run.host.protocol import FOREGROUND, GROUP, SESSION
@@ -40,13 +40,18 @@ from ur.run.supervisor.events import (
     Event,
     Exited,
     NothingLeft,
+    Printed,
     Started,
     StartFailed,
     StopRequested,
     Tick,
 )
+from ur.run.supervisor.planned import any_output
 from ur.run.supervisor.state import RunPhase, UnitStatus
 from ur.run.supervisor.supervisor import begin_state, next_deadline, step
+
+if TYPE_CHECKING:
+    from ur.run.clients.protocol import OutputSource
 
 
 class Foreground:
@@ -235,6 +240,7 @@ class _Loop:
             own_master=run.own_master,
             limits=run.limits,
             shared=run.restart_share is not None,
+            planned=run.planned,
         )
         self._exit_code: int | None = None
         self._cause = ""
@@ -254,7 +260,7 @@ class _Loop:
             self._poll,
             run.folder,
             console,
-            self._monitor.publish_output,
+            self._note_output if any_output(run.planned) else self._monitor.publish_output,
             unattended=run.clients.unattended or owner is not None,
             rotation=rotation,
         )
@@ -367,6 +373,10 @@ class _Loop:
             case NothingLeft():
                 self._outputs.drain_all()
         self._handle_event(event)
+
+    def _note_output(self, name: str, source: "OutputSource", text: str) -> None:
+        self._monitor.publish_output(name, source, text)
+        self._post_event(Printed(name))
 
     def _may_be_evicted(self, event: Exited) -> bool:
         each = self._state.find(event.name)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ur.run.output.log_rotation import LogBounds
 from ur.run.process.command import UnitProgram
 from ur.run.supervisor.events import Event
-from ur.run.supervisor.state import TimeLimits
+from ur.run.supervisor.state import Planned, TimeLimits
 
 if TYPE_CHECKING:
     from ur.run.clients.protocol import RunStarted
@@ -63,6 +63,7 @@ class Run:
     restart_share: Callable[[], Event] | None = None  # StartShare; None: no robot has a share
     middleware: Middleware | None = None  # returns which nodes are ready, while a client requests it
     simulated_time: bool = False  # nodes wait for /clock
+    planned: tuple[Planned, ...] = ()  # what events start, print or end
     clients: RunClients = field(default_factory=RunClients)
     owners: tuple[RunEntry, ...] = ()  # runs that this one has joined: it ends with the first of them
     list_joined: Callable[[], Sequence[str]] | None = None  # the ids of the runs that have joined this one

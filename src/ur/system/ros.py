@@ -172,7 +172,7 @@ def _find_users(environment: Mapping[str, str], python: str, root: str) -> Ros |
     """
     distro = environment.get("ROS_DISTRO", "")
     prefixes = [each for each in environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if each]
-    if environment.get("ROS_VERSION") == "2" and prefixes and os.path.basename(prefixes[0]) != WHEELS:  # noqa: PTH119
+    if environment.get("ROS_VERSION") == "2" and prefixes and os.path.basename(prefixes[-1]) != WHEELS:  # noqa: PTH119
         _check_distro(distro, prefixes[-1])
         return Ros(2, distro, prefixes[-1], python, sourced=True)
     folder = os.path.join(root, "opt/ros")

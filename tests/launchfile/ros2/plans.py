@@ -60,6 +60,7 @@ def describe(node: NodeSpec) -> str:
     parts = [node.kind, node.full_name, f"{node.package}/{node.type}", *node.words]
     parts += [f"{source}:={target}" for source, target in node.remaps]
     parts += [f"{name}={value}" for name, value in node.env]
+    parts += [f"without {name}" for name in node.unset]
     if node.container:
         parts.append(f"in {node.container}")
     if node.trigger is not None:

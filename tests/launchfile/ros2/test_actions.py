@@ -90,7 +90,7 @@ CASES = {
         "- set_env: {name: A, value: '1'}\n- append_env: {name: A, value: '2'}\n"
         "- append_env: {name: A, value: '0', prepend: true, separator: ;}\n- unset_env: {name: ROBOT}\n"
         "- node: {pkg: '', exec: n}",
-        ["node /n /n A=0;1:2 ROBOT="],
+        ["node /n /n A=0;1:2 without ROBOT"],
     ),
     "environment that is reset": (
         ["SetEnvironmentVariable('A', '1')", "ResetEnvironment()", "Node(executable='n')"],

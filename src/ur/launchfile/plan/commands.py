@@ -1,7 +1,7 @@
 """`<param command=...>`: execution of the programs whose output is a parameter, if the caller wants it."""
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -47,6 +47,19 @@ def run_command(words: Sequence[str], most: int = MAX_OUTPUT) -> CommandResult:
             process.kill()
             raise OSError(0, f"prints more than {most:,} bytes", words[0])
     return CommandResult(process.returncode, output)
+
+
+def run_with(words: Sequence[str], environment: Mapping[str, str]) -> tuple[int, bytes, bytes]:
+    """Return exit code, standard output and standard error of a program in an environment. Raises OSError."""
+    import subprocess  # as above
+
+    done = subprocess.run(
+        list(words), env=dict(environment), stdin=subprocess.DEVNULL, capture_output=True, check=False
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+RunWith = Callable[[Sequence[str], Mapping[str, str]], tuple[int, bytes, bytes]]
 
 
 def refuse_command(words: Sequence[str]) -> CommandResult:

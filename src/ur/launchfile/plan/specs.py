@@ -73,31 +73,39 @@ class ReadyCondition:
 
 @dataclass(frozen=True, slots=True)
 class ParameterFile:
-    """A file with parameters that a node is given."""
+    """A file with parameters that a node is given. `argument` is its path as the node gets it, if that differs."""
 
     path: str
     origin: Origin
+    argument: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class ParameterValues:
-    """Parameters that a node is given, in the order of the file. `is_global`: set for all nodes of a scope."""
+    """Parameters that a node is given, in the order of the file.
+
+    `is_global`: set for all nodes of a scope; `is_rule`: one by one, not as a file.
+    """
 
     values: tuple[tuple[str, ParamValue], ...]
     origin: Origin
     is_global: bool = False
+    is_rule: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Trigger:
     """The event that starts an item: `seconds` have passed, or a node has started, ended, printed, changed its state.
 
-    `node` is the name of that node; empty for all nodes.
+    `node` is the `key` of that node; empty for all nodes. `after` is the event from which on this one counts. Of a
+    change of state, `states` are the state before and the state after it; either may be empty, for any.
     """
 
-    kind: Literal["timer", "start", "exit", "output", "state"]
+    kind: Literal["timer", "start", "exit", "output", "state", "shutdown"]
     node: str = ""
     seconds: float = 0.0
+    after: "Trigger | None" = None
+    states: tuple[str, str] = ("", "")
 
 
 def describe_trigger(trigger: Trigger) -> str:
@@ -114,6 +122,8 @@ def describe_trigger(trigger: Trigger) -> str:
             return f"when {node} prints something"
         case "state":
             return f"when {node} changes its state"
+        case "shutdown":
+            return "when the run ends"
 
 
 NodeKind = Literal["node", "lifecycle", "container", "component", "program"]
@@ -151,11 +161,36 @@ class NodeSpec:
     container: str = ""
     trigger: Trigger | None = None
     is_named: bool = True  # False: the program chooses its name, and `name` is that of the program
+    is_placed: bool = False  # the program is given the namespace, which may be "/"
+    unset: tuple[str, ...] = ()  # variables that its environment does not have
+    retries: int | None = None  # how often it is started again at most
+    extra: tuple[tuple[str, ParamValue], ...] = ()  # arguments of a component
+    number: int = 1  # among the nodes of the same name
 
     @property
     def full_name(self) -> str:
         """The name with its namespace."""
         return self.namespace + self.name
+
+    @property
+    def key(self) -> str:
+        """The full name; with a number for a second node of the same name."""
+        return self.full_name if self.number == 1 else f"{self.full_name}-{self.number}"
+
+
+@dataclass(frozen=True, slots=True)
+class ActionSpec:
+    """Something that happens besides nodes: `text` is printed, the run ends, or the node `node` changes its state.
+
+    `position` is the number of nodes of the plan before it. `text` is the reason of an end, or a transition.
+    """
+
+    kind: Literal["log", "shutdown", "state"]
+    text: str
+    origin: Origin
+    trigger: Trigger | None = None
+    node: str = ""
+    position: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,6 +286,8 @@ class Plan:
     gaps: tuple[Gap, ...] = field(default=())
     launcher: Literal["roslaunch", "ros2 launch"] = "roslaunch"  # whose file it is
     environment: tuple[tuple[str, str], ...] = field(default=())  # set for all that follows, beyond that of the start
+    actions: tuple[ActionSpec, ...] = field(default=())
+    written: tuple[tuple[str, str], ...] = field(default=())  # texts of files that the launcher writes, by their paths
 
     def all_nodes(self) -> tuple[NodeSpec, ...]:
         """Return the nodes, then those of the tests."""

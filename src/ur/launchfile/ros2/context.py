@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
 
+from ur.launchfile.plan.commands import RunWith
 from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.ros2.model import DescriptionProblem, Unknown
 from ur.launchfile.world.protocol import PackageNotFound, World
@@ -75,6 +76,10 @@ class Context:
         self._shares: dict[str, str] = {}  # folders of packages, and their names
         self.rewritten: dict[str, object] = {}
         """The contents of parameter files that are rewritten when the launch starts, by their paths here."""
+        self.written: dict[str, str] = {}
+        """Their texts."""
+        self.run_command: RunWith | None = None
+        """Runs what `Command` names; without it the output is not known."""
 
     @property
     def folder(self) -> str:
@@ -151,9 +156,9 @@ class Context:
             return share
         return share.removesuffix(f"/share/{package}")
 
-    def keep_rewritten(self, path: str, content: object) -> str:
-        """Keep the content of a rewritten file, and return its path."""
-        self.rewritten[path] = content
+    def keep_rewritten(self, path: str, content: object, text: str) -> str:
+        """Keep the content of a rewritten file, and return its path. The launcher writes `text` into it."""
+        self.rewritten[path], self.written[path] = content, text
         return path
 
     def near_file(self, path: str) -> str | None:

@@ -195,11 +195,11 @@ _ENTITIES = {
     "reset_env": "ResetEnvironment",
     "ros_timer": "RosTimer period:number! > actions",
     "set_env": "SetEnvironmentVariable name! value!",
-    "set_parameter": "SetParameter name! value!",
+    "set_parameter": "SetParameter name! value:joined!",
     "set_parameters_from_file": "SetParametersFromFile filename! node_name",
     "set_remap": "SetRemap from=src! to=dst!",
     "set_ros_log_dir": "SetROSLogDir new_log_dir=log_dir",
-    "set_use_sim_time": "SetUseSimTime value!",
+    "set_use_sim_time": "SetUseSimTime value:joined!",
     "shutdown": "Shutdown reason",
     "timer": "TimerAction period:number! cancel_on_shutdown:flag > actions",
     "unset": "UnsetLaunchConfiguration name!",
@@ -330,7 +330,10 @@ class _Maker:
             if text != "shutdown":
                 raise DescriptionProblem(f"on_exit is '{text}', expected 'shutdown'", "bad-choice", span, None, text)
             return Made("Shutdown", {}, span)
-        return parse_text(text, span)
+        parts = parse_text(text, span)
+        if mode == "joined":  # a value of YAML, where a list of texts would be a list of values
+            return Made("StringJoinSubstitution", {"substitutions": [parts]}, span)
+        return parts
 
     def _read_list(self, target: str, listed: list[Entity], known: object) -> object:
         if target == "parameters":

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from ur.launchfile.plan.commands import RunWith
 from ur.launchfile.plan.draft import Draft, TooMuch
 from ur.launchfile.plan.specs import Plan, TraceStep
 from ur.launchfile.plan.values.budget import Budget, TooLong
@@ -25,9 +26,11 @@ def load_ros2(
     world: World,
     trace: list[TraceStep] | None = None,
     budget: Budget | None = None,
+    run: RunWith | None = None,
 ) -> Plan:
     """Resolve a launch file of ROS 2, with `NAME:=VALUE` arguments, as `ros2 launch` does. Nothing of it is executed.
 
+    `run` runs the commands whose output is a value; without it that output is a gap.
     Never raises for its content: the plan's diagnostics have what upstream refuses, its gaps what reading alone does
     not find out.
     """
@@ -36,6 +39,7 @@ def load_ros2(
     malformed = [text for text, each in zip(arguments, given, strict=True) if not each.name or not each.value]
     draft = Draft(world, trace)
     context = Context(world, budget or Budget(PER_LAUNCH), values)
+    context.run_command = run
     visitor = Visitor(context, draft, read_description)
     context.file = world.absolute(path)
     draft.files[context.file] = None

@@ -32,20 +32,19 @@ def fill_file(path: str, context: Context, span: Span) -> str | Unknown:
     if path not in context.rewritten and not context.world.is_file(path):
         return path
     text = _read_text(path, context, span)
-    if "$(" not in text and "\\" not in text:
-        return path
-    filled = perform(cast("list[object]", parse_text(text, span)), context)
-    return filled if isinstance(filled, Unknown) else _keep(path, _load(filled, path, span), context)
+    is_plain = "$(" not in text and "\\" not in text
+    filled = text if is_plain else perform(cast("list[object]", parse_text(text, span)), context)
+    return filled if isinstance(filled, Unknown) else _keep(path, _load(filled, path, span), context, filled)
 
 
-def _keep(path: str, content: object, context: Context) -> str:
-    return context.keep_rewritten(f"{REWRITTEN}{len(context.rewritten)}{original_path(path)}", content)
+def _keep(path: str, content: object, context: Context, text: str) -> str:
+    return context.keep_rewritten(f"{REWRITTEN}{len(context.rewritten)}{original_path(path)}", content, text)
 
 
 def _read_text(path: str, context: Context, span: Span) -> str:
-    known = context.rewritten.get(path)
+    known = context.written.get(path)
     if known is not None:
-        return yaml.safe_dump(known)
+        return known
     try:
         data = context.world.read_bytes(path)
     except OSError as problem:
@@ -100,7 +99,7 @@ def _rewrite(made: Made, context: Context) -> str | Unknown:
         if isinstance(root, Unknown):
             return root
         content = {root: content} if root else content
-    return _keep(path, content, context)
+    return _keep(path, content, context, yaml.dump(content))
 
 
 def _copy(value: object) -> object:
@@ -179,7 +178,7 @@ def _replace_string(made: Made, context: Context) -> str | Unknown:
         content = load_yaml(text)
     except ValueError:
         return Unknown(f"{path} is rewritten when the launch starts", made.span)
-    return _keep(path, content, context)
+    return _keep(path, content, context, text)
 
 
 def _parse_poses(made: Made, _: Context) -> str | Unknown:

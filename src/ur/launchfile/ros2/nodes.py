@@ -22,11 +22,12 @@ from ur.launchfile.ros2.collector import Collector
 from ur.launchfile.ros2.context import Context
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.nav2 import fill_file, read_content
-from ur.launchfile.ros2.parameters import ParameterSections, read_value, read_values
+from ur.launchfile.ros2.parameters import ParameterSections, TypedList, read_value, read_values
 from ur.launchfile.ros2.substitutions import is_wanted, perform, split_command
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
 
+_ENDS = ("Shutdown", "EmitEvent")
 _NODE_NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 
@@ -35,7 +36,7 @@ class Nodes(Collector):
 
     def __init__(self, context: Context, draft: Draft) -> None:
         super().__init__(context, draft)
-        self._later: list[tuple[list[object], Trigger, str, tuple[Span, ...]]] = []
+        self._later: list[tuple[list[object], Trigger, Made | None, str, tuple[Span, ...]]] = []
         self._trigger: Trigger | None = None
         self._names: dict[str, Span] = {}
         self._literal: set[str] = set()  # containers whose names no argument changes
@@ -43,6 +44,7 @@ class Nodes(Collector):
         self._sections: dict[str, ParameterSections | None] = {}
         self._made: dict[int, NodeSpec] = {}  # by the id of what made them, which `_kept` keeps
         self._kept: list[Made] = []
+        self._numbers: dict[str, int] = {}  # nodes by name
 
     def _execute(self, made: Made) -> None:
         command = made.get("cmd")
@@ -80,8 +82,44 @@ class Nodes(Collector):
         if ros_words:
             words = (*words, "--ros-args", *ros_words)
         node = self._spec(made, kind, name, namespace, package, executable, words)
-        node = replace(node, is_named=bool(given), remaps=(*self._context.remaps, *self._remaps(made)))
+        node = replace(
+            node,
+            is_named=bool(given),
+            is_placed=written is not None or self._context.namespace is not None,
+            remaps=(*self._context.remaps, *self._remaps(made)),
+        )
         return replace(node, sources=self._sources(made, "parameters", node))
+
+    def _when(self, entities: object, trigger: Trigger, target: Made | None = None) -> None:
+        """Visit entities later, when all else has been: an event starts them, that of `target` if there is one."""
+        listed = list(entities) if isinstance(entities, (list, tuple)) else [entities]
+        self._later.append((listed, trigger, target, self._context.file, self._context.chain))
+
+    def _prefix_of(self, made: Made, program: str) -> str | None:
+        prefix, configurations = made.get("prefix"), self._context.configurations
+        if prefix is not None:
+            return self._text(prefix, made.span)
+        common = configurations.get("launch-prefix")
+        wanted = configurations.get("launch-prefix-filter", "")
+        if not isinstance(common, str) or not re.match(str(wanted), program.rpartition("/")[2]):
+            return None
+        return common
+
+    def _changes_of(self, made: Made) -> tuple[dict[str, str], tuple[str, ...]]:
+        """Return the variables that a node gets beside those of the start, and those that it does not get."""
+        context = self._context
+        start = context.world.environment
+        wanted: dict[str, str] = dict(context.environment)
+        for keyword in ("env", "additional_env"):
+            given: Any = made.get(keyword)
+            if isinstance(given, Unknown):
+                self._on_gap(given, context.chain)
+            elif isinstance(given, Mapping):
+                if keyword == "env":
+                    wanted.clear()
+                wanted |= {self._text(key, made.span): self._text(value, made.span) for key, value in given.items()}
+        changes = {key: value for key, value in wanted.items() if start.get(key) != value}
+        return changes, tuple(sorted(key for key in start if key not in wanted))
 
     def _words(self, given: object, made: Made) -> tuple[str, ...]:
         if given is None:
@@ -120,18 +158,8 @@ class Nodes(Collector):
         seconds = self._text(delay, made.span) if delay is not None else "0"
         output = made.get("output", "log")
         shown = self._text(output, made.span) if not isinstance(output, dict) else " ".join(map(str, output.values()))
-        prefix = made.get("prefix")
-        start = context.world.environment
-        changes = {key: value for key, value in context.environment.items() if start.get(key) != value}
-        changes.update({key: "" for key in start if key not in context.environment})
-        for keyword in ("env", "additional_env"):
-            given: Any = made.get(keyword) or {}
-            if isinstance(given, Unknown):
-                self._on_gap(given, context.chain)
-            elif isinstance(given, Mapping):
-                changes.update(
-                    {self._text(key, made.span): self._text(value, made.span) for key, value in given.items()}
-                )
+        changes, unset = self._changes_of(made)
+        retries = made.get("respawn_max_retries")
         on_exit = made.get("on_exit")
         ends: list[Any] = list(on_exit) if isinstance(on_exit, (list, tuple)) else [on_exit]
         required = any(
@@ -142,12 +170,10 @@ class Nodes(Collector):
             )
             for each in ends
         )
-        others: list[object] = [
-            each for each in ends if isinstance(each, Made) and each.kind not in ("Shutdown", "EmitEvent")
-        ]
-        full = namespace.rstrip("/") + "/" + name
-        if others:
-            self._later.append((others, Trigger("exit", full), context.file, context.chain))
+        if others := [each for each in ends if isinstance(each, Made) and not (required and each.kind in _ENDS)]:
+            self._when(others, Trigger("exit"), made)
+        for unknown in (each for each in ends if isinstance(each, Unknown)):
+            self._on_gap(replace(unknown, span=unknown.span or made.place("on_exit")), context.chain)
         return NodeSpec(
             name=name,
             namespace=namespace.rstrip("/") + "/",
@@ -160,16 +186,20 @@ class Nodes(Collector):
             required=required,
             output="screen" if re.search(r"screen|both|tty", shown) else "log",
             cwd=self._text(made.get("cwd"), made.span) if made.get("cwd") is not None else None,
-            launch_prefix=self._text(prefix, made.span) if prefix is not None else None,
+            launch_prefix=self._prefix_of(made, type_),
             remaps=(),
             env=tuple(sorted(changes.items())),
             origin=self._origin(made.span),
             kind=kind,
             words=words,
             trigger=self._trigger,
+            unset=unset,
+            retries=retries if isinstance(retries, int) and retries >= 0 else None,
         )
 
     def _add(self, made: Made, node: NodeSpec) -> None:
+        number = self._numbers[node.full_name] = self._numbers.get(node.full_name, 0) + 1
+        node = replace(node, number=number)
         self._made[id(made)] = node
         self._kept.append(made)
         if node.is_named and node.kind != "program" and node.trigger is None and "<" not in node.full_name:
@@ -197,7 +227,8 @@ class Nodes(Collector):
             values = source.values
         elif (sections := self._read_sections(source)) is not None:
             values = sections.matching(full)
-        for name, value in values:
+        for name, given in values:
+            value = list(given) if isinstance(given, TypedList) else given
             param = params[f"{full}/{name}"] = ParamSpec(f"{full}/{name}", cast("ParamValue", value), source.origin)
             self._trace(param)
 
@@ -211,9 +242,12 @@ class Nodes(Collector):
                 self._sections[source.path] = None
         return self._sections[source.path]
 
-    def _sources(self, made: Made, keyword: str, node: NodeSpec) -> tuple[ParameterFile | ParameterValues, ...]:
+    def _sources(
+        self, made: Made, keyword: str, node: NodeSpec, *, common: bool = True
+    ) -> tuple[ParameterFile | ParameterValues, ...]:
         context = self._context
-        found = [cast("ParameterFile | ParameterValues", each) for each in context.global_parameters]
+        shared = context.global_parameters if common else ()
+        found = [cast("ParameterFile | ParameterValues", each) for each in shared]
         given = made.get(keyword) or ()
         if isinstance(given, Unknown):
             self._on_gap(given, context.chain)
@@ -243,7 +277,8 @@ class Nodes(Collector):
             name = self._text(item.get("name", ""), item.span)
             value = read_value(item.get("value"), name, item.span, context)
             known = self._show(value, place) if isinstance(value, Unknown) else value
-            return ParameterValues(((name, known),), self._origin(item.span))
+            listed = TypedList(known) if isinstance(known, list) else known
+            return ParameterValues(((name, listed),), self._origin(item.span), is_rule=True)
         filled = False
         if isinstance(item, Made) and item.kind == "ParameterFile":
             filled = self._flag(item, "allow_substs")
@@ -280,7 +315,8 @@ class Nodes(Collector):
             )  # fmt: skip
             self._draft.add_diagnostic(found, context.chain)
             return None
-        return ParameterFile(context.world.absolute(known), self._origin(span))
+        full = context.world.absolute(known)
+        return ParameterFile(full, self._origin(span), "" if known != path else str(PurePosixPath(path)))
 
     def _load(self, made: Made, container: str) -> None:
         given = made.get("composable_node_descriptions") or ()
@@ -307,7 +343,17 @@ class Nodes(Collector):
         name = given or re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", plugin.rpartition("::")[2]).lower()
         node = self._spec(item, "component", name, namespace, package, plugin, ())
         node = replace(
-            node, container=container, is_named=bool(given), remaps=(*self._context.remaps, *self._remaps(item))
+            node,
+            container=container,
+            is_named=bool(given),
+            is_placed=written is not None or self._context.namespace is not None,
+            remaps=(*self._context.remaps, *self._remaps(item)),
+            extra=tuple(
+                pair
+                for source in self._sources(item, "extra_arguments", node, common=False)
+                if isinstance(source, ParameterValues)
+                for pair in source.values
+            ),
         )
         node = replace(node, sources=self._sources(item, "parameters", node))
         self._components.append((node, item.span))

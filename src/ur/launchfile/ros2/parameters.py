@@ -15,6 +15,11 @@ from ur.launchfile.ros2.substitutions import perform
 from ur.source.file import Span
 from ur.source.foreign.yaml_text import load_yaml
 
+
+class TypedList(list[ParamValue]):
+    """A list of a ParameterValue, which launch_ros writes as such; it writes others as tuples of Python."""
+
+
 _SCALARS = (bool, int, float, str)
 
 
@@ -37,7 +42,8 @@ def read_value(value: object, name: str, span: Span, context: Context) -> ParamV
     if isinstance(value, Unknown):
         return value
     if isinstance(value, Made) and value.kind == "ParameterValue":
-        return _typed(value, name, context)
+        typed = _typed(value, name, context)
+        return TypedList(typed) if isinstance(typed, list) else typed
     if isinstance(value, (bool, int, float, str, bytes)):
         return value
     if isinstance(value, Made):

@@ -199,7 +199,22 @@ def _find_executable(made: Made, context: Context) -> str | Unknown:
 
 def _command(made: Made, context: Context) -> str | Unknown:
     text = perform(made.get("command", ""), context)
-    return text if isinstance(text, Unknown) else Unknown(f"it is the output of '{text}'", made.span, "command")
+    if isinstance(text, Unknown) or context.run_command is None:
+        return text if isinstance(text, Unknown) else Unknown(f"it is the output of '{text}'", made.span, "command")
+    words, mode = split_command(text), perform(made.get("on_stderr", "fail"), context)
+    try:
+        code, output, errors = context.run_command(words, context.environment)
+    except (OSError, IndexError) as problem:
+        reason = str(getattr(problem, "strerror", None) or problem).lower()
+        message = f"'{text}' cannot be run: {reason}, expected a program that prints a value"
+        raise DescriptionProblem(message, "bad-command", made.span, subject=text) from None
+    if code or (errors and mode == "fail"):
+        lines = errors.decode(errors="replace").strip().splitlines()[-1:]
+        what = f"ended with exit code {code}" if code else "prints to standard error"
+        message = f"'{text}' {what}, expected a value{''.join(f': {line}' for line in lines)}"
+        help_ = "on_stderr='ignore' accepts such lines" if not code else f"run it alone: {text}"
+        raise DescriptionProblem(message, "bad-command", made.span, help_, text)
+    return (output + (errors if mode == "capture" else b"")).decode(errors="replace")
 
 
 def _file(_: Made, context: Context) -> str:

@@ -15,13 +15,12 @@ from ur.launchfile.plan.specs import (
     IncludeSpec,
     ParameterValues,
     Plan,
-    Trigger,
 )
 from ur.launchfile.plan.values.budget import TooLong
 from ur.launchfile.ros2.collector import find_declared, find_written
 from ur.launchfile.ros2.context import DEEPEST, MOST_INCLUDES, Context
+from ur.launchfile.ros2.events import Events
 from ur.launchfile.ros2.model import Description, DescriptionProblem, Made, Unknown
-from ur.launchfile.ros2.nodes import Nodes
 from ur.launchfile.ros2.parameters import read_value
 from ur.launchfile.ros2.substitutions import is_wanted, perform
 from ur.source.diagnostic import Diagnostic, Severity
@@ -33,7 +32,7 @@ MOST_ROUNDS = 1_000  # of a loop
 ReadFile = Callable[[str, Context], Description]
 
 
-class Visitor(Nodes):
+class Visitor(Events):
     """Visits the entities of launch files. `read` reads a launch file in any language; it raises OSError."""
 
     def __init__(self, context: Context, draft: Draft, read: ReadFile) -> None:
@@ -50,7 +49,8 @@ class Visitor(Nodes):
         """Visit the file that is started, then what events start."""
         self._visit_file(description)
         while self._later:
-            entities, self._trigger, self._context.file, self._context.chain = self._later.pop(0)
+            entities, trigger, target, self._context.file, self._context.chain = self._later.pop(0)
+            self._trigger = trigger if target is None else replace(trigger, node=self._key_of(target))
             self._visit_all(entities)
         self._trigger = None
         started = {node.full_name for node in self._draft.nodes}
@@ -64,7 +64,13 @@ class Visitor(Nodes):
 
     def finish(self) -> Plan:
         """Return the plan."""
-        return replace(self._draft.finish(), gaps=tuple(self._gaps), launcher="ros2 launch")
+        return replace(
+            self._draft.finish(),
+            gaps=tuple(self._gaps),
+            launcher="ros2 launch",
+            actions=tuple(self._actions),
+            written=tuple(self._context.written.items()),
+        )
 
     # -- entities
 
@@ -371,52 +377,8 @@ class Visitor(Nodes):
         path = self._text(made.get("filename", ""), made.span)
         source = self._parameter_file(path, made.place("filename"))
         if source is not None:
-            self._context.global_parameters = (*self._context.global_parameters, source)
-
-    # -- events
-
-    def _register(self, made: Made) -> None:
-        handler = made.get("event_handler")
-        if isinstance(handler, Unknown):
-            self._on_gap(handler, self._context.chain)
-            return
-        if not isinstance(handler, Made) or handler.kind not in _HANDLERS:
-            raise DescriptionProblem(
-                "the event handler is none, expected OnProcessExit or another", "launch-value", made.span
-            )
-        kind, keyword = _HANDLERS[handler.kind]
-        if not kind:
-            if handler.kind == "EventHandler":
-                self._on_gap(Unknown("what starts after this event", handler.span), self._context.chain)
-            return
-        target = handler.get("target_action", handler.get("target_lifecycle_node"))
-        name = ""
-        if isinstance(target, Made):
-            known = self._made.get(id(target))
-            name = known.full_name if known is not None else self._name_of(target)
-        entities = handler.get(keyword)
-        if isinstance(entities, (Made, list, tuple)):
-            listed = list(entities) if isinstance(entities, (list, tuple)) else [entities]
-            self._later.append((listed, Trigger(cast("Any", kind), name), self._context.file, self._context.chain))
-        elif entities is not None:
-            self._on_gap(Unknown("a function decides what starts after this event", handler.span), self._context.chain)
-
-    def _name_of(self, target: Made) -> str:
-        value = target.get("name", target.get("executable", ""))
-        text = perform(value, self._context)
-        return f"/{text}" if isinstance(text, str) else ""
-
-    def _timer(self, made: Made) -> None:
-        period = self._text(made.get("period", "0"), made.span)
-        try:
-            seconds = float(period)
-        except ValueError:
-            raise DescriptionProblem(
-                f"the period is '{period}', expected seconds", "bad-number", made.place("period")
-            ) from None
-        actions = made.get("actions") or []
-        listed = list(actions) if isinstance(actions, (list, tuple)) else [actions]
-        self._later.append((listed, Trigger("timer", seconds=seconds), self._context.file, self._context.chain))
+            shared = replace(source, argument="")  # absolute for all nodes
+            self._context.global_parameters = (*self._context.global_parameters, shared)
 
     def _push_configurations(self, _: Made) -> None:
         self._context.push_scope()
@@ -440,30 +402,26 @@ class Visitor(Nodes):
         self._context.configurations.update(values)
 
 
-_HANDLERS = {
-    "EventHandler": ("", ""),
-    "OnExecutionComplete": ("exit", "on_completion"),
-    "OnIncludeLaunchDescription": ("", ""),
-    "OnProcessExit": ("exit", "on_exit"),
-    "OnProcessIO": ("output", "on_stdout"),
-    "OnProcessStart": ("start", "on_start"),
-    "OnShutdown": ("", ""),
-    "OnStateTransition": ("state", "entities"),
-}
 _SILENT = frozenset(
-    "EmitEvent Log LogDebug LogError LogInfo LogWarning OpaqueCoroutine SetROSLogDir Shutdown UnregisterEventHandler "  # noqa: SIM905
-    "LifecycleTransition Action ReplaceEnvironmentVariables ExecuteLocal".split()
+    "LogDebug OpaqueCoroutine SetROSLogDir UnregisterEventHandler "  # noqa: SIM905
+    "Action ReplaceEnvironmentVariables ExecuteLocal".split()
 )
 _ACTIONS: Mapping[str, str] = {
     "AppendEnvironmentVariable": "_append_variable",
     "ComposableNodeContainer": "_node",
     "DeclareLaunchArgument": "_declare",
+    "EmitEvent": "_emit",
     "ExecuteProcess": "_execute",
     "ForEach": "_repeat",
     "ForLoop": "_repeat",
     "GroupAction": "_group",
     "IncludeLaunchDescription": "_include",
     "LifecycleNode": "_node",
+    "LifecycleTransition": "_transition",
+    "Log": "_log",
+    "LogError": "_log",
+    "LogInfo": "_log",
+    "LogWarning": "_log",
     "LoopRound": "_round",
     "LoadComposableNodes": "_load_components",
     "Node": "_node",
@@ -483,6 +441,7 @@ _ACTIONS: Mapping[str, str] = {
     "SetParametersFromFile": "_set_parameter_file",
     "SetRemap": "_set_remap",
     "SetUseSimTime": "_set_parameter",
+    "Shutdown": "_shutdown",
     "TimerAction": "_timer",
     "UnsetEnvironmentVariable": "_unset_variable",
     "UnsetLaunchConfiguration": "_unset_configuration",

@@ -15,7 +15,7 @@ from ur.run.middleware.facts import add_parameters, clear_facts, read_facts, wri
 from ur.run.middleware.parameter_files import file_name, format_parameters
 from ur.run.middleware.protocol import GraphView
 from ur.run.options import RunOptions
-from ur.run.process.command import UnitProgram
+from ur.run.process.command import PRIVATE, UnitProgram
 from ur.run.record.registry import RunEntry, list_runs, read_computer
 from ur.run.supervisor.events import Event, Exited, ParametersSet, SetupFailed, Unregistered
 from ur.source.diagnostic import UserError, error
@@ -61,6 +61,8 @@ class DomainMiddleware:
                 changes=node.env,
                 names_log=False,
             )
+            if program.files is None
+            else write_files(program, folder)
             for program, node in zip(programs, nodes, strict=True)
         )
 
@@ -70,7 +72,9 @@ class DomainMiddleware:
     def set_parameters(self, plan: Plan, folder: str, options: RunOptions, commands: CommandParameters) -> Event:
         try:
             printed = commands.collect()
-            for name, text in format_parameters(plan, printed).items():
+            # Nodes that are given parameters one by one have them in their arguments
+            own = format_parameters(plan, printed) if plan.launcher == "roslaunch" else {}
+            for name, text in own.items():
                 Path(file_name(folder, name)).write_text(text, encoding="utf-8")
             add_parameters(
                 parameters_file(self.facts), {each.name: printed.get(each.name, each.value) for each in plan.params}
@@ -151,6 +155,20 @@ def list_others(environment: Mapping[str, str], own: int | None = None) -> list[
     address = graph_address(environment)
     runs = list_runs(environment, os.getuid(), read_computer())
     return [each for each in runs if each.master_uri == address and each.pid != (own or os.getpid())]
+
+
+def write_files(program: UnitProgram, folder: str) -> UnitProgram:
+    """Write the private files of a program, and return it with their paths. Raises UserError."""
+    try:
+        for name, text in program.files or ():
+            path = Path(folder, name)
+            path.parent.mkdir(mode=0o700, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        message = f"parameters cannot be written to {folder}: {reason}"
+        raise UserError(error(message, rule="bad-folder", help="ROS_LOG_DIR chooses another place")) from None
+    return replace(program, argv=tuple(word.replace(PRIVATE, f"{folder}/") for word in program.argv))
 
 
 def arguments_of(node: NodeSpec, parameters: str) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ from ur.run.supervisor.actions import (
     ReportDeath,
     ReportLink,
     ReportMaster,
+    ReportPlanned,
     ReportPressure,
     ReportRequest,
     ReportRevival,
@@ -111,6 +112,8 @@ class RunReporter:
                 self.warn(f"{self._robot} has another master, or none: its nodes are started again, then those here")
             case ReportRevival():
                 self.warn("another master answers: parameters are set again, and every node is restarted")
+            case ReportPlanned(text):
+                self.inform(text)
             case ReportStop(cause, failed):
                 self.fail(cause) if failed else self.inform(f"stopping: {cause}")
 

@@ -27,7 +27,8 @@ class UnitProgram:
     `changes` override the environment of the run, None removes a variable. `log_name` is the stem of its log files;
     `screen` whether its standard output is displayed; `ready` are its further readiness conditions. `executable` is the
     argument of `argv` that is the node's own program. `names_log`: it gets the path of its log as an argument, as nodes
-    of ROS 1 do.
+    of ROS 1 do. `files` are texts by name, which are written into the folder of the run: `argv` has `PRIVATE` before
+    these names. With None the middleware adds its arguments.
     """
 
     unit: Unit
@@ -39,6 +40,11 @@ class UnitProgram:
     ready: tuple[ReadyCondition, ...] = ()
     executable: str = ""
     names_log: bool = True
+    files: tuple[tuple[str, str], ...] | None = None
+
+
+PRIVATE = "\0/"
+"""Stands for the folder of the run in arguments."""
 
 
 def find_programs(nodes: Sequence[NodeSpec], world: World) -> tuple[tuple[UnitProgram, ...], tuple[Diagnostic, ...]]:

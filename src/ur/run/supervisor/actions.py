@@ -103,6 +103,13 @@ class ReportPressure:
 
 
 @dataclass(frozen=True, slots=True)
+class ReportPlanned:
+    """Report a line that the launch file prints."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
 class ReportStop:
     """Report the reason why the run ends. `failed` means that it could not start."""
 
@@ -131,6 +138,7 @@ Action = (
     | ReportRevival
     | ReportMaster
     | ReportLink
+    | ReportPlanned
     | ReportStop
     | Finish
 )

@@ -55,6 +55,13 @@ class Exited:
 
 
 @dataclass(frozen=True, slots=True)
+class Printed:
+    """A unit printed something, which is reported only where an effect depends on it."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
 class Evicted:
     """A unit's process ended because another node registered under its name. `by` describes the origin of that node."""
 
@@ -186,6 +193,7 @@ Event = (
     | Started
     | StartFailed
     | Exited
+    | Printed
     | Evicted
     | OwnerEnded
     | StopRequested

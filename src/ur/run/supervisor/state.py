@@ -4,13 +4,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
+from ur.launchfile.plan.specs import Trigger
+
 
 @dataclass(frozen=True, slots=True)
 class Unit:
     """A process as the supervisor sees it: its name and the consequences of its end, without its command.
 
     `core` units (the master and rosout) start before all others and stop after them. A `terminal` unit owns the
-    keyboard and the screen: the run ends with it.
+    keyboard and the screen: the run ends with it. `planned`: an event starts it, not the beginning of the run. It is
+    restarted at most `retries` times, unless that is None.
     """
 
     name: str
@@ -19,6 +22,13 @@ class Unit:
     respawn: bool = False
     respawn_delay: float = 0.0
     terminal: bool = False
+    planned: bool = False
+    retries: int | None = None
+
+    @property
+    def is_first(self) -> bool:
+        """True if the unit starts with the run."""
+        return not self.core and not self.planned
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +97,15 @@ class TimeLimits:
     failures_count: bool = False  # the run has exit code 1 after a required unit has failed; 0 in roslaunch
     bad_inputs: int = 3  # the same for units that exit with 2: their arguments do not change by themselves
 
+    def is_storm(self, quick_deaths: int, status: ExitStatus) -> bool:
+        """Return whether a unit that has died so often in a row is not restarted."""
+        most = min(self.bad_inputs, self.quick_deaths) if status.code == 2 else self.quick_deaths
+        return bool(self.quick_deaths) and quick_deaths >= most
+
+    def backoff(self, quick_deaths: int) -> float:
+        """Return the delay of a restart, in s. The first is as prompt as in roslaunch."""
+        return 0.0 if quick_deaths < 2 else min(self.longest_backoff, 0.25 * 2.0 ** min(quick_deaths - 2, 16))
+
 
 @dataclass(frozen=True, slots=True)
 class UnitState:
@@ -117,6 +136,45 @@ class UnitState:
         """True while the unit has a process, or is about to have one."""
         return self.status in (UnitStatus.STARTING, UnitStatus.RUNNING)
 
+    @property
+    def goes_on(self) -> bool:
+        """True while the unit runs or will: one that waits for an event does not, where nothing is left to cause it."""
+        waits = self.unit.planned and self.status is UnitStatus.WAITING and self.due is None
+        return self.status is not UnitStatus.ENDED and not waits
+
+
+@dataclass(frozen=True, slots=True)
+class StartPlanned:
+    """Start the unit `name`."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class PrintPlanned:
+    """Print a line."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class EndPlanned:
+    """End the run."""
+
+    reason: str
+
+
+Effect = StartPlanned | PrintPlanned | EndPlanned
+
+
+@dataclass(frozen=True, slots=True)
+class Planned:
+    """An effect, and the events that have to occur before it, in this order. `due` is the time of a timer that runs."""
+
+    effect: Effect
+    triggers: tuple[Trigger, ...] = ()
+    due: float | None = None
+
 
 @dataclass(frozen=True, slots=True)
 class State:
@@ -133,6 +191,7 @@ class State:
     reviving: bool = False  # parameters are set again on a master that has lost them
     stale: bool = False  # they could not be set: the master was lost again
     shared: bool = False  # the robot has a share of the run, which this run restarts after the robot's restart
+    planned: tuple[Planned, ...] = ()  # what events are still to cause
     places: Mapping[str, int] = field(default_factory=dict, compare=False, repr=False)  # in `units`, by name
 
     def find(self, name: str) -> UnitState | None:

@@ -1,8 +1,7 @@
 """The pure core of a run: the actions that follow an event. It has no process, no clock and no network.
 
 `step(state, event, now)` returns the next state and the actions. The shell around it (`ur.run.loop`) executes the
-actions and passes events back. `lifecycle` handles the start and the end of one unit, `requests` those of clients, and
-`shutdown` the end of the whole run.
+actions and passes events back.
 """
 
 from collections.abc import Iterable
@@ -17,6 +16,7 @@ from ur.run.supervisor.actions import (
     ReportDeath,
     ReportLink,
     ReportMaster,
+    ReportPlanned,
     ReportPressure,
     ReportRequest,
     ReportRevival,
@@ -61,7 +61,21 @@ from ur.run.supervisor.events import (
     Tick,
     Unregistered,
 )
-from ur.run.supervisor.state import ExitStatus, RunPhase, State, StopRequest, TimeLimits, Unit, UnitState, UnitStatus
+from ur.run.supervisor.planned import collect_final, note_effects
+from ur.run.supervisor.state import (
+    Effect,
+    EndPlanned,
+    ExitStatus,
+    Planned,
+    PrintPlanned,
+    RunPhase,
+    State,
+    StopRequest,
+    TimeLimits,
+    Unit,
+    UnitState,
+    UnitStatus,
+)
 
 
 def begin_end(state: State, cause: str, exit_code: int, now: float, *, failed: bool = False) -> Step:
@@ -73,7 +87,8 @@ def begin_end(state: State, cause: str, exit_code: int, now: float, *, failed: b
         else:
             state = put_unit(state, replace(each, request=None, pressure=0, deadline=None))
     reported: list[Action] = [ReportStop(cause, failed)] if cause else []
-    state, actions = advance_end(state, now)
+    reported += [ReportPlanned(text) for text in collect_final(state.planned)]
+    state, actions = advance_end(replace(state, planned=()), now)
     return state, reported + actions
 
 
@@ -260,7 +275,8 @@ def note_ended(state: State, name: str, status: ExitStatus, now: float, reason: 
     death = ReportDeath(name, status, reason or None, evicted_by=evicted_by)
     if each.unit.terminal or each.unit.required:
         return _end_with(state, each, death, now)
-    if each.unit.respawn and not evicted_by:
+    spent = each.unit.retries is not None and each.restarts >= each.unit.retries
+    if each.unit.respawn and not evicted_by and not spent:
         lived = now - before.since if before.status is UnitStatus.RUNNING else 0.0
         return _respawn(state, each, death, lived, now)
     return _end_when_idle(state, [death], now)
@@ -287,10 +303,10 @@ def _respawn(state: State, each: UnitState, death: ReportDeath, lived: float, no
     """Restart the unit with growing delays; give up if it always dies soon."""
     quick = each.quick_deaths + 1 if lived < state.limits.quick_death else 0
     each = replace(each, quick_deaths=quick)
-    if _is_storm(quick, death.status, state.limits):
+    if state.limits.is_storm(quick, death.status):
         each = replace(each, gave_up=True, reason=each.reason or f"died {quick} times in a row")
         return _end_when_idle(put_unit(state, each), [replace(death, deaths=quick)], now)
-    delay = max(each.unit.respawn_delay, _backoff(quick, state.limits))
+    delay = max(each.unit.respawn_delay, state.limits.backoff(quick))
     again = replace(each, status=UnitStatus.WAITING, due=now + delay, restarts=each.restarts + 1)
     return put_unit(state, again), [replace(death, restart_in=delay)]
 
@@ -298,9 +314,8 @@ def _respawn(state: State, each: UnitState, death: ReportDeath, lived: float, no
 def _end_when_idle(state: State, reported: list[Action], now: float) -> Step:
     """End the run with its last node, unless the user stopped one and may start it again."""
     nodes = [other for other in state.units if not other.unit.core]
-    if state.phase is not RunPhase.RUNNING or any(
-        other.status is not UnitStatus.ENDED or other.held for other in nodes
-    ):
+    waits = any(each.due is not None for each in state.planned)
+    if state.phase is not RunPhase.RUNNING or waits or any(other.held or other.goes_on for other in nodes):
         return state, reported
     # As in roslaunch, which has no limit to respawning: otherwise only units that never started count.
     failed = any(other.exit == ExitStatus() or other.gave_up for other in nodes)
@@ -308,32 +323,49 @@ def _end_when_idle(state: State, reported: list[Action], now: float) -> Step:
     return state, reported + actions
 
 
-def _is_storm(quick_deaths: int, status: ExitStatus, limits: TimeLimits) -> bool:
-    if not limits.quick_deaths:
-        return False
-    return quick_deaths >= (min(limits.bad_inputs, limits.quick_deaths) if status.code == 2 else limits.quick_deaths)
-
-
-def _backoff(quick_deaths: int, limits: TimeLimits) -> float:
-    # The first restart is as prompt as in roslaunch; only a unit that keeps dying is delayed.
-    return 0.0 if quick_deaths < 2 else min(limits.longest_backoff, 0.25 * 2.0 ** min(quick_deaths - 2, 16))
-
-
 def begin_state(
-    units: Iterable[Unit], *, own_master: bool, limits: TimeLimits | None = None, shared: bool = False
+    units: Iterable[Unit],
+    *,
+    own_master: bool,
+    limits: TimeLimits | None = None,
+    shared: bool = False,
+    planned: tuple[Planned, ...] = (),
 ) -> State:
     """Return the initial state. Units start in this order, core units first and terminal units last."""
     ordered = sorted(units, key=lambda unit: (not unit.core, unit.terminal))
     places = {unit.name: place for place, unit in enumerate(ordered)}
     return State(
-        tuple(UnitState(unit) for unit in ordered), own_master, limits or TimeLimits(), shared=shared, places=places
+        tuple(UnitState(unit) for unit in ordered),
+        own_master,
+        limits or TimeLimits(),
+        shared=shared,
+        planned=planned,
+        places=places,
     )
 
 
 def step(state: State, event: Event, now: float) -> tuple[State, tuple[Action, ...]]:
     """Compute the next state and the actions for an event. `now` is any monotonic clock, in s."""
+    state, effects = note_effects(state, event, now)
     following, actions = _handle(state, event, now)
+    for effect in effects:
+        following, more = _apply_effect(following, effect, now)
+        actions = [*actions, *more]
+    if effects and not isinstance(event, Exited | StartFailed):
+        following, more = _end_when_idle(following, [], now)
+        actions = [*actions, *more]
     return following, tuple(actions)
+
+
+def _apply_effect(state: State, effect: Effect, now: float) -> Step:
+    if not is_before(state, RunPhase.STOPPING_NODES):
+        return state, []
+    if isinstance(effect, EndPlanned):
+        return begin_end(state, effect.reason, 0, now)
+    if isinstance(effect, PrintPlanned):
+        return state, [ReportPlanned(effect.text)]
+    each = state.find(effect.name)
+    return (state, []) if each is None or each.held else start_units(state, [each], now)
 
 
 def next_deadline(state: State) -> float | None:
@@ -341,6 +373,7 @@ def next_deadline(state: State) -> float | None:
     times = []
     if state.phase is RunPhase.RUNNING and not state.reviving:
         times = [each.due for each in state.units if each.due is not None]
+        times += [each.due for each in state.planned if each.due is not None]
     if is_before(state, RunPhase.STOPPING_NODES):
         times += [each.deadline for each in state.units if each.deadline is not None]
     if state.deadline is not None:
@@ -387,7 +420,7 @@ def _proceed(state: State, event: Event, now: float) -> Step:
             return replace(started, phase=RunPhase.PARAMETERS, deadline=None), [*actions, SetParameters()]
         case ParametersSet() if state.phase is RunPhase.PARAMETERS:
             running = replace(state, phase=RunPhase.RUNNING)
-            return start_units(running, (each for each in running.units if not each.unit.core), now)
+            return start_units(running, (each for each in running.units if each.unit.is_first), now)
         case ParametersSet() if state.reviving:
             return restart_all(state, now)
         case SetupFailed() if state.reviving:

@@ -1,0 +1,146 @@
+"""The command line of a node as launch_ros makes it, argument for argument, with the parameter files that it writes.
+
+Sources: launch_ros' `Node._perform_substitutions` and `_create_params_file_from_dict`, launch's `Executable.prepare`.
+"""
+
+import os
+import shlex
+from collections.abc import Mapping, Sequence
+
+from ur.launchfile.plan.specs import NodeSpec, ParameterFile, ParamValue, Plan, Trigger
+from ur.launchfile.ros2.parameters import TypedList
+from ur.launchfile.world import World
+from ur.run.process.command import PRIVATE, UnitProgram, find_executable
+from ur.run.supervisor.planned import list_triggers
+from ur.run.supervisor.state import Effect, EndPlanned, Planned, PrintPlanned, StartPlanned, Unit
+from ur.source.diagnostic import Diagnostic, Note, UserError, error
+
+_FOLDER = "parameters"
+
+
+def refuse_gaps(plan: Plan) -> None:
+    """Raise UserError for what a plan does not know: it would not start all of the file, or something else."""
+    problems = []
+    for gap in plan.gaps:
+        span = gap.origin.span if gap.origin is not None else None
+        steps = gap.origin.includes if gap.origin is not None else ()
+        problems.append(
+            error(
+                f"'ur launch' does not know this part of the launch file: {gap.reason}",
+                span,
+                rule="unknown-part",
+                notes=tuple(Note("included from here", step) for step in reversed(steps)),
+                help=f"give the value as an argument, or start the file with: ur launch -- {plan.launcher} ...",
+            )
+        )
+    if problems:
+        raise UserError(*problems)
+
+
+def describe_programs(
+    plan: Plan, nodes: Sequence[NodeSpec], world: World
+) -> tuple[tuple[UnitProgram, ...], tuple[Diagnostic, ...]]:
+    """Return the programs of nodes, and an error for each that does not exist. Nothing is started or written."""
+    written = dict(plan.written)
+    programs = []
+    problems: list[Diagnostic] = []
+    for number, node in enumerate(nodes, 1):
+        try:
+            programs.append(describe_program(node, world, number, written))
+        except UserError as problem:  # noqa: PERF203 - every node that is missing is to be named
+            problems.extend(problem.diagnostics)
+    return tuple(programs), tuple(problems)
+
+
+def describe_program(node: NodeSpec, world: World, number: int, written: Mapping[str, str]) -> UnitProgram:
+    """Return the program of a node. Raises UserError: no such package or executable, or a prefix that is no command."""
+    executable = find_executable(node, world) if node.package else node.type
+    name = f"{node.key.lstrip('/').replace('/', '-')}-{number}"
+    files: dict[str, str] = {}
+    arguments = () if node.kind == "program" else _ros_arguments(node, f"{_FOLDER}/{name}", files, written)
+    try:
+        prefix = shlex.split(node.launch_prefix or "")
+    except ValueError as problem:
+        message = f"{node.key}: prefix {node.launch_prefix!r} is no command: {str(problem).lower()}"
+        raise UserError(error(message, node.origin.span, rule="bad-arguments")) from None
+    return UnitProgram(
+        unit=Unit(
+            name=node.key,
+            required=node.required,
+            respawn=node.respawn,
+            respawn_delay=node.respawn_delay,
+            planned=node.trigger is not None,
+            retries=node.retries,
+        ),
+        argv=(*prefix, executable, *node.words, *arguments),
+        changes=(*((each, None) for each in node.unset), *node.env),
+        cwd=node.cwd if node.cwd is not None else os.getcwd(),  # noqa: PTH109 - as upstream: where the user is
+        log_name=name,
+        screen=node.output == "screen",
+        executable=executable,
+        names_log=False,
+        files=tuple(files.items()),
+    )
+
+
+def _ros_arguments(node: NodeSpec, stem: str, files: dict[str, str], written: Mapping[str, str]) -> tuple[str, ...]:
+    words = ["--ros-args"]
+    words += ["-r", f"__node:={node.name}"] if node.is_named else []
+    words += ["-r", f"__ns:={node.namespace.rstrip('/') or '/'}"] if node.is_placed else []
+    for source in node.sources:
+        if isinstance(source, ParameterFile):
+            path = source.argument or source.path
+            if source.path in written:
+                path = _add(files, stem, written[source.path])
+            words += ["--params-file", path]
+        elif source.is_global:
+            words += [word for each in source.values for word in ("-p", f"{each[0]}:={_python(each[1])}")]
+        elif source.is_rule:
+            words += [word for each in source.values for word in ("-p", f"{each[0]}:={_yaml(_python(each[1]))}")]
+        else:
+            section = node.full_name if node.is_named and node.is_placed else "/**"
+            content = {section: {"ros__parameters": {each: _python(value) for each, value in source.values}}}
+            words += ["--params-file", _add(files, stem, _yaml(content))]
+    for old, new in node.remaps:
+        words += ["-r", f"{old}:={new}"]
+    return tuple(words)
+
+
+def _add(files: dict[str, str], stem: str, text: str) -> str:
+    name = f"{stem}-{len(files) + 1}.yaml"
+    files[name] = text
+    return PRIVATE + name
+
+
+def _python(value: ParamValue) -> object:
+    if not isinstance(value, list):
+        return value
+    return list(value) if isinstance(value, TypedList) else tuple(value)
+
+
+def _yaml(value: object) -> str:
+    import yaml  # only for nodes with such parameters
+
+    text: str = yaml.dump(value, default_flow_style=False)
+    return text
+
+
+def plan_effects(plan: Plan, nodes: Sequence[NodeSpec]) -> tuple[Planned, ...]:
+    """Return the effects of events: which nodes start, which lines are printed, which end the run.
+
+    As upstream, the handler of an event that was registered last comes first.
+    """
+    items: list[tuple[float, Trigger | None, Effect]] = []
+    for action in plan.actions:
+        if action.kind != "state":
+            effect: Effect = PrintPlanned(action.text) if action.kind == "log" else EndPlanned(action.text)
+            items.append((action.position + 0.5, action.trigger, effect))  # behind that node
+    for position, node in enumerate(nodes, 1):
+        if node.trigger is not None:
+            items.append((position, node.trigger, StartPlanned(node.key)))
+    handlers: dict[int, list[Planned]] = {}
+    others: list[Planned] = []
+    for _, trigger, effect in sorted(items, key=lambda item: item[0]):
+        into = others if trigger is None or trigger.kind == "timer" else handlers.setdefault(id(trigger), [])
+        into.append(Planned(effect, list_triggers(trigger)))
+    return (*others, *(each for handler in reversed(handlers.values()) for each in handler))

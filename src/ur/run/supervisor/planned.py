@@ -1,0 +1,90 @@
+"""Effects that events have: which event starts a unit, prints a line, or ends the run. Pure."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from ur.launchfile.plan.specs import Trigger
+from ur.run.supervisor.actions import put_unit
+from ur.run.supervisor.events import Event, Exited, ParametersSet, Printed, Started, StartFailed
+from ur.run.supervisor.state import Effect, Planned, PrintPlanned, RunPhase, StartPlanned, State
+
+
+def list_triggers(trigger: Trigger | None) -> tuple[Trigger, ...]:
+    """Return a trigger and those that it comes after, the first one first."""
+    found: list[Trigger] = []
+    while trigger is not None:
+        found.insert(0, trigger)
+        trigger = trigger.after
+    return tuple(found)
+
+
+def any_output(planned: Iterable[Planned]) -> bool:
+    """Return whether an effect depends on what units print."""
+    return any(trigger.kind == "output" for each in planned for trigger in each.triggers)
+
+
+def note_effects(state: State, event: Event, now: float) -> tuple[State, list[Effect]]:
+    """Return the state in which an event is noted, and the effects that it has.
+
+    Units that start are due, so that the run does not end as idle meanwhile.
+    """
+    if not state.planned or state.phase not in (RunPhase.PARAMETERS, RunPhase.RUNNING):
+        return state, []
+    planned, effects = advance(state.planned, event, now)
+    state = replace(state, planned=planned)
+    for each in effects:
+        if isinstance(each, StartPlanned) and (unit := state.find(each.name)) is not None:
+            state = put_unit(state, replace(unit, due=now))
+    return state, effects
+
+
+def advance(planned: Iterable[Planned], event: Event, now: float) -> tuple[tuple[Planned, ...], list[Effect]]:
+    """Return what is still planned after an event, and the effects that it has."""
+    left: list[Planned] = []
+    effects: list[Effect] = []
+    for each in planned:
+        rest = each.triggers
+        if each.due is not None and each.due <= now:
+            following = _arm(replace(each, triggers=rest[1:], due=None), now)
+        elif not rest and isinstance(event, ParametersSet):
+            following = None
+        elif rest and each.due is None and _occurs(rest[0], event):
+            # The first timer counts from the beginning, any other from the event before it
+            following = _arm(each if rest[0].kind == "timer" else replace(each, triggers=rest[1:]), now)
+        else:
+            following = each
+        if following is None:
+            effects.append(each.effect)
+        else:
+            left.append(following)
+    return tuple(left), effects
+
+
+def collect_final(planned: Iterable[Planned]) -> list[str]:
+    """Return the lines that the end of the run prints. Nothing is started then."""
+    return [
+        each.effect.text
+        for each in planned
+        if len(each.triggers) == 1 and each.triggers[0].kind == "shutdown" and isinstance(each.effect, PrintPlanned)
+    ]
+
+
+def _arm(planned: Planned, now: float) -> Planned | None:
+    """Start the timer that comes first; return None if nothing is left to occur."""
+    if not planned.triggers:
+        return None
+    first = planned.triggers[0]
+    return replace(planned, due=now + first.seconds) if first.kind == "timer" else planned
+
+
+def _occurs(trigger: Trigger, event: Event) -> bool:
+    match trigger.kind, event:
+        case "timer", ParametersSet():
+            return True
+        case "start", Started(name) if trigger.node in ("", name):
+            return True
+        case "exit", Exited(name) | StartFailed(name) if trigger.node in ("", name):
+            return True
+        case "output", Printed(name) if trigger.node in ("", name):
+            return True
+    return False
