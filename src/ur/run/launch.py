@@ -47,11 +47,14 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     environment = {**world.environment, **options.environment}
     bounds, home = read_bounds(environment), make_home(environment)
     nodes, programs = _find_nodes(plan, world, console, options)
-    planned = _plan_effects(plan, nodes)
-    middleware = find_middleware(environment, world, options, console)
+    steps, planned = _plan_effects(plan, nodes, world)
+    middleware = find_middleware(plan, environment, world, options, console)
     environment |= middleware.environment
     folder = make_run_folder(environment, middleware.run_id or new_run_id())
-    programs = middleware.arrange(number_logs(programs, middleware.logs), nodes, folder)
+    programs = (
+        *middleware.arrange(number_logs(programs, middleware.logs), nodes, folder),
+        *_write_steps(steps, folder),
+    )
     commands = start_commands(plan.params, environment)
     if not programs and not middleware.core and not planned:
         done = middleware.set_parameters(plan, folder, options, commands)
@@ -115,7 +118,7 @@ def _find_nodes(
     shown, notes = leave_out_viewers(plan.nodes, world, world.environment)
     for note in notes:
         console.warn(note)
-    nodes = tuple(force_options(node, options) for node in shown)
+    nodes = tuple(force_options(node, options) for node in shown if node.kind != "component")
     programs, missing = _find_programs(plan, nodes, world)
     problems = [*find_remote(plan, nodes), *missing]
     if problems:
@@ -139,12 +142,25 @@ def _find_programs(
     return describe_programs(plan, nodes, world)
 
 
-def _plan_effects(plan: Plan, nodes: Sequence[NodeSpec]) -> tuple[Planned, ...]:
-    if not plan.actions and not any(node.trigger for node in nodes):
-        return ()
+def _plan_effects(
+    plan: Plan, nodes: Sequence[NodeSpec], world: World
+) -> tuple[tuple[UnitProgram, ...], tuple[Planned, ...]]:
+    """Return the programs that call services of nodes, and what events cause."""
+    if not plan.actions and not any(node.trigger or node.kind == "component" for node in plan.nodes):
+        return (), ()
     from ur.run.process.described import plan_effects
+    from ur.run.process.steps import describe_steps
 
-    return plan_effects(plan, nodes)
+    steps, awaited = describe_steps(plan, world)
+    return tuple(program for program, _, _ in steps), plan_effects(plan, nodes, steps, awaited)
+
+
+def _write_steps(steps: Sequence[UnitProgram], folder: str) -> tuple[UnitProgram, ...]:
+    if not steps:
+        return ()
+    from ur.run.process.described import write_files
+
+    return tuple(write_files(program, folder) for program in steps)
 
 
 def _report_share(options: RunOptions) -> Callable[[], Event] | None:
@@ -166,8 +182,14 @@ def _announce(console: Console, middleware: Middleware, *, folder: str, nodes: i
         console.warn("there is no node to start; the master runs until Ctrl-C")
 
 
-def find_middleware(environment: Mapping[str, str], world: World, options: RunOptions, console: Console) -> Middleware:
+def find_middleware(
+    plan: Plan, environment: Mapping[str, str], world: World, options: RunOptions, console: Console
+) -> Middleware:
     """Find the middleware of a run. Raises UserError if the selected robot has no master, or one cannot start."""
+    if plan.launcher == "other":
+        from ur.run.middleware.foreign import find_foreign
+
+        return find_foreign(environment)
     if environment.get("ROS_VERSION") == "0":
         from ur.run.middleware.one_process import find_process
 

@@ -23,6 +23,7 @@ from ur.run.supervisor.events import Exited, ParametersSet, SetupFailed, Unregis
 from ur.run.supervisor.state import ExitStatus
 from ur.source.diagnostic import UserError
 
+PLAN = Plan((), (), (), (), (), ())
 LAUNCH = '<launch><node name="a" pkg="p" type="t"><param name="x" value="1"/></node></launch>'
 WORLD = MemoryWorld({"/a.launch": LAUNCH})
 
@@ -45,7 +46,7 @@ def make_domain(folder: Path) -> DomainMiddleware:
 
 
 def test_run_on_ros2_starts_no_master_and_names_its_domain(tmp_path: Path) -> None:
-    domain = find_middleware(make_environment(tmp_path), WORLD, RunOptions(), Console())
+    domain = find_middleware(PLAN, make_environment(tmp_path), WORLD, RunOptions(), Console())
     assert (domain.address, domain.own, domain.run_id, domain.core) == ("ros2://localhost/7", True, "", ())
     assert domain.describe() == "ROS 2 Kilted, ROS_DOMAIN_ID=7, on this computer only"
     assert isinstance(domain.await_core(1.0), SetupFailed)

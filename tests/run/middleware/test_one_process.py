@@ -23,6 +23,7 @@ from ur.source.diagnostic import UserError
 from ur.source.project import launch_library
 from ur.system.ros import NONE, graph_address, read_domain
 
+PLAN = Plan((), (), (), (), (), ())
 HEAD = '<launch><param name="robot_description" value="URDF"/><group ns="bob">'
 STATE = '<node name="a" pkg="p" type="robot_state_publisher" args="x y"><remap from="scan" to="~s"/>'
 STATE += '<env name="COLOUR" value="red"/></node>'
@@ -56,7 +57,7 @@ class OwnWorld(MemoryWorld):
 
 
 def make(folder: Path) -> ProcessMiddleware:
-    found = find_middleware(make_environment(folder), MemoryWorld({}), RunOptions(), Console())
+    found = find_middleware(PLAN, make_environment(folder), MemoryWorld({}), RunOptions(), Console())
     assert isinstance(found, ProcessMiddleware)
     return found
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import gc
 import os
+import shutil
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
@@ -15,7 +16,7 @@ from typing import TYPE_CHECKING
 from ur.request.environment import apply_selection, current_selection
 from ur.request.launch_request import LaunchOptions, StartReporter, check_options, choose_query
 from ur.robot.selection import Selection
-from ur.source.diagnostic import Diagnostic, Severity, UserError
+from ur.source.diagnostic import Diagnostic, Severity, UserError, error
 
 if TYPE_CHECKING:
     from ur.launchfile.plan.specs import Plan
@@ -44,14 +45,55 @@ def launch(argv: Sequence[str]) -> int:
 
     report = None
     try:
-        line, options = read_launch(argv)
+        own, command = split_command(argv)
+        line, options = read_launch([*own, "-"] if command else own)
         report = options.report
+        if command:
+            if len(line.names) > 1 or line.arguments or options.queries:
+                help_ = f"write {' '.join(command)} alone"
+                raise UserError(error("'--' has a launch file or a query before it", rule="bad-options", help=help_))
+            return launch_other(command, line, options)
         check_options(line.names, options)
         return launch_line(line, options)
     except UserError as problem:
         return explain_problem(problem, report)
     finally:
         gc.enable()
+
+
+def split_command(argv: Sequence[str]) -> tuple[Sequence[str], Sequence[str]]:
+    """Return the arguments before '--', and the command of another launcher behind it, () without one.
+
+    What follows '--' is a command if it begins with a program: elsewhere '--' ends the options.
+    """
+    place = argv.index("--") if "--" in argv else len(argv)
+    command = argv[place + 1 :]
+    if not command or ".launch" in command[0] or shutil.which(command[0]) is None:
+        return argv, ()
+    return argv[:place], command
+
+
+def launch_other(command: Sequence[str], line: CommandLine, options: LaunchOptions) -> int:
+    """Run another launcher to its end, and return its exit code; nothing that it has started is left."""
+    check_options(line.names, options)
+    from ur.request.foreign import make_foreign_plan, run_foreign
+    from ur.run.process.host_client import start_host
+
+    plan = make_foreign_plan(command, terminal=not options.detach)
+
+    def run(detach: Detach | None) -> int:
+        with closing(start_host()) as host:
+            console = _make_console(None)
+            try:
+                return run_foreign(plan, options, host, console, _call_started(console, detach))
+            finally:
+                console.finish(1.0)
+
+    if not options.detach:
+        return run(None)
+    from ur.cli.runs.wait import start_detached
+
+    return start_detached(run, wait=options.timeout_ready if options.wait else None)
 
 
 def launch_line(line: CommandLine, options: LaunchOptions) -> int:

@@ -284,7 +284,7 @@ class Plan:
     programs: tuple[ParamSpec, ...] = field(default=())  # every <param command=>, overridden ones too
     includes: tuple[IncludeSpec, ...] = field(default=())  # in document order, each time one is included
     gaps: tuple[Gap, ...] = field(default=())
-    launcher: Literal["roslaunch", "ros2 launch"] = "roslaunch"  # whose file it is
+    launcher: Literal["roslaunch", "ros2 launch", "other"] = "roslaunch"  # whose file it is
     environment: tuple[tuple[str, str], ...] = field(default=())  # set for all that follows, beyond that of the start
     actions: tuple[ActionSpec, ...] = field(default=())
     written: tuple[tuple[str, str], ...] = field(default=())  # texts of files that the launcher writes, by their paths

@@ -15,7 +15,8 @@ from ur.run.middleware.facts import add_parameters, clear_facts, read_facts, wri
 from ur.run.middleware.parameter_files import file_name, format_parameters
 from ur.run.middleware.protocol import GraphView
 from ur.run.options import RunOptions
-from ur.run.process.command import PRIVATE, UnitProgram
+from ur.run.process.command import UnitProgram
+from ur.run.process.described import write_files
 from ur.run.record.registry import RunEntry, list_runs, read_computer
 from ur.run.supervisor.events import Event, Exited, ParametersSet, SetupFailed, Unregistered
 from ur.source.diagnostic import UserError, error
@@ -155,20 +156,6 @@ def list_others(environment: Mapping[str, str], own: int | None = None) -> list[
     address = graph_address(environment)
     runs = list_runs(environment, os.getuid(), read_computer())
     return [each for each in runs if each.master_uri == address and each.pid != (own or os.getpid())]
-
-
-def write_files(program: UnitProgram, folder: str) -> UnitProgram:
-    """Write the private files of a program, and return it with their paths. Raises UserError."""
-    try:
-        for name, text in program.files or ():
-            path = Path(folder, name)
-            path.parent.mkdir(mode=0o700, exist_ok=True)
-            path.write_text(text, encoding="utf-8")
-    except OSError as problem:
-        reason = (problem.strerror or str(problem)).lower()
-        message = f"parameters cannot be written to {folder}: {reason}"
-        raise UserError(error(message, rule="bad-folder", help="ROS_LOG_DIR chooses another place")) from None
-    return replace(program, argv=tuple(word.replace(PRIVATE, f"{folder}/") for word in program.argv))
 
 
 def arguments_of(node: NodeSpec, parameters: str) -> tuple[str, ...]:

@@ -6,11 +6,14 @@ Sources: launch_ros' `Node._perform_substitutions` and `_create_params_file_from
 import os
 import shlex
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
 
-from ur.launchfile.plan.specs import NodeSpec, ParameterFile, ParamValue, Plan, Trigger
+from ur.launchfile.plan.specs import NodeSpec, ParameterFile, ParamValue, Plan, ReadyCondition, Trigger
 from ur.launchfile.ros2.parameters import TypedList
 from ur.launchfile.world import World
 from ur.run.process.command import PRIVATE, UnitProgram, find_executable
+from ur.run.process.steps import Planned as PlannedStep
 from ur.run.supervisor.planned import list_triggers
 from ur.run.supervisor.state import Effect, EndPlanned, Planned, PrintPlanned, StartPlanned, Unit
 from ur.source.diagnostic import Diagnostic, Note, UserError, error
@@ -69,6 +72,7 @@ def describe_program(node: NodeSpec, world: World, number: int, written: Mapping
             required=node.required,
             respawn=node.respawn,
             respawn_delay=node.respawn_delay,
+            terminal=node.terminal,
             planned=node.trigger is not None,
             retries=node.retries,
         ),
@@ -77,6 +81,7 @@ def describe_program(node: NodeSpec, world: World, number: int, written: Mapping
         cwd=node.cwd if node.cwd is not None else os.getcwd(),  # noqa: PTH109 - as upstream: where the user is
         log_name=name,
         screen=node.output == "screen",
+        ready=() if node.is_named and node.kind != "program" else (ReadyCondition("process", ""),),
         executable=executable,
         names_log=False,
         files=tuple(files.items()),
@@ -125,22 +130,44 @@ def _yaml(value: object) -> str:
     return text
 
 
-def plan_effects(plan: Plan, nodes: Sequence[NodeSpec]) -> tuple[Planned, ...]:
-    """Return the effects of events: which nodes start, which lines are printed, which end the run.
+def plan_effects(
+    plan: Plan,
+    nodes: Sequence[NodeSpec],
+    steps: Sequence[PlannedStep] = (),
+    awaited: Mapping[int, Trigger] | None = None,
+) -> tuple[Planned, ...]:
+    """Return the effects of events: which nodes and steps start, which lines are printed, which end the run.
 
-    As upstream, the handler of an event that was registered last comes first.
+    As upstream, the handler of an event that was registered last comes first. `awaited` replaces triggers by their ids.
     """
     items: list[tuple[float, Trigger | None, Effect]] = []
     for action in plan.actions:
         if action.kind != "state":
             effect: Effect = PrintPlanned(action.text) if action.kind == "log" else EndPlanned(action.text)
             items.append((action.position + 0.5, action.trigger, effect))  # behind that node
-    for position, node in enumerate(nodes, 1):
-        if node.trigger is not None:
+    present = {node.key for node in nodes}
+    for position, node in enumerate(plan.nodes, 1):
+        if node.trigger is not None and node.key in present:
             items.append((position, node.trigger, StartPlanned(node.key)))
+    items += [(position, trigger, StartPlanned(program.unit.name)) for program, trigger, position in steps]
     handlers: dict[int, list[Planned]] = {}
     others: list[Planned] = []
     for _, trigger, effect in sorted(items, key=lambda item: item[0]):
         into = others if trigger is None or trigger.kind == "timer" else handlers.setdefault(id(trigger), [])
-        into.append(Planned(effect, list_triggers(trigger)))
+        triggers = (awaited or {}).get
+        into.append(Planned(effect, tuple(triggers(id(each), each) for each in list_triggers(trigger))))
     return (*others, *(each for handler in reversed(handlers.values()) for each in handler))
+
+
+def write_files(program: UnitProgram, folder: str) -> UnitProgram:
+    """Write the private files of a program, and return it with their paths. Raises UserError."""
+    try:
+        for name, text in program.files or ():
+            path = Path(folder, name)
+            path.parent.mkdir(mode=0o700, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        message = f"parameters cannot be written to {folder}: {reason}"
+        raise UserError(error(message, rule="bad-folder", help="ROS_LOG_DIR chooses another place")) from None
+    return replace(program, argv=tuple(word.replace(PRIVATE, f"{folder}/") for word in program.argv))

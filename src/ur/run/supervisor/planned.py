@@ -85,6 +85,8 @@ def _occurs(trigger: Trigger, event: Event) -> bool:
             return True
         case "exit", Exited(name) | StartFailed(name) if trigger.node in ("", name):
             return True
+        case "state", Exited(name, status) if trigger.node == name and status.clean:
+            return True  # the program that awaits the state
         case "output", Printed(name) if trigger.node in ("", name):
             return True
     return False

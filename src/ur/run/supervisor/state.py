@@ -13,7 +13,7 @@ class Unit:
 
     `core` units (the master and rosout) start before all others and stop after them. A `terminal` unit owns the
     keyboard and the screen: the run ends with it. `planned`: an event starts it, not the beginning of the run. It is
-    restarted at most `retries` times, unless that is None.
+    restarted at most `retries` times, unless that is None. A `helper` does not keep a run going that has other units.
     """
 
     name: str
@@ -24,6 +24,7 @@ class Unit:
     terminal: bool = False
     planned: bool = False
     retries: int | None = None
+    helper: bool = False
 
     @property
     def is_first(self) -> bool:

@@ -313,7 +313,7 @@ def _respawn(state: State, each: UnitState, death: ReportDeath, lived: float, no
 
 def _end_when_idle(state: State, reported: list[Action], now: float) -> Step:
     """End the run with its last node, unless the user stopped one and may start it again."""
-    nodes = [other for other in state.units if not other.unit.core]
+    nodes = [each for each in state.units if not each.unit.core and not each.unit.helper] or list(state.units)
     waits = any(each.due is not None for each in state.planned)
     if state.phase is not RunPhase.RUNNING or waits or any(other.held or other.goes_on for other in nodes):
         return state, reported

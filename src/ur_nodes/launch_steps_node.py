@@ -1,0 +1,70 @@
+"""The program that calls services for a launch file, one after the other: launch_steps_node FILE.
+
+The file is a list in JSON. Each entry has `service`, `fields` of its request, and `about`: what it does. With `until`
+the call is repeated until the answer has this state ('' : any other than at first). A service that no node offers yet
+is waited for.
+"""
+
+import json
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.raw import ServiceAnswer
+from ur_nodes.ports.values import Result
+from ur_nodes.run import run
+
+_AGAIN = 0.05  # s between two calls
+_MISSING = "no node offers it now"
+
+
+class LaunchSteps:
+    """Makes the calls, and ends the node behind the last one, or the first that fails."""
+
+    def __init__(self, node: Node, steps: list[dict[str, Any]]) -> None:
+        self._node, self._steps = node, steps
+        self._first: object = None
+        node.post(self._call)
+
+    def _call(self) -> None:
+        if not self._steps:
+            self._node.end("all is done")
+            return
+        step = self._steps[0]
+        self._node.raw.call(str(step["service"]), step["fields"], self._take)
+
+    def _take(self, result: Result) -> None:
+        step = self._steps[0]
+        answer = result.value.fields if isinstance(result.value, ServiceAnswer) else {}
+        about = step.get("about", "")
+        if not result.success and _MISSING in result.text:
+            self._node.after(_AGAIN, self._call, steady=True)
+        elif not result.success:
+            self._node.end(f"{about}: {result.text}", failed=True)
+        elif "until" in step:
+            self._await(step["until"], answer)
+        elif answer.get("success") is False:
+            reason = answer.get("error_message") or "it is refused"
+            self._node.end(f"{about} by {step['service']}: {reason}", failed=True)
+        else:
+            self._node.log.info(f"{about}: done")
+            self._first = None
+            self._steps.pop(0)
+            self._call()
+
+    def _await(self, wanted: str, answer: Mapping[str, object]) -> None:
+        found = answer.get("current_state")
+        state = found.get("label") if isinstance(found, Mapping) else None
+        self._first = self._first or state
+        if state == wanted or (not wanted and state != self._first):
+            self._steps.pop(0)
+            self._call()
+        else:
+            self._node.after(_AGAIN, self._call, steady=True)
+
+
+if __name__ == "__main__":
+    text = Path(sys.argv[1]).read_text(encoding="utf-8")
+    sys.exit(run("launch_steps", lambda node: LaunchSteps(node, json.loads(text))))
