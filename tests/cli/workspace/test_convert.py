@@ -78,3 +78,44 @@ def test_what_is_lost_is_printed(package: Path, capsys: pytest.CaptureFixture[st
     assert "expected --output or --prefix" in capsys.readouterr().err
     assert main(["convert", "demo", "--output", "out"]) == 1
     assert "<test> has no counterpart" in capsys.readouterr().err
+
+
+PYTHON = """from launch import LaunchDescription
+from launch.actions import ExecuteProcess, OpaqueFunction
+from launch_ros.actions import Node
+
+
+def generate_launch_description():
+    return LaunchDescription([Node(package="demo", executable="talk"){more}])
+"""
+
+
+@pytest.fixture
+def python_package(package: Path) -> Path:
+    (package / "launch" / "talker.launch").unlink()
+    (package / "launch" / "talker.launch.py").write_text(PYTHON.format(more=""))
+    (package / "launch" / "other.launch.py").write_text(PYTHON.format(more=", OpaqueFunction(function=print)"))
+    return package
+
+
+@pytest.mark.usefixtures("python_package")
+def test_python_file_is_printed_in_either_language(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["convert", "demo/launch/talker.launch.py"]) == 0
+    assert capsys.readouterr().out.endswith('<launch>\n  <node pkg="demo" exec="talk"/>\n</launch>\n')
+    assert main(["convert", "demo/launch/talker.launch.py", "--to", "yaml"]) == 0
+    assert capsys.readouterr().out == "launch:\n- node:\n    pkg: demo\n    exec: talk\n"
+
+
+@pytest.mark.usefixtures("python_package")
+def test_python_file_that_cannot_be_converted_is_written_on_demand(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["convert", "demo/launch/other.launch.py"]) == 2
+    shown = capsys.readouterr()
+    assert "other.launch.py:7:72: warning: OpaqueFunction cannot be converted" in shown.err
+    assert not shown.out
+    assert main(["convert", "demo/launch/other.launch.py", "--anyway"]) == 1
+    assert 'exec="talk"' in capsys.readouterr().out
+
+
+def test_python_package_is_written_without_what_differs(python_package: Path) -> None:
+    assert main(["convert", "demo", "--output", "out"]) == 1
+    assert [file.name for file in (python_package.parent / "out" / "launch").iterdir()] == ["talker.launch.xml"]

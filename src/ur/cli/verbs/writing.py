@@ -131,13 +131,14 @@ WRITING = (
     Verb(
         "convert",
         "ur.cli.workspace.convert",
-        "Convert launch files of ROS 1 to XML for ros2 launch.",
+        "Convert launch files of ROS 1 or Python to XML or YAML.",
         _SECTION,
         arguments=("files",),
         descriptions=("A launch file, which is printed, or a package or a folder.",),
         examples=(
             ("ur convert wander.launch", "Print a launch file as one of ROS 2."),
             ("ur convert my_robot --output ~/ros2_ws/src/my_robot", "Convert the launch files of a package."),
+            ("ur convert slam.launch.py --to yaml", "Print a Python launch file of ROS 2 in YAML."),
             ("ur convert ubiquity_launches --prefix ~/ur_ros2", "Start this project's programs with ros2 launch."),
         ),
         trust=Trust(LAUNCH, writes="with `--output` and `--prefix`, the converted files"),

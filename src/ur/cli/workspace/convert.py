@@ -1,4 +1,4 @@
-"""`ur convert`: launch files of ROS 1 as launch files of ROS 2."""
+"""`ur convert`: launch files of ROS 1 as launch files of ROS 2, and those of ROS 2 in another language."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import click
 from ur.source.printable import printable
 
 if TYPE_CHECKING:
+    from ur.tools.convert.other_language import Language
     from ur.tools.convert.package import ConvertedFiles
 
 
@@ -19,12 +20,16 @@ if TYPE_CHECKING:
 @click.argument("path", metavar="PACKAGE|PATH")
 @click.option("--output", metavar="DIR", help="Write the converted files there, as they lie in their package.")
 @click.option("--prefix", metavar="DIR", help="Make a folder there from which `ros2 launch` starts the package.")
-def command(path: str, output: str | None, prefix: str | None) -> int:
-    """Convert launch files of ROS 1 to XML for ros2 launch.
+@click.option("--to", "language", type=click.Choice(["xml", "yaml"]), default="xml", help="Language to write.")
+@click.option("--anyway", is_flag=True, help="Write files that do not start the same, too.")
+def command(path: str, output: str | None, prefix: str | None, language: Language, *, anyway: bool) -> int:
+    """Convert launch files of ROS 1 to XML for ros2 launch, or those of ROS 2 from Python to XML or YAML.
 
     PATH is a launch file, which is printed, or a package or folder, of which all launch files are converted, with the
-    files of parameters that they load. Everything without a counterpart in ROS 2 is reported with its position and what
-    to do.
+    files of parameters that they load. Everything without a counterpart is reported with its position and what to do.
+
+    A file of ROS 2 is not run. The converted one is read back, and is written only if both start the same with each
+    flag and choice of the arguments; otherwise the difference is printed.
 
     With --prefix the folder also gets links to all other files of the package and to its programs; add it to
     AMENT_PREFIX_PATH, before that of ROS 2.
@@ -42,10 +47,11 @@ def command(path: str, output: str | None, prefix: str | None) -> int:
         raise UserError(error("--output with --prefix, expected one of them", rule="bad-options", help="leave one out"))
     world = make_world([path], add_own_package(os.environ))
     with show_progress("converting launch files") as progress:
-        made = convert_all(path, world, progress, whole=prefix is not None)
+        whole = prefix is not None
+        made = convert_all(path, world, progress, whole=whole, language=language, anyway=anyway)
     sys.stderr.write(render_human(made.findings, colour=shows_colour(sys.stderr)))
     if output or prefix:
-        _write(made, Path(output or prefix or ""), whole=prefix is not None)
+        _write(made, Path(output or prefix or ""), whole=whole)
     elif len(made.launch_files) == 1:
         click.echo(made.launch_files[0].text, nl=False)
         if made.parameter_files:

@@ -43,7 +43,7 @@ class Entity:
 
 
 @dataclass(frozen=True, slots=True)
-class _Tag:
+class Tag:
     """A type of entity: attributes with the arguments they become, inner entities, and where inner actions go."""
 
     kind: str
@@ -160,7 +160,7 @@ def _span_of(source: SourceFile, node: yaml.Node) -> Span:
 # -- entities to objects
 
 # ATTRIBUTE[=ARGUMENT][:MODE][!], where MODE is how it is read: text with substitutions unless given, plain text, a
-# command line, flag, number. After `|` the inner entities, after `>` the argument for inner actions.
+# command line, flag, number, YAML. After `|` the inner entities, after `>` the argument for inner actions.
 _PROCESS = (
     "cwd launch-prefix=prefix output respawn respawn_max_retries:number respawn_delay:number sigkill_timeout:number "
     "sigterm_timeout:number shell:flag emulate_tty:flag on_exit:exit"
@@ -195,11 +195,11 @@ _ENTITIES = {
     "reset_env": "ResetEnvironment",
     "ros_timer": "RosTimer period:number! > actions",
     "set_env": "SetEnvironmentVariable name! value!",
-    "set_parameter": "SetParameter name! value:joined!",
+    "set_parameter": "SetParameter name! value:yaml!",
     "set_parameters_from_file": "SetParametersFromFile filename! node_name",
     "set_remap": "SetRemap from=src! to=dst!",
     "set_ros_log_dir": "SetROSLogDir new_log_dir=log_dir",
-    "set_use_sim_time": "SetUseSimTime value:joined!",
+    "set_use_sim_time": "SetUseSimTime value:yaml!",
     "shutdown": "Shutdown reason",
     "timer": "TimerAction period:number! cancel_on_shutdown:flag > actions",
     "unset": "UnsetLaunchConfiguration name!",
@@ -207,7 +207,7 @@ _ENTITIES = {
 }
 
 
-def _read_tag(text: str) -> _Tag:
+def _read_tag(text: str) -> Tag:
     before, _, actions = text.partition(" > ")
     written, _, inner = before.partition(" | ")
     kind, *words = written.split()
@@ -218,10 +218,10 @@ def _read_tag(text: str) -> _Tag:
         attributes[attribute] = (target or attribute, mode or "text")
     required = {re.split("[=:!]", word)[0] for word in words if word.endswith("!")}
     lists = dict(each.split("=") for each in inner.split())
-    return _Tag(kind, attributes, lists, actions, frozenset(required))
+    return Tag(kind, attributes, lists, actions, frozenset(required))
 
 
-_TAGS = {name: _read_tag(text) for name, text in _ENTITIES.items()}
+TAGS = {name: _read_tag(text) for name, text in _ENTITIES.items()}
 _SPELLINGS = {"push-ros-namespace": "push_ros_namespace"}
 _OF_ROS1 = {
     "machine": "ROS 2 starts nodes on one computer",
@@ -254,9 +254,9 @@ class _Maker:
             yield made
 
     def _make(self, entity: Entity) -> Made | Unknown:
-        tag = _TAGS.get(_SPELLINGS.get(entity.name, entity.name))
+        tag = TAGS.get(_SPELLINGS.get(entity.name, entity.name))
         if tag is None:
-            near = did_you_mean(entity.name, _TAGS)
+            near = did_you_mean(entity.name, TAGS)
             if near is None and entity.name not in _OF_ROS1:
                 return Unknown(f"<{entity.name}> is an entity of a package, what it starts", entity.span)
             help_ = _OF_ROS1.get(entity.name, f"did you mean <{near}>?")
@@ -278,7 +278,7 @@ class _Maker:
         self._read_inner(entity, tag, values, places)
         return Made(tag.kind, values, entity.span, places)
 
-    def _report_attribute(self, entity: Entity, tag: _Tag, name: str, span: Span) -> None:
+    def _report_attribute(self, entity: Entity, tag: Tag, name: str, span: Span) -> None:
         of_ros1 = _ROS1_ATTRIBUTES.get(name)
         near = of_ros1 if of_ros1 in tag.attributes else did_you_mean(name, tag.attributes)
         help_ = f"write {near}=" if near else f"it has: {', '.join(sorted(tag.attributes))}"
@@ -289,7 +289,7 @@ class _Maker:
         message = f"<{entity.name}> has no attribute '{name}', expected it"
         return DescriptionProblem(message, "missing-attribute", entity.span, f'add {name}="..."', name)
 
-    def _read_inner(self, entity: Entity, tag: _Tag, values: dict[str, object], places: dict[str, Span]) -> None:
+    def _read_inner(self, entity: Entity, tag: Tag, values: dict[str, object], places: dict[str, Span]) -> None:
         for name, target in tag.lists.items():
             listed = [each for each in entity.inner if each.name == name]
             if listed:
@@ -331,8 +331,8 @@ class _Maker:
                 raise DescriptionProblem(f"on_exit is '{text}', expected 'shutdown'", "bad-choice", span, None, text)
             return Made("Shutdown", {}, span)
         parts = parse_text(text, span)
-        if mode == "joined":  # a value of YAML, where a list of texts would be a list of values
-            return Made("StringJoinSubstitution", {"substitutions": [parts]}, span)
+        if mode == "yaml":  # texts of a substitution have YAML's types, those of a list are texts
+            return [Made("TextSubstitution", {"text": each}, span) if isinstance(each, str) else each for each in parts]
         return parts
 
     def _read_list(self, target: str, listed: list[Entity], known: object) -> object:
@@ -387,10 +387,10 @@ class _Maker:
     def _typed(self, entity: Entity) -> object:
         value, span = entity.attributes["value"]
         name, identifier, separator = entity.text("name") or "", entity.text("type"), entity.text("value-sep")
-        if identifier not in _TYPES:
-            message = f"the type is '{identifier}', expected one of {', '.join(filter(None, _TYPES))}"
+        if identifier not in VALUE_TYPES:
+            message = f"the type is '{identifier}', expected one of {', '.join(filter(None, VALUE_TYPES))}"
             raise DescriptionProblem(message, "bad-param-value", entity.attributes["type"][1], None, identifier or "")
-        kind = _TYPES[identifier]
+        kind = VALUE_TYPES[identifier]
         if not entity.is_yaml:  # its attributes are texts
             if separator:
                 item = getattr(kind, "__args__", (kind,))[0]
@@ -401,7 +401,7 @@ class _Maker:
         return Made("ParameterValue", {"value": parsed, "value_type": kind}, span, {"value": span})
 
 
-_TYPES: Mapping[str | None, Any] = {
+VALUE_TYPES: Mapping[str | None, Any] = {
     None: None,
     **{kind.__name__: kind for kind in (str, int, float, bool)},
     **{f"list_of_{kind.__name__}": list[kind] for kind in (str, int, float, bool)},  # type: ignore[valid-type]

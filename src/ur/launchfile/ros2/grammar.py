@@ -13,7 +13,7 @@ _ESCAPE = re.compile(r"\\(.)", re.DOTALL)
 _DEEPEST = 40
 
 # Command: kind, arguments in their order (a `*` takes all that are left), the least number of them.
-_COMMANDS: Mapping[str, tuple[str, tuple[str, ...], int]] = {
+COMMANDS: Mapping[str, tuple[str, tuple[str, ...], int]] = {
     "all": ("AllSubstitution", ("*conditions",), 1),
     "and": ("AndSubstitution", ("left", "right"), 2),
     "anon": ("AnonName", ("name",), 1),
@@ -154,12 +154,12 @@ class _Parser:
 
     def _make(self, name: str, words: list[list[str | Made]], start: int) -> Made:
         span = self._place(start)
-        command = _COMMANDS.get(name)
+        command = COMMANDS.get(name)
         if command is None:
             present = _RENAMED.get(name)
-            near = present or did_you_mean(name, _COMMANDS)
+            near = present or did_you_mean(name, COMMANDS)
             of = " of ROS 1" if present else ""
-            help_ = f"write $({near} ...)" if near else f"known: {', '.join(sorted(_COMMANDS))}"
+            help_ = f"write $({near} ...)" if near else f"known: {', '.join(sorted(COMMANDS))}"
             message = f"$({name} ...) is a substitution{of} that ROS 2 does not know"
             raise DescriptionProblem(message, "bad-substitution", span, help_, name)
         kind, names, least = command

@@ -298,7 +298,7 @@ def _content(made: Made, context: Context) -> str | Unknown:
     if isinstance(path, Unknown):
         return path
     try:
-        return context.world.read_bytes(path).decode(errors="replace")
+        return context.world.read_bytes(path).decode(errors="replace").replace("\r\n", "\n")
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         raise DescriptionProblem(

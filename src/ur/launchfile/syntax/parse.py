@@ -380,11 +380,6 @@ def describe_unread(unread: Mapping[str, int]) -> str:
     return f"{kinds} {'was' if sum(unread.values()) == 1 else 'were'} not read" if kinds else ""
 
 
-def explain_no_launch_file(unread: Mapping[str, int]) -> str:
-    """Return the help of an error about a folder without launch files."""
-    return "; ".join(filter(None, ("launch files end in .launch or .launch.xml", describe_unread(unread))))
-
-
 def find_ros2(source: SourceFile, root: Element | None) -> Diagnostic | None:
     """Return the finding that a file is written for ROS 2, at the first evidence of it; None for any other file."""
     if is_ros2_name(source.path):

@@ -3,10 +3,11 @@
 from dataclasses import dataclass, replace
 
 from ur.check.collect import Targets, collect_targets
-from ur.launchfile.syntax.parse import count_unread, explain_no_launch_file, is_ros2_name
+from ur.launchfile.load import is_for_ros2
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, Severity, UserError, error_about
 from ur.source.progress import Progress, counted
+from ur.tools.convert.other_language import Language, convert_to
 from ur.tools.convert.run import Converted, convert_file
 from ur.tools.convert.state import RULE
 
@@ -31,23 +32,43 @@ class ConvertedFiles:
     findings: tuple[Diagnostic, ...]
 
 
-def convert_all(path: str, world: World, progress: Progress, *, whole: bool = False) -> ConvertedFiles:
-    """Convert a launch file or all of a package or folder; `whole`: packages only. Raises UserError."""
+def convert_all(
+    path: str,
+    world: World,
+    progress: Progress,
+    *,
+    whole: bool = False,
+    language: Language = "xml",
+    anyway: bool = False,
+) -> ConvertedFiles:
+    """Convert a launch file or all of a package or folder; `whole`: packages only. Raises UserError.
+
+    Where there are launch files of ROS 1 these are converted to ROS 2; otherwise those of ROS 2 to `language`, without
+    those for which something has no counterpart, unless `anyway`.
+    """
     targets = collect_targets([path], world)
-    unread = count_unread(targets.launch_files)
-    targets = replace(targets, launch_files=tuple(each for each in targets.launch_files if not is_ros2_name(each)))
+    of_ros1 = tuple(each for each in targets.launch_files if not is_for_ros2(each, world))
+    others = tuple(each for each in targets.launch_files if not each.endswith(f".{language}"))
+    targets = replace(targets, launch_files=of_ros1 or others)
     if not targets.launch_files:
-        reason, help_ = "no launch file in it, expected one to convert", explain_no_launch_file(unread)
+        reason = "no launch file in it, expected one to convert"
+        help_ = "launch files end in .launch, .launch.xml, .launch.yaml or .py"
         raise UserError(error_about(path, reason, rule="missing-file", help=help_))
     made: list[Converted] = []
     findings: list[Diagnostic] = []
     for each in counted(targets.launch_files, "converting", "launch files", progress):
         try:
-            made.append(convert_file(each, world))
+            converted = convert_file(each, world) if of_ros1 else convert_to(each, world, language)
+            if of_ros1 or anyway or not converted.findings:
+                made.append(converted)
+            else:
+                findings += converted.findings
         except UserError as problem:  # noqa: PERF203 - the other files are converted
             if len(targets.launch_files) == 1:
                 raise
             findings += problem.diagnostics
+    if not made:
+        raise UserError(*findings)
     launch_files = tuple(_place(each.path, each.text, targets, world) for each in made)
     names = {each.package for each in launch_files}
     if whole and "" in names:

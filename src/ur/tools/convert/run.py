@@ -15,7 +15,7 @@ from ur.tools.convert.parameter_files import ParameterFile, convert_parameters
 from ur.tools.convert.state import RULE, Findings
 from ur.tools.convert.xml_out import write_xml
 
-_HEAD = "<?xml version='1.0'?>\n"
+HEAD = "<?xml version='1.0'?>\n"
 _FIND = re.compile(r"\$\(find\s+([^()\s]+)\s*\)(.*)", re.DOTALL)
 _COMPUTED = re.compile(r"\$\([^()]*\)")
 _MOST_FILES = 1_000
@@ -43,7 +43,7 @@ def convert_file(path: str, world: World) -> Converted:
     findings = Findings()
     tag = convert_launch(parsed.launch, parsed.comments, findings)
     files = tuple(_convert_files(findings, path, world))
-    return Converted(path, _HEAD + write_xml(tag), files, findings.finish())
+    return Converted(path, HEAD + write_xml(tag), files, findings.finish())
 
 
 def _convert_files(findings: Findings, path: str, world: World) -> Iterator[ParameterFile]:
