@@ -4,10 +4,19 @@ Every command splits them here, once, and passes values on. roslaunch's rules ab
 `ur.launchfile.plan.names.read_assignments`.
 """
 
+import shlex
 from collections.abc import Iterable
 from typing import NamedTuple
 
 _ASSIGN = ":="
+_LONGEST = 100_000  # characters: shlex takes the square of their number, here 0.2 s
+
+
+def split_words(text: str) -> list[str]:
+    """Return the words of a command line as a shell would. Raises ValueError, also for one that is too long."""
+    if len(text) > _LONGEST:
+        raise ValueError(f"More than {_LONGEST:,} characters")
+    return shlex.split(text)
 
 
 class Argument(NamedTuple):

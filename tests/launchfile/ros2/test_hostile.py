@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from resource import RUSAGE_SELF, getrusage
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -16,6 +17,7 @@ from tests.launchfile.ros2.plans import load, python, rules, xml
 
 from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.ros2.load import load_ros2
+from ur.launchfile.world.memory import MemoryWorld
 from ur.launchfile.world.system import SystemWorld
 
 BODY = "def generate_launch_description():\n    return LaunchDescription([{}])\n"
@@ -86,8 +88,26 @@ HOSTILE = {
     "endless iterator": "x = list(iter(int, 1))\ny = list(map(str, iter(int, 1)))",
     "sort of texts": "x = sorted(['a' * 100000] * 100000)",
     "lists of lists": "x = [[[0] * 1000] * 1000] * 1000\ny = str(x)",
+    "path by doubling": "from pathlib import Path\nx = Path('a' * 4000)\nfor a in range(40):\n    x = x / x",
+    "path by joining": "from pathlib import Path\nx = Path('a')\nfor a in range(40):\n    x = Path(x, x).joinpath(x)",
+    "parents of a path": "from pathlib import Path\nx = Path('a/' * 100000).parents",
+    "path of os": "import os\nx = 'a' * 1000\nfor a in range(40):\n    x = os.path.join(x, x)",
+    "slice by doubling": "x = [0] * 1000\nfor a in range(40):\n    x[0:0] = x",
+    "removed items": "x = [0] * 900000 + [1]\nwhile True:\n    x.remove(1)\n    x.append(1)",
+    "inserted items": "x = [0] * 100000\nwhile True:\n    x.insert(0, 1)",
+    "loops that break": "x = range(900000)\nfor a in range(9999):\n    for b in x:\n        break",
+    "uneven assignment": "for a in range(9999):\n    b, c = range(900000)",
+    "objects in objects": "class A:\n    def __init__(self, a):\n        self.a = self.b = a\nx = A(0)\n"
+    "for a in range(40):\n    x = A(x)\ny = str(x)\nz = f'{x}'",
+    "defaults of defaults": "def x(): pass\nfor a in range(40):\n    def x(a=x, b=x): pass\ny = str(x)",
+    "file that is read again": "for a in range(99999):\n    x = open('BIG').readlines()",
+    "folder that is read again": "import os\nwhile True:\n    x = os.listdir('.')\n    y = os.path.exists('.')",
+    "statement given up again": "import re\nwhile True:\n    for a in range(9999):\n        if re.x:\n"
+    + "".join(f"            b{number} = a\n" for number in range(3000)),
+    "values in values": "x = [LaunchDescription([])]\nfor a in range(40):\n    x = [LaunchDescription(x), *x]",
 }
 BUDGET = 1_000_000  # units of work, a part of what a file has
+MOST_MEMORY = 300_000  # KiB
 LIMIT = 20.0  # seconds of processor: far above the budget, far below for ever
 
 
@@ -131,6 +151,7 @@ def test_hostile_file_has_no_effect_and_ends(attack: str, tmp_path: Path, monkey
     monkeypatch.chdir(tmp_path)
     inside = "".join(f"    {line}\n" for line in attack.splitlines())
     files = {
+        "BIG": "word word\n" * 100_000,
         "a.launch.py": f"{NODE}{attack}\n{BODY.format('Node(executable=str(x) if 0 else 0)')}",
         "b.launch.py": f"{NODE}def generate_launch_description():\n{inside}    return LaunchDescription([])\n",
         "c.launch.py": f"{NODE}from launch.actions import OpaqueFunction\ndef f(context):\n{inside}    return []\n"
@@ -140,13 +161,14 @@ def test_hostile_file_has_no_effect_and_ends(attack: str, tmp_path: Path, monkey
     }
     for name, text in files.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
-    before, start = dict(os.environ), time.process_time()
+    before, start, memory = dict(os.environ), time.process_time(), getrusage(RUSAGE_SELF).ru_maxrss
     with _watched() as effects:
         plans = [
             load_ros2(str(tmp_path / name), [], SystemWorld({"HOME": "/"}), budget=Budget(BUDGET))
-            for name in list(files)[:3]
+            for name in list(files)[1:4]
         ]
     assert time.process_time() - start < LIMIT
+    assert getrusage(RUSAGE_SELF).ru_maxrss - memory < MOST_MEMORY
     assert not effects
     assert dict(os.environ) == before
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(files)
@@ -183,6 +205,57 @@ def test_hostile_text_is_read_to_an_end(text: str | bytes, name: str) -> None:
     start = time.process_time()
     load("", name, {name: text})
     assert time.process_time() - start < LIMIT
+
+
+NAMES = ["/a.launch.py", "/a.launch.xml", "/a.launch.yaml"]
+REPEATED = {
+    "doubled text": "*[SetLaunchConfiguration('a', [LaunchConfiguration('a')] * 2) for i in range(60)]",
+    "doubled variable": "*[SetEnvironmentVariable('a', [EnvironmentVariable('a')] * 2) for i in range(60)]",
+    "doubled path": "*[SetLaunchConfiguration('a', PathJoinSubstitution([LaunchConfiguration('a')] * 2)) for i in x]",
+    "groups of groups": "g(60)",
+    "texts of texts": "Node(executable=t(60))",
+    "lists in an expression": "Node(executable=PythonExpression('[[[1] * 1000] * 1000] * 1000'))",
+    "nodes with variables": "*[SetEnvironmentVariable(str(i), 'a') for i in range(999)], *[Node(executable='a')] * 999",
+    "scopes with variables": "*[SetEnvironmentVariable(str(i), 'a') for i in range(999)], *[GroupAction([])] * 99999",
+    "remappings": "*[SetRemap('a', 'b')] * 99999",
+    "long command": "*[Node(executable='a', arguments='a' * 90000)] * 9999",
+    "long value": "*[Node(executable='a', parameters=[{'a': [LaunchConfiguration('a'), 'a' * 90000]}])] * 9999",
+    "many folders": "SetEnvironmentVariable('PATH', '/:' * 90000), *[Node(executable=FindExecutable('a'))] * 9999",
+    "contents of files": "*[Node(executable=FileContent('/big'))] * 99999",
+}
+
+
+@pytest.mark.parametrize("actions", REPEATED.values(), ids=REPEATED)
+def test_description_that_grows_is_visited_within_the_budget(actions: str) -> None:
+    before = (
+        "x = range(60)\ndef g(n):\n    a = GroupAction([])\n    for i in range(n):\n        a = GroupAction([a, a])\n"
+        "    return a\ndef t(n):\n    a = ['a']\n    for i in range(n):\n        b = []\n        b.append(a)\n"
+        "        b.append(a)\n        a = b\n    return a\n"
+    )
+    start, memory = time.process_time(), getrusage(RUSAGE_SELF).ru_maxrss
+    first = "SetLaunchConfiguration('a', 'a'), SetEnvironmentVariable('a', 'a')"
+    files = {"/a.launch.py": python(first, actions, before=before), "/big": "a" * 100_000}
+    plan = load_ros2("/a.launch.py", [], MemoryWorld(files), budget=Budget(BUDGET))
+    assert time.process_time() - start < LIMIT
+    assert getrusage(RUSAGE_SELF).ru_maxrss - memory < MOST_MEMORY
+    assert any(" too long to " in text for text in (*map(str, plan.gaps), *map(str, plan.diagnostics)))
+
+
+@pytest.mark.parametrize("name", NAMES[::2])
+def test_file_that_is_too_large_is_not_parsed(name: str) -> None:
+    assert rules(load("#" * 600_000, name)) == ["file-too-large"]
+
+
+@pytest.mark.parametrize(
+    "text", ["return", "break", "continue", "def f():\n    break\nx = f()", "class A:\n    return"]
+)
+def test_statement_outside_of_what_it_ends_is_reported_as_python_does(text: str) -> None:
+    assert rules(load(f"{text}\n")) == ["python-syntax"]
+
+
+def test_entry_that_raises_is_a_gap() -> None:
+    plan = load("generate_launch_description = lambda: 1 / 0\n")
+    assert [gap.reason for gap in plan.gaps] == ["it raises ZeroDivisionError: division by zero"]
 
 
 def test_files_that_include_one_another_end() -> None:
@@ -233,7 +306,6 @@ GOOD = [
     "        exec: $(var a)\n        param:\n        - {name: p, value: [1, 2]}\n        - from: /p\n"
     "- node_container: {name: c, namespace: '', pkg: p, exec: e, composable_node: [{pkg: p, plugin: q, name: r}]}\n",
 ]
-NAMES = ["/a.launch.py", "/a.launch.xml", "/a.launch.yaml"]
 SETTINGS = settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
 
 

@@ -1,6 +1,5 @@
 """Rule for missing files that a launch file names."""
 
-import shlex
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
@@ -9,6 +8,7 @@ from ur.check.rule import LaunchedNode, ParamView, Rule, RuleFinding, RuleGroup,
 from ur.check.worlds import has_marker
 from ur.launchfile.syntax import Element
 from ur.launchfile.world import World
+from ur.source.arguments import split_words
 from ur.source.diagnostic import Severity
 from ur.source.suggest import did_you_mean
 
@@ -49,7 +49,7 @@ def _after(words: list[str], options: tuple[str, ...]) -> list[str]:
 
 def _split(text: str) -> list[str]:
     try:
-        return shlex.split(text)
+        return split_words(text)
     except ValueError:
         return []
 

@@ -1,13 +1,13 @@
 """Rules about transforms: arguments of static_transform_publisher, and transforms that two nodes publish."""
 
 import math
-import shlex
 from collections.abc import Iterable, Mapping
 
 from ur.check.example_parts import make_launch
 from ur.check.rule import LaunchedNode, PlanView, Rule, RuleFinding, RuleGroup, launch_examples
 from ur.check.worlds import has_marker
 from ur.launchfile.plan.specs import NodeSpec
+from ur.source.arguments import split_words
 from ur.source.diagnostic import Note, Severity
 
 _STATIC = "static_transform_publisher"
@@ -71,7 +71,7 @@ def _arguments_of(node: NodeSpec) -> list[str] | None:
     if node.type != _STATIC or node.package not in ("tf", "tf2_ros") or has_marker(node.args):
         return None
     try:
-        return [word for word in shlex.split(node.args) if ":=" not in word]
+        return [word for word in split_words(node.args) if ":=" not in word]
     except ValueError:
         return None
 

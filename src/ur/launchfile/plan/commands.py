@@ -8,6 +8,7 @@ from typing import Protocol
 from ur.launchfile.plan.specs import ParamSpec, ParamValue, Plan
 from ur.launchfile.plan.values.convert import convert_scalar
 from ur.launchfile.plan.values.yaml_values import YamlProblem, read_yaml
+from ur.source.arguments import split_words
 from ur.source.diagnostic import Diagnostic, Note, error
 
 MAX_OUTPUT = 64 * 1024 * 1024
@@ -97,7 +98,7 @@ def run_commands(plan: Plan, run: CommandRunner) -> Plan:
 def _run(command: str, run: CommandRunner) -> CommandResult | str:
     # A text is the reason for a missing result.
     try:
-        words = shlex.split(command)
+        words = split_words(command)
     except ValueError as problem:
         return f"the command cannot be split into words: {problem}"
     if not words:

@@ -5,6 +5,7 @@ import re
 from ur.launchfile.plan.draft import Draft
 from ur.launchfile.plan.problems import TOLERATED
 from ur.launchfile.plan.specs import Gap, Origin
+from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.ros2.context import Context
 from ur.launchfile.ros2.model import Description, DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.substitutions import perform, perform_flag
@@ -20,7 +21,7 @@ class Collector:
 
     def __init__(self, context: Context, draft: Draft) -> None:
         self._context, self._draft = context, draft
-        self._gaps: list[Gap] = []
+        self._gaps: dict[Gap, None] = {}
         context.on_problem, context.on_gap = self._on_problem, self._on_gap
 
     def _origin(self, span: Span) -> Origin:
@@ -42,8 +43,7 @@ class Collector:
 
     def _on_gap(self, unknown: Unknown, chain: tuple[Span, ...]) -> None:
         gap = Gap(unknown.reason, Origin(unknown.span, chain) if unknown.span is not None else None, unknown.kind)
-        if gap not in self._gaps:
-            self._gaps.append(gap)
+        self._gaps[gap] = None
 
     def _warn(self, message: str, rule: str, span: Span, help_: str | None = None, subject: str = "") -> None:
         found = Diagnostic(Severity.WARNING, message, rule, span, (), help_, subject, TOLERATED)
@@ -101,13 +101,14 @@ def find_written(name: str, place: Span, other: Span) -> Span:
     return other if found is None else Span(place.file, found.start() + 1, found.end() - 1)
 
 
-def find_declared(description: Description) -> tuple[set[str], bool]:
+def find_declared(description: Description, budget: Budget) -> tuple[set[str], bool]:
     """Return the arguments that a file declares, and whether these are certain to be all."""
     found: set[str] = set()
     complete = description.launch is not None and not description.gaps
     waiting: list[object] = [description.launch]
     while waiting:
         entity = waiting.pop()
+        budget.charge(1)
         if isinstance(entity, (list, tuple)):
             waiting.extend(entity)
         elif isinstance(entity, Unknown):

@@ -5,15 +5,18 @@ from contextlib import suppress
 from typing import Any
 
 from ur.launchfile.plan.commands import RunWith
-from ur.launchfile.plan.values.budget import Budget
+from ur.launchfile.plan.values.budget import PER_YAML_CHARACTER, Budget
 from ur.launchfile.ros2.model import DescriptionProblem, Unknown
 from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.source.file import Span
+from ur.source.foreign.yaml_text import load_yaml
 from ur.source.suggest import did_you_mean
 
 MOST_INCLUDES = 2_000
 MOST_FILES = 5_000
 DEEPEST = 50
+MOST_BYTES = 512 * 1024  # of a file in Python or YAML: its syntax tree takes 500 times as much
+PER_SYSTEM_CALL = 50  # units of work
 
 
 class Environment(dict[str, str]):
@@ -94,8 +97,31 @@ class Context:
         """Report a value that is not known."""
         self.on_gap(unknown, self.chain)
 
+    def read(self, path: str) -> bytes:
+        """Return the content of a file, charged to the budget. Raises OSError."""
+        data = self.world.read_bytes(path)
+        self.budget.charge(len(data))
+        return data
+
+    def load_yaml(self, text: str) -> Any:
+        """Return the value of a text in YAML, charged to the budget. Raises ValueError."""
+        self.budget.charge(PER_YAML_CHARACTER * len(text))
+        return load_yaml(text)
+
+    def list_folder(self, path: str) -> tuple[str, ...]:
+        """Return the names in a folder, charged to the budget."""
+        names = self.world.list_folder(path)
+        self.budget.charge(PER_SYSTEM_CALL + len(names))
+        return names
+
+    def is_file(self, path: str) -> bool:
+        """Return whether a path leads to a file, charged to the budget."""
+        self.budget.charge(PER_SYSTEM_CALL)
+        return self.world.is_file(path)
+
     def push_scope(self) -> None:
         """Begin a scope of configurations."""
+        self.budget.charge(len(self.configurations))
         self._scopes.append((dict(self.configurations), self.namespace, self.global_parameters, self.remaps))
 
     def pop_scope(self) -> None:
@@ -112,6 +138,7 @@ class Context:
 
     def push_environment(self) -> None:
         """Begin a scope of environment variables."""
+        self.budget.charge(len(self.environment))
         self._environments.append(dict(self.environment))
 
     def pop_environment(self) -> None:
@@ -164,7 +191,7 @@ class Context:
     def near_file(self, path: str) -> str | None:
         """Return help for a file that is missing: one with nearly its name."""
         folder, _, name = path.rpartition("/")
-        near = did_you_mean(name, self.world.list_folder(folder or "/"))
+        near = did_you_mean(name, self.list_folder(folder or "/"))
         return f"did you mean {folder}/{near}?" if near else None
 
     def find_file(self, path: str) -> str:
@@ -173,10 +200,10 @@ class Context:
         A source tree is no share folder: its build rules decide where a file is installed. There, a file of the same
         name counts, also as a template (`.in`); of several that whose path agrees most.
         """
-        if self.world.is_file(path):
+        if self.is_file(path):
             return path
         folder = next((each for each in self._shares if path.startswith(f"{each}/")), None)
-        if folder is None or not {"CMakeLists.txt", "setup.py"} & set(self.world.list_folder(folder)):
+        if folder is None or not {"CMakeLists.txt", "setup.py"} & set(self.list_folder(folder)):
             return path
         wanted = path[len(folder) + 1 :].split("/")
         names = (wanted[-1], f"{wanted[-1]}.in")
@@ -191,11 +218,11 @@ class Context:
             waiting: list[tuple[str, ...]] = [()]
             while waiting and len(self._listed[folder]) < MOST_FILES:
                 parts = waiting.pop()
-                for name in self.world.list_folder("/".join((folder, *parts))):
+                for name in self.list_folder("/".join((folder, *parts))):
                     if name.startswith("."):
                         continue
                     inner = (*parts, name)
-                    if self.world.is_file("/".join((folder, *inner))):
+                    if self.is_file("/".join((folder, *inner))):
                         self._listed[folder].append(inner)
                     else:
                         waiting.append(inner)
@@ -211,4 +238,4 @@ class Context:
         for folder in folders:
             whole = "/".join((folder, first, *rest))
             paths += [f"{whole}.py", f"{whole}/__init__.py"]
-        return [path for path in paths if self.world.is_file(path)]
+        return [path for path in paths if self.is_file(path)]

@@ -1,10 +1,10 @@
 """Substitutions in XML and YAML: `$(command words)`, nested and quoted, as upstream's grammar has them."""
 
 import re
-import shlex
 from collections.abc import Mapping
 
 from ur.launchfile.ros2.model import DescriptionProblem, Made
+from ur.source.arguments import split_words
 from ur.source.file import Span
 from ur.source.suggest import did_you_mean
 
@@ -60,7 +60,7 @@ def parse_command(text: str, span: Span) -> list[list[str | Made]]:
             word.append(part)
             continue
         try:
-            tokens = shlex.split(part)
+            tokens = split_words(part)
         except ValueError as problem:
             raise DescriptionProblem(f"the command line has {str(problem).lower()}", "launch-value", span) from None
         if not tokens:

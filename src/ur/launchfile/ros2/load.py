@@ -6,7 +6,7 @@ from ur.launchfile.plan.commands import RunWith
 from ur.launchfile.plan.draft import Draft, TooMuch
 from ur.launchfile.plan.specs import Plan, TraceStep
 from ur.launchfile.plan.values.budget import Budget, TooLong
-from ur.launchfile.ros2.context import Context
+from ur.launchfile.ros2.context import MOST_BYTES, Context
 from ur.launchfile.ros2.model import Description, DescriptionProblem, Unknown
 from ur.launchfile.ros2.python import one_expression as one_expression  # which adds itself to the substitutions
 from ur.launchfile.ros2.python.reader import read_python
@@ -63,8 +63,11 @@ def load_ros2(
 
 def read_description(path: str, context: Context) -> Description:
     """Read a launch file in the language that its name tells. Raises OSError."""
-    data = context.world.read_bytes(path)
-    context.budget.charge(len(data))
+    data = context.read(path)
+    if len(data) > MOST_BYTES and path.endswith(
+        (".py", ".py.in", ".yaml", ".yml")
+    ):  # the reader of XML has its own limit
+        return Description(path, None, (_too_large(path, len(data)),))
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -74,6 +77,11 @@ def read_description(path: str, context: Context) -> Description:
     from ur.launchfile.ros2.entities import read_entities
 
     return read_entities(path, text)
+
+
+def _too_large(path: str, size: int) -> DescriptionProblem:
+    message = f"{path} has {size:,} bytes, expected a launch file of at most {MOST_BYTES:,}"
+    return DescriptionProblem(message, "file-too-large", Span(SourceFile(path, ""), 0, 0), "split it", path)
 
 
 def _not_text(path: str) -> DescriptionProblem:

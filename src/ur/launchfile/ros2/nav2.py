@@ -16,7 +16,6 @@ from ur.launchfile.ros2.grammar import parse_text
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.substitutions import PERFORM, is_wanted, perform
 from ur.source.file import Span
-from ur.source.foreign.yaml_text import load_yaml
 
 REWRITTEN = "/rewritten/"
 
@@ -24,17 +23,17 @@ REWRITTEN = "/rewritten/"
 def read_content(path: str, context: Context, span: Span) -> object:
     """Return the content of a YAML file, rewritten or not. Raises DescriptionProblem."""
     known = context.rewritten.get(path)
-    return _load(_read_text(path, context, span), path, span) if known is None else known
+    return _load(_read_text(path, context, span), path, span, context) if known is None else known
 
 
 def fill_file(path: str, context: Context, span: Span) -> str | Unknown:
     """Return the path of a parameter file in which substitutions are performed, as ParameterFile(allow_substs=True)."""
-    if path not in context.rewritten and not context.world.is_file(path):
+    if path not in context.rewritten and not context.is_file(path):
         return path
     text = _read_text(path, context, span)
     is_plain = "$(" not in text and "\\" not in text
     filled = text if is_plain else perform(cast("list[object]", parse_text(text, span)), context)
-    return filled if isinstance(filled, Unknown) else _keep(path, _load(filled, path, span), context, filled)
+    return filled if isinstance(filled, Unknown) else _keep(path, _load(filled, path, span, context), context, filled)
 
 
 def _keep(path: str, content: object, context: Context, text: str) -> str:
@@ -46,18 +45,17 @@ def _read_text(path: str, context: Context, span: Span) -> str:
     if known is not None:
         return known
     try:
-        data = context.world.read_bytes(path)
+        data = context.read(path)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         message = f"{path}: {reason}, expected a parameter file"
         raise DescriptionProblem(message, "missing-file", span, context.near_file(path), path) from None
-    context.budget.charge(len(data))
     return data.decode(errors="replace")
 
 
-def _load(text: str, path: str, span: Span) -> object:
+def _load(text: str, path: str, span: Span, context: Context) -> object:
     try:
-        return load_yaml(text)
+        return context.load_yaml(text)
     except ValueError as problem:
         raise DescriptionProblem(f"{path}: {problem}, expected YAML", "bad-yaml", span, None, path) from None
 
@@ -175,7 +173,7 @@ def _replace_string(made: Made, context: Context) -> str | Unknown:
             return new
         text = text.replace(str(key), new)
     try:
-        content = load_yaml(text)
+        content = context.load_yaml(text)
     except ValueError:
         return Unknown(f"{path} is rewritten when the launch starts", made.span)
     return _keep(path, content, context, text)

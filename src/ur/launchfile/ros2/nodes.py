@@ -125,7 +125,7 @@ class Nodes(Collector):
         if given is None:
             return ()
         if isinstance(given, str):
-            return split_command(given)
+            return split_command(given, self._context.budget)
         items = given if isinstance(given, (list, tuple)) else [given]
         return tuple(self._text(item, made.place("arguments")) for item in items)
 
@@ -153,6 +153,7 @@ class Nodes(Collector):
         self, made: Made, kind: NodeKind, name: str, namespace: str, package: str, type_: str, words: tuple[str, ...]
     ) -> NodeSpec:
         context = self._context
+        context.budget.charge(10 * (len(context.environment) + len(context.remaps) + len(context.global_parameters)))
         respawn = self._flag(made, "respawn")
         delay = made.get("respawn_delay")
         seconds = self._text(delay, made.span) if delay is not None else "0"
@@ -308,7 +309,7 @@ class Nodes(Collector):
         known = context.find_file(path)
         if "<" in path or not path:
             return None
-        if not context.world.is_file(known):
+        if not context.is_file(known):
             found = Diagnostic(
                 Severity.ERROR, f"{path}: no such file, expected a parameter file: the node starts without it",
                 "missing-file", span, (), context.near_file(known), path,

@@ -9,6 +9,7 @@ from pathlib import PurePosixPath
 from typing import Any, cast
 
 from ur.launchfile.plan.specs import ParamValue
+from ur.launchfile.plan.values.budget import PER_YAML_CHARACTER
 from ur.launchfile.ros2.context import Context
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.substitutions import perform
@@ -48,7 +49,7 @@ def read_value(value: object, name: str, span: Span, context: Context) -> ParamV
         return value
     if isinstance(value, Made):
         text = perform(value, context)
-        return text if isinstance(text, Unknown) else _from_text(text, name, value.span)
+        return text if isinstance(text, Unknown) else _from_text(text, name, value.span, context)
     if isinstance(value, (list, tuple)):
         return _read_list(value, name, span, context)
     if isinstance(value, PurePosixPath):
@@ -74,19 +75,19 @@ def _read_list(values: Sequence[object], name: str, span: Span, context: Context
         return [float(cast("float", each)) for each in values]
     if "substitution" in kinds and kinds <= {"substitution", str}:
         text = perform(list(values), context)
-        return text if isinstance(text, Unknown) else _from_text(text, name, span)
+        return text if isinstance(text, Unknown) else _from_text(text, name, span, context)
     texts = [each if isinstance(each, str) else perform(each, context) for each in values]
     for text in texts:
         if isinstance(text, Unknown):
             return text
     if kinds <= {str}:
         return cast("ParamValue", texts)
-    parsed = [_load(str(text), name, span) for text in texts]
+    parsed = [_load(str(text), name, span, context) for text in texts]
     return _uniform(parsed, name, span)
 
 
-def _from_text(text: str, name: str, span: Span) -> ParamValue:
-    value = _load(text or "''", name, span)
+def _from_text(text: str, name: str, span: Span, context: Context) -> ParamValue:
+    value = _load(text or "''", name, span, context)
     if isinstance(value, (*_SCALARS, bytes)):
         return cast("ParamValue", value)
     if isinstance(value, list):
@@ -101,9 +102,9 @@ def _from_text(text: str, name: str, span: Span) -> ParamValue:
     )
 
 
-def _load(text: str, name: str, span: Span) -> object:
+def _load(text: str, name: str, span: Span, context: Context) -> object:
     try:
-        return load_yaml(text)
+        return context.load_yaml(text)
     except ValueError as problem:
         help_ = "write ParameterValue(..., value_type=str) for a text"
         raise DescriptionProblem(
@@ -131,12 +132,14 @@ def _typed(made: Made, name: str, context: Context) -> ParamValue | Unknown:
         any(isinstance(each, Made) for each in value) and all(isinstance(each, (Made, str)) for each in value)
     ):
         text = perform(value, context)
+        context.budget.charge(0 if isinstance(text, Unknown) else PER_YAML_CHARACTER * len(text))
         return text if isinstance(text, Unknown) else coerce(text, kind, name, span)
     items: list[object] = []
     for each in value:
         item = each if isinstance(each, _SCALARS) else perform(each, context)
         if isinstance(item, Unknown):
             return item
+        context.budget.charge(PER_YAML_CHARACTER * len(str(item)))
         items.append(item if each is item else coerce(str(item), _item_of(kind), name, span))
     if kind in (None, list[float]) and {type(each) for each in items} == {int, float}:
         items = [float(cast("float", each)) for each in items]

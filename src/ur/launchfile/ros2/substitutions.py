@@ -1,14 +1,15 @@
 """Substitutions and conditions: from what a launch file writes to a text, in a context."""
 
-import shlex
 import shutil
 from collections.abc import Callable, Mapping
 from pathlib import PurePosixPath
 from typing import Any
 
 from ur.launchfile.plan.problems import INHERITED
-from ur.launchfile.ros2.context import Context
+from ur.launchfile.plan.values.budget import PER_YAML_CHARACTER, Budget
+from ur.launchfile.ros2.context import PER_SYSTEM_CALL, Context
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
+from ur.source.arguments import split_words
 from ur.source.suggest import did_you_mean
 
 TRUE, FALSE = ("true", "1"), ("false", "0")
@@ -16,6 +17,12 @@ TRUE, FALSE = ("true", "1"), ("false", "0")
 
 def perform(value: object, context: Context) -> str | Unknown:
     """Return the text of a substitution, a text, a path, or a list of these. Raises DescriptionProblem."""
+    text = _perform(value, context)
+    context.budget.charge(1 if isinstance(text, Unknown) else 1 + len(text) // 8)
+    return text
+
+
+def _perform(value: object, context: Context) -> str | Unknown:
     if isinstance(value, str | Unknown):
         return value
     if isinstance(value, PurePosixPath):
@@ -194,7 +201,9 @@ def _find_executable(made: Made, context: Context) -> str | Unknown:
     name = perform(made.get("name", ""), context)
     if isinstance(name, Unknown):
         return name
-    return shutil.which(name, path=context.environment.get("PATH")) or name
+    path = context.environment.get("PATH", "")
+    context.budget.charge(PER_SYSTEM_CALL * (1 + path.count(":")))
+    return shutil.which(name, path=path) or name
 
 
 def _command(made: Made, context: Context) -> str | Unknown:
@@ -298,7 +307,7 @@ def _content(made: Made, context: Context) -> str | Unknown:
     if isinstance(path, Unknown):
         return path
     try:
-        return context.world.read_bytes(path).decode(errors="replace").replace("\r\n", "\n")
+        return context.read(path).decode(errors="replace").replace("\r\n", "\n")
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         raise DescriptionProblem(
@@ -336,10 +345,11 @@ def _node_parameter(made: Made, _: Context) -> str | Unknown:
     return Unknown("global parameters are set when the launch starts", made.span)
 
 
-def split_command(text: str) -> tuple[str, ...]:
+def split_command(text: str, budget: Budget) -> tuple[str, ...]:
     """Return the words of a command, as a shell would."""
+    budget.charge(PER_YAML_CHARACTER * len(text) + len(text) ** 2 // 1000)  # shlex adds character to character
     try:
-        return tuple(shlex.split(text))
+        return tuple(split_words(text))
     except ValueError:
         return (text,)
 

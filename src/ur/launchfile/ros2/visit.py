@@ -25,7 +25,6 @@ from ur.launchfile.ros2.parameters import read_value
 from ur.launchfile.ros2.substitutions import is_wanted, perform
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
-from ur.source.foreign.yaml_text import load_yaml
 from ur.source.suggest import did_you_mean
 
 MOST_ROUNDS = 1_000  # of a loop
@@ -225,7 +224,7 @@ class Visitor(Events):
             return
         path = context.world.absolute(context.find_file(text))
         passed = self._read_arguments(made, span)
-        found = context.world.is_file(path)
+        found = context.is_file(path)
         spec = IncludeSpec(
             path,
             found,
@@ -273,7 +272,7 @@ class Visitor(Events):
     def _check_passed(
         self, description: Description, passed: list[tuple[str, str | Unknown]], made: Made, span: Span
     ) -> None:
-        declared, complete = find_declared(description)
+        declared, complete = find_declared(description, self._context.budget)
         if not complete:
             return
         text = description.launch.span.file.text if description.launch is not None else ""
@@ -320,7 +319,7 @@ class Visitor(Events):
             if made.kind == "ForLoop":
                 rounds: list[Any] = list(range(min(int(text), MOST_ROUNDS)))
             else:
-                rounds = [load_yaml(part) for part in text.strip("; ").split(";")]
+                rounds = [self._context.load_yaml(part) for part in text.strip("; ").split(";")]
         except ValueError:
             rounds = [None]
         for each in rounds:
@@ -350,6 +349,7 @@ class Visitor(Events):
         separator = self._text(made.get("separator", ":"), made.span)
         known = self._context.environment.get(name)
         prepend = self._flag(made, "prepend")
+        self._context.budget.charge(len(known or "") // 8)
         parts = [value] if not known else [value, known] if prepend else [known, value]
         self._context.environment[name] = separator.join(parts)
 
@@ -364,6 +364,7 @@ class Visitor(Events):
 
     def _set_remap(self, made: Made) -> None:
         pair = (self._text(made.get("src", ""), made.span), self._text(made.get("dst", ""), made.span))
+        self._context.budget.charge(len(self._context.remaps))
         self._context.remaps = (*self._context.remaps, pair)
 
     def _set_parameter(self, made: Made) -> None:
@@ -371,6 +372,7 @@ class Visitor(Events):
         value = read_value(made.get("value"), name, made.span, self._context)
         shown = self._show(value, made.span) if isinstance(value, Unknown) else value
         values = ParameterValues(((name, shown),), self._origin(made.span), is_global=True)
+        self._context.budget.charge(len(self._context.global_parameters))
         self._context.global_parameters = (*self._context.global_parameters, values)
 
     def _set_parameter_file(self, made: Made) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -13,6 +12,7 @@ from ur.launchfile.plan.values.convert import convert_scalar
 from ur.run.master.client import Master
 from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.supervisor.events import Event, ParametersSet, SetupFailed, Unregistered
+from ur.source.arguments import split_words
 from ur.source.diagnostic import UserError, error, error_about
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def start_commands(specs: Sequence[ParamSpec], environment: Mapping[str, str]) -
 
         try:
             process = subprocess.Popen(
-                shlex.split(spec.command),
+                split_words(spec.command),
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,

@@ -12,6 +12,7 @@ from pathlib import Path
 from ur.launchfile.plan.specs import NodeSpec, ReadyCondition
 from ur.launchfile.world import PackageNotFound, World
 from ur.run.supervisor.state import Unit
+from ur.source.arguments import split_words
 from ur.source.diagnostic import Diagnostic, UserError, error
 from ur.source.suggest import did_you_mean, get_command
 from ur.system.debian_root import install_command
@@ -183,7 +184,7 @@ def choose_folder(cwd: str | None, first_word: str) -> str | None:
 
 def _split(node: NodeSpec, attribute: str, text: str) -> list[str]:
     try:
-        return shlex.split(text)
+        return split_words(text)
     except ValueError as problem:
         raise UserError(
             error(

@@ -26,6 +26,7 @@ from ur.launchfile.ros2.python.objects import (
     Opened,
     UserClass,
     attribute_of,
+    make_path,
 )
 from ur.source.file import SourceFile, Span
 from ur.source.suggest import did_you_mean
@@ -112,7 +113,7 @@ class Expressions(Evaluator):
         if not _is_list_sum(left, right) and (unknown := self._first_unknown([left, right])) is not None:
             return unknown
         if isinstance(node.op, ast.Div) and isinstance(left, PurePosixPath):
-            return left / str(right)
+            return make_path(left, right)
         if isinstance(node.op, ast.Div) and isinstance(left, Made) and left.kind.startswith("Path"):
             return Made("PathJoinSubstitution", {"substitutions": [left, right]}, self.span(node))
         if isinstance(left, Made) or isinstance(right, Made):
@@ -234,7 +235,7 @@ class Expressions(Evaluator):
             return value
         if isinstance(value, Made) and node.attr == "find" and value.kind.startswith("FindPackage"):
             return self.find_share if value.kind.endswith("Share") else self.find_prefix
-        own, found = attribute_of(value, node.attr, self.span(node))
+        own, found = attribute_of(value, node.attr, self.span(node), self.budget)
         if own:
             return found
         self.at = node
@@ -282,14 +283,16 @@ class Expressions(Evaluator):
     def _call_native(self, function: Any, arguments: list[Any], keywords: dict[str, object], node: ast.Call) -> object:
         if getattr(function, "takes_unknown", False):
             self.budget.weigh(arguments)
-            return function(*arguments, **keywords)
+            return self.made(function(*arguments, **keywords))
         if (unknown := self._first_unknown([*arguments, *keywords.values()])) is not None:
             return unknown
         if not callable(function) or isinstance(function, Module | Opened):
             return self.unknown(f"a call of {type(function).__name__} is not computed", node)
         if function in (str, int, float, bool) and any(isinstance(each, Made) for each in arguments):
             return self.unknown("an object of the launch API is converted before its value is known", node)
-        return function(*arguments, **keywords)
+        if isinstance(function, type) and issubclass(function, PurePosixPath):
+            function = make_path
+        return self.made(function(*arguments, **keywords))
 
     def _first_unknown(self, value: object) -> Unknown | None:
         self.budget.weigh(value)

@@ -20,11 +20,11 @@ from ur.launchfile.ros2.python.objects import (
     Module,
     Opened,
     UserClass,
+    make_path,
     taking_unknown,
 )
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.source.file import Span
-from ur.source.foreign.yaml_text import load_yaml
 from ur.source.suggest import did_you_mean
 
 _TRANSITIONS = (
@@ -54,7 +54,7 @@ class Library:
             "os.path": self._os_path,
             "math": lambda: Module("math", functions.MATH),
             "typing": lambda: Module("typing", {"List": list, "Dict": dict, "TYPE_CHECKING": False}),
-            "pathlib": lambda: Module("pathlib", {"Path": self._make_path, "PurePath": self._make_path}),
+            "pathlib": lambda: Module("pathlib", {"Path": make_path, "PurePath": make_path}),
             "yaml": self._yaml,
             "json": lambda: Module("json", {"loads": self._load_text, "load": self._load_text}),
             "xacro": lambda: Module(
@@ -134,12 +134,16 @@ class Library:
         share = self.find_share(package)
         return share if isinstance(share, Unknown) else share.removesuffix(f"/share/{package}")
 
+    def _find_share_path(self, package: str, *_: object, **__: object) -> PurePosixPath | Unknown:
+        share = self.find_share(package)
+        return share if isinstance(share, Unknown) else make_path(share)
+
     # -- modules
 
     def _index(self) -> Module:
         members: dict[str, object] = {
             "get_package_share_directory": lambda name, *_, **__: self.find_share(name),
-            "get_package_share_path": lambda name, *_, **__: self._as_path(self.find_share(name)),
+            "get_package_share_path": self._find_share_path,
             "get_package_prefix": self.find_prefix,
             "PackageNotFoundError": PackageNotFoundError,
         }
@@ -170,13 +174,13 @@ class Library:
                 "linesep": "\n",
                 "name": "posix",
                 "getcwd": lambda: self._world.absolute("."),
-                "listdir": lambda path=".": list(self._world.list_folder(str(path))),
+                "listdir": lambda path=".": list(self._context.list_folder(str(path))),
                 "PathLike": PurePosixPath,
             },
         )
 
     def _os_path(self) -> Module:
-        world = self._world
+        world, context = self._world, self._context
 
         def absolute(path: object) -> str:
             return world.absolute(str(path))
@@ -202,9 +206,9 @@ class Library:
                 "realpath": absolute,
                 "expanduser": expand,
                 "expandvars": fill,
-                "exists": lambda path: world.is_file(str(path)) or bool(world.list_folder(str(path))),
-                "isfile": lambda path: world.is_file(str(path)),
-                "isdir": lambda path: bool(world.list_folder(str(path))),
+                "exists": lambda path: context.is_file(str(path)) or bool(context.list_folder(str(path))),
+                "isfile": lambda path: context.is_file(str(path)),
+                "isdir": lambda path: bool(context.list_folder(str(path))),
             },
         )
 
@@ -215,17 +219,11 @@ class Library:
 
     # -- functions
 
-    def _as_path(self, value: str | Unknown) -> PurePosixPath | Unknown:
-        return value if isinstance(value, Unknown) else PurePosixPath(value)
-
-    def _make_path(self, *parts: object) -> PurePosixPath:
-        return PurePosixPath(*(str(part) for part in parts))
-
     def _open(self, path: object, mode: str = "r", *_: object, **__: object) -> object:
         if set(mode) - set("rtb"):
             return Unknown("the file writes a file", self._at)
         try:
-            text = self._world.read_bytes(str(path)).decode(errors="replace")
+            text = self._context.read(str(path)).decode(errors="replace")
             return Opened(str(path), text.replace("\r\n", "\n"))
         except OSError as problem:
             reason = (problem.strerror or str(problem)).lower()
@@ -235,8 +233,7 @@ class Library:
         text = value.text if isinstance(value, Opened) else value
         if not isinstance(text, str):
             return Unknown("what it reads is not a text", self._at)
-        self._context.budget.charge(len(text))
-        return load_yaml(text)
+        return self._context.load_yaml(text)
 
     def _expand_text(self, *arguments: Any, **keywords: Any) -> object:
         text: Any = self._expand(*arguments, **keywords).members["toxml"]

@@ -1,4 +1,7 @@
-"""Objects that a Python launch file works with while it is read: names, functions, modules, classes, opened files."""
+"""Objects that a Python launch file works with while it is read: names, functions, modules, classes, opened files.
+
+They are compared by identity, as in Python, and printed without their parts, of which there can be any number.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,8 @@ from functools import partial
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any, cast
 
+from ur.launchfile.plan.values.budget import Budget
+from ur.launchfile.plan.values.expression_functions import size_of
 from ur.launchfile.ros2.api import Signature
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.source.file import Span
@@ -47,7 +52,7 @@ class Frame:
         return self if self.outer is None else self.outer.module
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Function:
     """A function of a file, and what it does when it is called."""
 
@@ -74,14 +79,14 @@ class Function:
 CallFunction = Callable[[Function, "list[object]", "dict[str, object]"], object]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class StaticFunction:
     """A static method of a class of a file."""
 
     function: Function
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class UserClass:
     """A class of a file, without what it inherits."""
 
@@ -102,7 +107,7 @@ class UserClass:
         return made
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Instance:
     """An object of a class of a file."""
 
@@ -125,7 +130,7 @@ class Instance:
         return Unknown(f"{self.of.name} has no perform()")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Module:
     """A module with its members; what is not there is Unknown."""
 
@@ -133,7 +138,7 @@ class Module:
     members: Mapping[str, object]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Opened:
     """A file that was opened for reading."""
 
@@ -141,14 +146,14 @@ class Opened:
     text: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ContextObject:
     """The launch context, as functions of OpaqueFunction get it."""
 
     context: Context
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ApiClass:
     """A class of the launch API."""
 
@@ -211,7 +216,7 @@ class ApiClass:
         self.report(DescriptionProblem(message, "launch-argument", span, None, subject))
 
 
-def attribute_of(value: object, name: str, span: Span) -> tuple[bool, object]:
+def attribute_of(value: object, name: str, span: Span, budget: Budget) -> tuple[bool, object]:
     """Return whether an object is one of those here, and its attribute."""
     if isinstance(value, Module):
         if name in value.members:
@@ -226,15 +231,16 @@ def attribute_of(value: object, name: str, span: Span) -> tuple[bool, object]:
     if isinstance(value, Made):
         return True, _attribute_of_made(value, name, span)
     if isinstance(value, Opened):
+        budget.weigh(value.text)
         members = {"read": lambda *_: value.text, "name": value.path, "close": lambda: None}
         members["readlines"] = lambda *_: value.text.splitlines(keepends=True)
         return True, members.get(name, Unknown(f"'.{name}' of a file is not computed while reading", span))
     if isinstance(value, PurePosixPath):
         return True, _attribute_of_path(value, name, span)
     if isinstance(value, list) and name in _LIST_CHANGES:
-        return True, _changing(value, name)
+        return True, _changing(value, name, budget)
     if isinstance(value, dict) and name in _DICT_CHANGES:
-        return True, _changing(value, name)
+        return True, _changing(value, name, budget)
     if isinstance(value, Mapping) and not isinstance(value, dict):
         return True, getattr(value, name) if name in (
             "get",
@@ -247,17 +253,23 @@ def attribute_of(value: object, name: str, span: Span) -> tuple[bool, object]:
     return False, None
 
 
+_LONGEST_PATH = 4096
 _LIST_CHANGES = frozenset({"append", "extend", "insert", "pop", "remove", "reverse", "clear"})
+_WHOLE = frozenset({"insert", "pop", "remove", "reverse"})
 _DICT_CHANGES = frozenset({"update", "setdefault", "pop", "clear"})
 
 
-def _changing(value: object, name: str) -> Callable[..., object]:
+def _changing(value: list[object] | dict[object, object], name: str, budget: Budget) -> Callable[..., object]:
     def call(*arguments: object, **keywords: object) -> object:
+        if name in _WHOLE:
+            budget.spend(len(value))  # all items are moved or compared
         if name in ("extend", "update") and any(isinstance(each, Unknown) for each in arguments):
             if isinstance(value, list):
                 value.extend(arguments)
             return None
-        return getattr(value, name)(*arguments, **keywords)
+        found = getattr(value, name)(*arguments, **keywords)
+        size_of(value)
+        return found
 
     call.takes_unknown = True  # type: ignore[attr-defined]
     return call
@@ -320,12 +332,20 @@ def _attribute_of_path(path: PurePosixPath, name: str, span: Span) -> object:
     if name in ("as_posix", "__str__"):
         return lambda: str(path)
     if name in ("joinpath", "with_suffix", "with_name"):
-        return lambda *parts: getattr(path, name)(*map(str, parts))
+        return lambda *parts: make_path(getattr(path, name)(*map(str, parts)))
     if name in ("resolve", "absolute", "expanduser"):
         return lambda *_: path
     if name == "parents":
         return list(path.parents)
     return Unknown(f"'.{name}' of a path is not computed while reading", span)
+
+
+def make_path(*parts: object) -> PurePosixPath:
+    """Return a path. Raises ValueError for one that is longer than the system's."""
+    texts = list(map(str, parts))
+    if (length := sum(map(len, texts))) > _LONGEST_PATH:
+        raise ValueError(f"a path of {length:,} characters, expected at most {_LONGEST_PATH:,}")
+    return PurePosixPath(*texts)
 
 
 def bind(function: Function, arguments: list[object], keywords: dict[str, object]) -> dict[str, object]:

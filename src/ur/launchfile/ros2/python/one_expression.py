@@ -52,6 +52,7 @@ def evaluate(text: str, modules: Sequence[str], context: Context) -> str | Unkno
     evaluator = Expressions(SourceFile("<expression>", text.strip()), context.budget, Frame(names=names))
     try:
         value = evaluator.visit(tree.body)
+        context.budget.weigh(value)
     except NotRead as problem:
         return Unknown(problem.reason)
     except DescriptionProblem as problem:
@@ -62,7 +63,7 @@ def evaluate(text: str, modules: Sequence[str], context: Context) -> str | Unkno
                 f"Python writes {word.capitalize()}; compare texts: \"'\", LaunchConfiguration(...), \"' == '{word}'\""
             )
         raise ExpressionProblem(problem.message.partition(",")[0], help=help_) from None
-    except (ExpressionProblem, RecursionError):
+    except (ExpressionProblem, RecursionError, TooLong):
         raise
     except Exception as problem:  # what Python raises for the values
         raise ExpressionProblem(f"{type(problem).__name__}: {problem}") from None

@@ -9,8 +9,9 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from typing import cast
 
-from ur.launchfile.plan.values.budget import TooLong
-from ur.launchfile.ros2.context import Context
+from ur.launchfile.plan.values.budget import PER_STEP, TooLong
+from ur.launchfile.plan.values.expression_functions import size_of
+from ur.launchfile.ros2.context import MOST_BYTES, Context
 from ur.launchfile.ros2.model import Description, DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.python.expressions import BUILTINS, Expressions, NotRead
 from ur.launchfile.ros2.python.modules import Library, is_api, missing_member
@@ -63,7 +64,7 @@ class _LoopEnd(Exception):  # noqa: N818 - ends a loop, or a round of it
 class _Reader:
     def __init__(self, source: SourceFile, context: Context) -> None:
         self._problems: list[DescriptionProblem] = []
-        self._gaps: list[Unknown] = []
+        self._gaps: dict[Unknown, None] = {}
         self._library = Library(context, source.path, self._report)
         self._context = context
         outermost = Frame(names={name: value for name, value in self._library.builtins().items() if value is not None})
@@ -74,7 +75,7 @@ class _Reader:
         )
         self._expressions.call_function, self._expressions.report = self._call, self._report
         self._library.is_tried = lambda: self._expressions.tries > 0
-        self._depth = 0
+        self._depth = self._loops = 0
 
     def read(self, tree: ast.Module) -> Description:
         path = self._expressions.source.path
@@ -91,14 +92,22 @@ class _Reader:
                 span = self._expressions.span(found.node)
                 help_ = "ros2 launch calls it without arguments"
                 raise DescriptionProblem(str(problem), "launch-function", span, help_, ENTRY) from None
+            except (DescriptionProblem, TooLong, RecursionError, NotRead):
+                raise
+            except Exception as problem:  # what Python raises for the values of the file
+                text = f"it raises {type(problem).__name__}: {problem}".rstrip(": ")
+                raise NotRead(text, self._expressions.span(found.node)) from None
         except DescriptionProblem as problem:
             self._problems.append(problem)
             return Description(path, None, tuple(self._problems), tuple(self._gaps))
+        except NotRead as problem:
+            self._gaps[Unknown(problem.reason, problem.span)] = None
+            return Description(path, None, tuple(self._problems), tuple(self._gaps))
         except (TooLong, RecursionError) as problem:
-            self._gaps.append(Unknown(str(problem) or "it is nested too deep", None))
+            self._gaps[Unknown(str(problem) or "it is nested too deep")] = None
             return Description(path, None, tuple(self._problems), tuple(self._gaps))
         if isinstance(launch, Unknown):
-            self._gaps.append(launch)
+            self._gaps[launch] = None
         if isinstance(launch, Made) and launch.kind == "LaunchDescription":
             return Description(path, launch, tuple(self._problems), tuple(self._gaps))
         if not isinstance(launch, Unknown):
@@ -110,7 +119,7 @@ class _Reader:
 
     def _no_entry(self, found: object) -> tuple[DescriptionProblem, ...]:
         if isinstance(found, Unknown):
-            self._gaps.append(found)
+            self._gaps[found] = None
             return ()
         source = self._expressions.source
         return (
@@ -126,8 +135,7 @@ class _Reader:
         self._context.report(problem)
 
     def _gap(self, unknown: Unknown) -> None:
-        if unknown not in self._gaps:
-            self._gaps.append(unknown)
+        self._gaps[unknown] = None
         self._context.add_gap(unknown)
 
     # -- statements
@@ -150,7 +158,6 @@ class _Reader:
             except NotRead as problem:
                 if self._expressions.tries:  # it could have raised: nothing of the `try` is certain
                     raise
-                self._context.budget.spend(_PER_GAP)
                 self._give_up(statement, Unknown(problem.reason, problem.span))
             except Exception as problem:  # what Python raises for the values of the file
                 if self._expressions.tries:
@@ -161,6 +168,7 @@ class _Reader:
 
     def _give_up(self, statement: ast.stmt, unknown: Unknown) -> None:
         """Make all names Unknown that a statement assigns; a function that could return there returns Unknown."""
+        self._context.budget.spend(_PER_GAP + PER_STEP * sum(1 for _ in _walk_here(statement)))
         for name in _assigned(statement):
             self._expressions.frame.names_here[name] = unknown
         if any(isinstance(each, ast.Return) for each in _walk_here(statement)):
@@ -219,11 +227,12 @@ class _Reader:
 
     def _read_module(self, name: str, path: str) -> Module | None:
         try:
-            text = self._context.world.read_bytes(path).decode(errors="replace")
+            text = self._context.read(path)[: MOST_BYTES + 1].decode(errors="replace")
+            if len(text) > MOST_BYTES:
+                return None
             tree = ast.parse(text)
         except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
             return None
-        self._context.budget.charge(len(text))
         reader = _Reader(SourceFile(path, text), self._context)
         with suppress(DescriptionProblem):
             reader._run(tree.body)
@@ -269,6 +278,7 @@ class _Reader:
         bound = bind(function, arguments, keywords)
         outer, here.frame = here.frame, Frame(function.frame, bound)
         variables, here.variables = here.variables, []
+        loops, self._loops = self._loops, 0
         tries, self._expressions.tries = self._expressions.tries, 0
         self._depth += 1
         try:
@@ -279,10 +289,12 @@ class _Reader:
             return returned.value
         finally:
             here.frame, here.variables, self._expressions.tries = outer, variables, tries
-            self._depth -= 1
+            self._depth, self._loops = self._depth - 1, loops
         return None
 
     def _run_Return(self, node: ast.Return) -> None:  # noqa: N802
+        if not self._depth:
+            raise self._outside(node, "return", "a function")
         raise _Returned(self._expressions.visit(node.value) if node.value is not None else None)
 
     def _run_Assign(self, node: ast.Assign) -> None:  # noqa: N802
@@ -308,6 +320,7 @@ class _Reader:
             values = here.visit(added)
             self._context.budget.weigh(values)
             known.extend(values if isinstance(values, (list, tuple)) else [values])  # in place, as Python does
+            size_of(known)
             return
         self._assign(node.target, here.visit(ast.copy_location(ast.BinOp(load, node.op, added), node)))
 
@@ -320,6 +333,7 @@ class _Reader:
                 for part in target.elts:
                     self._assign(part, value)
                 return
+            self._context.budget.weigh(value)
             values = list(value) if isinstance(value, (list, tuple, str, dict, range)) else []
             if len(values) != len(target.elts) or any(isinstance(part, ast.Starred) for part in target.elts):
                 raise NotRead("this assignment is not followed while reading", here.span(target))
@@ -328,7 +342,10 @@ class _Reader:
         elif isinstance(target, ast.Subscript):
             container, index = here.visit(target.value), here.visit(target.slice)
             if isinstance(container, (dict, list)) and not isinstance(index, Unknown):
+                if isinstance(index, slice):
+                    self._context.budget.weigh(container, value)
                 container[index] = value  # type: ignore[call-overload]
+                size_of(container)
             elif not isinstance(container, Unknown):
                 raise NotRead("this assignment is not followed while reading", here.span(target))
         elif isinstance(target, ast.Attribute) and isinstance(owner := here.visit(target.value), Instance):
@@ -351,13 +368,11 @@ class _Reader:
         if isinstance(values, Unknown):
             self._give_up(node, values)
             return
+        self._context.budget.weigh(values)
         for value in list(values):  # type: ignore[call-overload]
             self._assign(node.target, value)
-            try:
-                self._run(node.body)
-            except _LoopEnd as end:
-                if not end.again:
-                    return
+            if not self._run_round(node.body):
+                return
         self._run(node.orelse)
 
     def _run_While(self, node: ast.While) -> None:  # noqa: N802
@@ -368,18 +383,30 @@ class _Reader:
                 return
             if not test:
                 return
-            try:
-                self._run(node.body)
-            except _LoopEnd as end:
-                if not end.again:
-                    return
+            if not self._run_round(node.body):
+                return
         raise NotRead("this loop does not end", self._expressions.span(node))
 
-    def _run_Break(self, _: ast.Break) -> None:  # noqa: N802
-        raise _LoopEnd(again=False)
+    def _run_round(self, body: Sequence[ast.stmt]) -> bool:
+        """Run the statements of a loop once; return whether it goes on."""
+        self._loops += 1
+        try:
+            self._run(body)
+        except _LoopEnd as end:
+            return end.again
+        finally:
+            self._loops -= 1
+        return True
 
-    def _run_Continue(self, _: ast.Continue) -> None:  # noqa: N802
-        raise _LoopEnd(again=True)
+    def _run_Break(self, node: ast.Break) -> None:  # noqa: N802
+        raise _LoopEnd(again=False) if self._loops else self._outside(node, "break", "a loop")
+
+    def _run_Continue(self, node: ast.Continue) -> None:  # noqa: N802
+        raise _LoopEnd(again=True) if self._loops else self._outside(node, "continue", "a loop")
+
+    def _outside(self, node: ast.stmt, word: str, place: str) -> DescriptionProblem:
+        message = f"not Python: '{word}' outside of {place}"
+        return DescriptionProblem(message, "python-syntax", self._expressions.span(node), "correct this line")
 
     def _run_With(self, node: ast.With) -> None:  # noqa: N802
         for item in node.items:
