@@ -165,3 +165,22 @@ def test_text_with_too_many_secrets_to_look_for_is_left_out() -> None:
     secrets.learn_text("token=abcdef\ntoken=ghijkl\n")
     assert "abcdef" not in secrets.clean("abcdef " * 1000, "log")
     assert dict(secrets.removed) == {("log", "text: too many secrets to look for"): 1}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("mot_de_passe: hunter22", "contraseña = 'hunter22'", "пароль: hunter22", "密码=hunter22", "hasło=hunter22"),
+        *("('password', 'hunter22')", 'setPassword("hunter22")', '#define PASSWORD "hunter22"', 'password{"hunter22"}'),
+        *(
+            "password = b'hunter22'",
+            'password = """hunter22"""',
+            '\\"password\\": \\"hunter22\\"',
+        ),
+        *("<password>hunter22</password>", "password=`hunter22`"),
+    ],
+)
+def test_secrets_of_many_languages_leave_a_log(text: str) -> None:
+    secrets = SecretFilter()
+    secrets.learn_text(text)
+    assert "hunter22" not in secrets.clean(f"{text}\nagain: hunter22\n", "log")

@@ -6,19 +6,27 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from urllib.parse import quote
 
+_FOREIGN = "mot_?de_?passe|contrase[nñ]a|senha|wachtwoord|l[oö]senord|has[lł]o|пароль|密码|密碼|パスワード|비밀번호"
 _STRONG = re.compile(
     "passwd|passwor[dt]|kennwort|passphrase|passcode|secret|token|api[_-]?key|access[_-]?key|private[_-]?key|credential"
-    "|psk|ssid|authorization|cookie"
+    f"|psk|ssid|authorization|cookie|{_FOREIGN}"
 )
 _WEAK = frozenset({"pass", "pwd", "pw", "auth", "key", "keys", "pin", "wpa", "bearer"})  # parts of other words, too
 _LETTERS = re.compile("[a-z]+")
-_PART = re.compile("pass|kennwort|secret|token|credential|psk|ssid|cookie|pwd?|auth|key|pin|wpa|bearer", re.IGNORECASE)
+_PART = re.compile(
+    f"pass|kennwort|secret|token|credential|psk|ssid|cookie|pwd?|auth|key|pin|wpa|bearer|{_FOREIGN}", re.IGNORECASE
+)
 """Part of each name of a secret. Most lines have none, and to look at each word takes much longer."""
 
 _WORD = re.compile(r"[\w.-]+")
 _ASSIGNED = re.compile(
     r"[\"']?[ \t]{0,8}(?::=|=|(?P<colon>:))\s{0,40}(?:[|>][+-]?\s{1,40})?"
-    r"(?:\"(?P<a>[^\"\n]*)\"|'(?P<b>[^'\n]*)'|(?P<c>[\[{(][^\n]*?\w[^\n]*)|(?P<d>(?![\[{(])(?(colon)[^\n\"'<>]+|[^\s\"'&;<>]+)))"
+    r"(?:\"(?P<a>[^\"\n]+)\"|'(?P<b>[^'\n]+)'|(?P<c>[\[{(][^\n]*?\w[^\n]*)"
+    r"|(?P<d>(?![\[{(]|[a-zA-Z]{0,2}\\?[\"'`])(?(colon)[^\n\"'<>]+|[^\s\"'&;<>]+)))"
+)
+_BESIDE = re.compile(  # an argument, an item of a tuple, a text with a prefix or within a text; an element
+    r"[\\\"'`]{0,2}[^\w\n\"'`]{0,6}[a-zA-Z]{0,2}(?:\"\"\"|'''|\\?[\"'`])(?P<a>[^\"'`\n]+?)\\?[\"'`]"
+    r"|>(?P<b>[^<>\n]+)</"
 )
 _OPTION = re.compile(r"\s{1,40}(?:\"(?P<a>[^\"\n]*)\"|'(?P<b>[^'\n]*)'|(?P<c>[^\s\"'-][^\s\"']*))")
 _FORMS: tuple[tuple[str, re.Pattern[str]], ...] = (
@@ -154,6 +162,8 @@ def _spans(text: str) -> Iterator[tuple[int, int, str]]:
         if not is_secret_name(word[0]):
             continue
         value = _ASSIGNED.match(text, place)
+        if value is None:
+            value = _BESIDE.match(text, place)
         if value is None and word[0].startswith("-"):
             value = _OPTION.match(text, place)
         if value is not None and value.lastgroup is not None:
