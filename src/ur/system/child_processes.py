@@ -47,9 +47,9 @@ class PendingAnswers(Generic[Answer]):
                 each.set_exception(self._failure(reason))
 
 
-def end_with_us() -> list[str]:
-    """Return the command prefix that interrupts a process when this process is killed: prctl(2), PR_SET_PDEATHSIG."""
-    return ["setpriv", "--pdeathsig", "INT", "--"] if shutil.which("setpriv") else []
+def end_with_us(by: str = "INT") -> list[str]:
+    """Return the command prefix that signals a process when this process is killed: prctl(2), PR_SET_PDEATHSIG."""
+    return ["setpriv", "--pdeathsig", by, "--"] if shutil.which("setpriv") else []
 
 
 async def start_child(

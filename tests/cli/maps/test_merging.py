@@ -2,6 +2,10 @@
 
 import math
 import os
+import select
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 from tests.ur_nodes.slam.drives import drive
@@ -36,3 +40,31 @@ def test_map_is_not_merged_with_itself(store: MapStore, capsys: pytest.CaptureFi
     assert main(["maps", "merge", "hall", "hall", "--as", "house"]) == 2
     assert "same-map" in capsys.readouterr().err
     assert store.names() == ["hall"]
+
+
+KILLED = """
+import sys
+from ur.cli.maps import merging
+from ur.maps.store import own_store
+merging.need_all = lambda *_: None
+merging.sys.executable = sys.argv[1]
+merging.merge_maps(own_store({**__import__("os").environ}), "hall", "attic", "house")
+"""
+
+
+def test_merging_process_ends_with_a_command_that_is_killed(store: MapStore, tmp_path: Path) -> None:
+    put(store, "hall", -2.0, 1.6)
+    put(store, "attic", 2.2, -0.6)
+    number = tmp_path / "number"
+    program = tmp_path / "program"
+    os.mkfifo(number)
+    program.write_text(f"#!/bin/sh\necho $$ >{number}; exec sleep 1000\n")
+    program.chmod(0o755)
+    command = subprocess.Popen([sys.executable, "-c", KILLED, program], stdout=subprocess.DEVNULL)
+    with number.open() as pipe:  # waits until the process has begun
+        child = os.pidfd_open(int(pipe.readline()))
+    command.kill()
+    command.wait()
+    ended, _, _ = select.select([child], [], [], 60.0)
+    os.close(child)
+    assert ended

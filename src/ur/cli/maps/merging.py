@@ -13,6 +13,7 @@ from ur.request.requirements.python_packages import need_all
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.json_values import read_json
 from ur.source.progress_line import show_progress
+from ur.system.child_processes import end_with_us
 
 _SECONDS = 1800.0
 
@@ -30,9 +31,9 @@ def merge_maps(store: MapStore, first: str, second: str, name: str) -> str:
             error(f"cannot merge {first!r} with itself", rule="same-map", help="ur maps lists the maps", subject=first)
         )
     need_all(["gtsam"], "vision.lock", "OpenCV and gtsam (100 MB to download)")
-    command = [sys.executable, "-I", "-m", "ur_nodes", "ur_nodes.slam.storage.merging", first, second, name]
+    command = [*end_with_us("KILL"), sys.executable, "-I", "-m", "ur_nodes", "ur_nodes.slam.storage.merging"]
     with show_progress(f"looking for {second} on {first}"):
-        done = subprocess.run(command, capture_output=True, text=True, timeout=_SECONDS, check=False)
+        done = subprocess.run([*command, first, second, name], capture_output=True, text=True, timeout=_SECONDS)
     sys.stderr.write(done.stderr)
     if done.returncode:
         raise MergeFailed(done.returncode)
