@@ -128,7 +128,7 @@ def run_in_front(command: Sequence[str], *, escaped: bool = False) -> int:
         for number in early:
             running[0].send_signal(number)
         if running[0].stdout:
-            _print_escaped(running[0].stdout.fileno())
+            print_escaped(running[0].stdout.fileno())
         return running[0].wait()
     except (FileNotFoundError, PermissionError):  # the second where a folder of PATH cannot be read
         raise UserError(
@@ -141,7 +141,7 @@ def run_in_front(command: Sequence[str], *, escaped: bool = False) -> int:
             signal.signal(number, handler)
 
 
-def _print_escaped(output: int) -> None:
+def print_escaped(output: int) -> None:
     """Print text as it arrives; ssh has set the terminal so that each line has to end with a carriage return, too."""
     decoder, rest = codecs.getincrementaldecoder("utf-8")("replace"), ""
     while data := os.read(output, 65536):

@@ -8,6 +8,7 @@ from ur_nodes.ports.node import Location, Node, Sender
 
 _AGAIN = 5.0  # s: then a publisher that could not be found is looked up again
 _LATE = 150_000_000  # ns: older input moves nothing
+_OTHER_CLOCK = 86_400_000_000_000  # ns: so far apart are simulated time and the computer's
 _EARLY = 50_000_000  # ns: a computer has one clock, so what is sent later than now was sent by another computer
 _MOST = 100  # publishers that are remembered
 _REMEDY = "start this node where the joystick is, or set ~remote_joy"
@@ -37,13 +38,20 @@ class JoyOrigin:
         self._ahead: dict[str, None] = {}
         self._asked_at: dict[str, float] = {}
 
-    def accepts(self, sender: Sender | None) -> bool:
-        """Return whether a message may move the robot; False until the publisher's computer is known."""
+    def accepts(self, sender: Sender | None, stamp: int = 0) -> bool:
+        """Return whether a message may move the robot; False until the publisher's computer is known.
+
+        `stamp` is its own, 0 for none: it shows the age where the middleware does not, as after a halt of this node.
+        """
         if self._remote:
             return True
-        if sender is None:
-            return self._find("")
-        return self._find(sender.name) if sender.sent is None else self._check(sender, sender.sent)
+        if sender is not None and sender.sent is not None:
+            return self._check(sender, sender.sent)
+        ages = [age for age in (self._clock() - stamp, self._node.now() - stamp) if abs(age) < _OTHER_CLOCK]
+        if stamp and ages and min(ages) > _LATE:
+            self._report(sender.name if sender else "its publisher", min(ages))
+            return False
+        return self._find(sender.name if sender else "")
 
     def _check(self, sender: Sender, sent: int) -> bool:
         age = self._clock() - sent
@@ -53,10 +61,13 @@ class JoyOrigin:
             for each in known:
                 del self._ahead[each]
         if sender.id in self._ahead or age > _LATE:
-            text = f"joy: a message of {sender.name} was sent {age * 1e-9:.2f} s ago by this computer's clock"
-            self._node.log.error(f"{text}, expected less than {_LATE * 1e-9:g} s; {_REMEDY}", every=_AGAIN)
+            self._report(sender.name, age)
             return False
         return True
+
+    def _report(self, name: str, age: int) -> None:
+        text = f"joy: a message of {name} was sent {age * 1e-9:.2f} s ago by this computer's clock"
+        self._node.log.error(f"{text}, expected less than {_LATE * 1e-9:g} s; {_REMEDY}", every=_AGAIN)
 
     def _find(self, publisher: str) -> bool:
         if publisher in self._accepted:

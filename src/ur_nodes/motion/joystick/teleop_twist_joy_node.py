@@ -82,7 +82,7 @@ def start(node: Node) -> None:
 
     def on_joystick(joystick: Joystick, sender: Sender | None) -> None:
         nonlocal state
-        accepted = origin.accepts(sender)
+        accepted = origin.accepts(sender, joystick.stamp)
         state, twist, request = step_joy_teleop(state, JoystickState(joystick.axes, joystick.buttons))
         if not accepted:
             twist, request = None, request if request == "stop" else None

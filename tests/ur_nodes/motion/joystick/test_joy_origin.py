@@ -79,3 +79,13 @@ def test_joystick_of_a_computer_whose_clock_is_ahead_is_refused_also_when_its_me
     assert not origin.accepts(stamped(15.0))
     now[0] = 15_050_000_000
     assert not origin.accepts(stamped(15.0))
+
+
+@pytest.mark.parametrize(("age", "accepted"), [(0.1, True), (0.2, False), (3600.0, False), (1e6, True)])
+def test_input_that_is_late_by_its_own_stamp_is_refused_where_nothing_else_shows_its_age(
+    age: float, accepted: bool, asking: Asking
+) -> None:
+    origin = JoyOrigin(asking.node, remote=False, locate=asking.locate, clock=lambda: 10**18)
+    assert asking.accepts(origin, "/here")
+    assert origin.accepts(Sender("/here"), 10**18 - round(age * 1e9)) is accepted
+    assert origin.accepts(Sender("/here"), 0)
