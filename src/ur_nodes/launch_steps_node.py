@@ -9,10 +9,10 @@ import json
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from ur_nodes.ports.node import Node
-from ur_nodes.ports.raw import ServiceAnswer
+from ur_nodes.ports.raw import ServiceAnswer, ServiceCaller
 from ur_nodes.ports.values import Result
 from ur_nodes.run import run
 
@@ -33,7 +33,7 @@ class LaunchSteps:
             self._node.end("all is done")
             return
         step = self._steps[0]
-        self._node.raw.call(str(step["service"]), step["fields"], self._take)
+        cast(ServiceCaller, self._node.raw).call(str(step["service"]), step["fields"], self._take)
 
     def _take(self, result: Result) -> None:
         step = self._steps[0]

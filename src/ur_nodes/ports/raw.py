@@ -10,6 +10,7 @@ from typing import NamedTuple, Protocol
 
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.topics import Publisher, Sender, Subscription
+from ur_nodes.ports.values import Result
 
 Fields = Mapping[str, object]
 """The fields of a message by name: numbers, texts, lists, and mappings of such; a time has `secs` and `nsecs`."""
@@ -23,6 +24,21 @@ class RawMessage:
     schema: str
     data: bytes
     sender: Sender | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceAnswer:
+    """The answer of a service, and the name of the service's type."""
+
+    type_name: str
+    fields: Fields
+
+
+class ServiceCaller(Protocol):
+    """The part of `Raw` that ROS 2 alone has: services of any type."""
+
+    def call(self, service: str, fields: Fields, callback: Callable[[Result], None]) -> None:
+        """Call a service without a timeout; `callback` gets a result with its ServiceAnswer, as lines in the text."""
 
 
 @dataclass(frozen=True, slots=True)

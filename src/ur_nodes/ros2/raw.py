@@ -8,13 +8,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import rclpy
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 
 from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.raw import Fields, RawMessage, RecordedMessage
+from ur_nodes.ports.raw import Fields, RawMessage, RecordedMessage, ServiceAnswer
+from ur_nodes.ports.values import Result
 from ur_nodes.ros2 import ends
 from ur_nodes.ros2.messages.definitions import find_bare, find_class, find_schema
 from ur_nodes.ros2.names import name_of
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
     import genpy
     from rclpy.node import Subscription
 
+_READY = 0.02  # s between two looks for the other end of a client
+_FIND = 2.0  # s that it may take
 _LOOK = 0.2  # s between two looks for a publisher
 _MOST_WAITING = 20  # messages, each of which may be large
 
@@ -56,6 +60,37 @@ class RosRaw:
         if found is None:
             raise LookupError(type_name)
         return RawPublisher(self._node, topic, found, offered(quality))
+
+    def call(self, service: str, fields: Fields, callback: Callable[[Result], None]) -> None:
+        """See `ports.raw.ServiceCaller`."""
+        full = str(self._node.resolve_service_name(name_of(service)))
+        kind = next((types[0] for name, types in self._node.get_service_names_and_types() if name == full), None)
+        if kind is None:
+            callback(Result(False, f"{full}: no node offers it now"))
+            return
+        found: Any = find_class(kind, "srv")
+        if found is None:
+            callback(Result(False, f"{full}: {kind} is not installed on this computer, expected its package"))
+            return
+        try:
+            request = make_message(found.Request, fields, self._node)
+        except ValueError as problem:
+            callback(Result(False, f"value: {problem}"))
+            return
+        client = self._node.create_client(found, name_of(service))
+
+        def answer(future: rclpy.Future) -> None:
+            answered = fields_of(future.result())
+            self._loop.post(lambda: callback(Result(True, str(answered), ServiceAnswer(kind, answered))))
+            self._loop.post(lambda: self._node.destroy_client(client))
+
+        def send(left: float) -> None:
+            if left <= 0.0 or client.service_is_ready():  # before, the server drops the answer
+                client.call_async(request).add_done_callback(answer)
+            else:
+                self._loop.after(_READY, lambda: send(left - _READY), steady=True)
+
+        send(_FIND)
 
 
 class RawPublisher:
@@ -126,6 +161,15 @@ def make_message(message_class: type[genpy.Message], fields: Fields, node: Node)
         known = ", ".join(f"{name}: {kind}" for name, kind in message.get_fields_and_field_types().items())
         raise ValueError(f"{problem}, expected {known}") from None
     return message
+
+
+def fields_of(value: Any) -> Any:
+    """Convert a message to fields; arrays of numbers are kept."""
+    if hasattr(value, "get_fields_and_field_types"):
+        return {name: fields_of(getattr(value, name)) for name in value.get_fields_and_field_types()}
+    if isinstance(value, list) and value and hasattr(value[0], "get_fields_and_field_types"):
+        return [fields_of(each) for each in value]
+    return value
 
 
 def _fill(message: genpy.Message, fields: Fields, path: str) -> None:

@@ -191,4 +191,6 @@ def _run_on_robot(robot: str, words: Sequence[str], flags: Sequence[tuple[str, b
         for place in LIBRARIES
     )
     script += "echo 'error: ubiquity_launches is not set up on the robot; ur robot setup installs it' >&2; exit 2"
-    return run_ssh(robot_address(robot), ["-t"] if sys.stdin.isatty() else [], [quote("bash", "-lc", script)], escaped=True)
+    return run_ssh(
+        robot_address(robot), ["-t"] if sys.stdin.isatty() else [], [quote("bash", "-lc", script)], escaped=True
+    )

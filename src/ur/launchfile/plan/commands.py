@@ -1,6 +1,5 @@
 """`<param command=...>`: execution of the programs whose output is a parameter, if the caller wants it."""
 
-import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol

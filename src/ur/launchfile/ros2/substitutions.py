@@ -210,7 +210,7 @@ def _command(made: Made, context: Context) -> str | Unknown:
     text = perform(made.get("command", ""), context)
     if isinstance(text, Unknown) or context.run_command is None:
         return text if isinstance(text, Unknown) else Unknown(f"it is the output of '{text}'", made.span, "command")
-    words, mode = split_command(text), perform(made.get("on_stderr", "fail"), context)
+    words, mode = split_command(text, context.budget), perform(made.get("on_stderr", "fail"), context)
     try:
         code, output, errors = context.run_command(words, context.environment)
     except (OSError, IndexError) as problem:

@@ -58,7 +58,7 @@ def describe_steps(plan: Plan, world: World) -> tuple[tuple[Planned, ...], dict[
         each = trigger
         while each is not None:
             if each.kind == "state" and id(each) not in awaited:
-                call = {"service": f"{each.node}/get_state", "fields": {}, "until": each.states[1]}
+                call: Fields = {"service": f"{each.node}/get_state", "fields": {}, "until": each.states[1]}
                 unit = add(f"{each.node}/await_{each.states[1] or 'state'}", [call], each.after, 0)
                 awaited[id(each)] = replace(each, node=unit)
             each = each.after

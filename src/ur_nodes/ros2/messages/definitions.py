@@ -20,13 +20,16 @@ _DEEPEST = 20  # types within types
 _SEPARATOR = "\n" + "=" * 80 + "\n"
 
 
-def find_class(type_name: str) -> type[genpy.Message] | None:
-    """Find the class of a type, 'package/Name' or 'package/msg/Name'; None if it is not installed."""
+def find_class(type_name: str, part: str = "msg") -> type[genpy.Message] | None:
+    """Find the class of a type, 'package/Name' or 'package/msg/Name'; None if it is not installed.
+
+    `part` is 'srv' for a service.
+    """
     package, name = split_type(type_name)
-    if not package or _definition_file(package, name) is None:
+    if not package or _definition_file(package, name, part) is None:
         return None  # nothing is imported that a name from the network invents
     try:
-        return cast("type[genpy.Message] | None", getattr(import_module(f"{package}.msg"), name, None))
+        return cast("type[genpy.Message] | None", getattr(import_module(f"{package}.{part}"), name, None))
     except Exception:  # a package of a workspace raises anything
         return None
 
@@ -70,11 +73,11 @@ def _read_definition(package: str, name: str) -> str | None:
     return None if bare is None else bare.DEFINITION
 
 
-def _definition_file(package: str, name: str) -> Path | None:
+def _definition_file(package: str, name: str, part: str = "msg") -> Path | None:
     if not package:
         return None
     for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
-        file = Path(prefix, "share", package, "msg", f"{name}.msg")
+        file = Path(prefix, "share", package, part, f"{name}.{part}")
         if prefix and file.is_file():
             return file
     return None
