@@ -40,3 +40,13 @@ def test_parameters_of_a_wheeled_base_are_the_same_when_made_from_those_of_one_t
     direct = yaml.safe_load(fit_parameters(read(node), "stage", wheeled))
     back = yaml.safe_load(fit_parameters(fit_parameters(read(node), "stage", omni), "rover", wheeled))
     assert {key: value for key, value in back.items() if key != "odom_alpha5"} == direct
+
+
+def test_local_costmap_of_a_fast_base_reaches_as_far_as_it_needs_to_brake() -> None:
+    stage = load("stage", "")
+    fast = dataclasses.replace(stage, name="rover", limits=dataclasses.replace(stage.limits, velocity=2.0))
+    local = yaml.safe_load(fit_parameters(read("n_move_base"), "stage", fast))["local_costmap"]
+    assert local["width"] == local["height"] >= 2.0 * (2.0**2 / (2.0 * 0.6 * fast.limits.acceleration))
+    assert local["obstacle_layer"]["scan"]["obstacle_range"] > 2.5
+    usual = yaml.safe_load(fit_parameters(read("n_move_base"), "stage", dataclasses.replace(stage, name="rover")))
+    assert usual == yaml.safe_load(read("n_move_base"))

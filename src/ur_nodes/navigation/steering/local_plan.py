@@ -16,6 +16,7 @@ from ur_nodes.navigation.people.tracked_people import approaches, hull_of_footpr
 from ur_nodes.navigation.planning.outline_grid import overlaps
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.rollout import Floats, FollowSettings, ReferencePath, RolloutState, roll_out
+from ur_nodes.navigation.steering.room import FAST, slow_beside
 from ur_nodes.navigation.steering.speed_profile import DriveVelocity, SpeedLimits
 
 # Variants of the steering law: the share of the speed limit, the offset to the left of the path (m).
@@ -64,6 +65,8 @@ def follow_reference(
 
     The command differs from the present motion by no more than the accelerations allow in `period`.
     """
+    if limits.speed > FAST:
+        reference = slow_beside(reference, index, around.costmap, footprint, limits)
     plain = roll_out(reference, index, motion, _PLAIN, limits, settings, period)
     times: Floats = period + settings.step * np.arange(len(plain.poses), dtype=np.float64)
     clear = not _touches(plain.poses, motion.pose, around, footprint)[:, 0].any()

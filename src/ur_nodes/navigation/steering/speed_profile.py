@@ -84,8 +84,13 @@ def speed_profile(
     allowed = limits.speed if shares is None else shares * limits.speed
     speeds = np.minimum(allowed, 0.95 * limits.turn / np.maximum(bend, 1e-6))
     speeds[-1] = 0.0
+    return brake_for(speeds, spacing, limits)
+
+
+def brake_for(speeds: NDArray[np.float64], spacing: float, limits: SpeedLimits) -> NDArray[np.float64]:
+    """Lower speeds (n) at points `spacing` m apart, so that braking is in time with 0.85 of the acceleration."""
     # v[i]^2 <= v[i+1]^2 + 2 a ds, for all later points at once: a running minimum of v^2 + 2 a s from the end.
-    climb = 2.0 * 0.85 * limits.acceleration * spacing * np.arange(len(points))
+    climb = 2.0 * 0.85 * limits.acceleration * spacing * np.arange(len(speeds))
     squares = np.minimum.accumulate((speeds**2 + climb)[::-1])[::-1] - climb
     fastest: NDArray[np.float64] = np.sqrt(np.maximum(squares, 0.0))
     return fastest

@@ -12,7 +12,8 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.planning.path_geometry import nearest_index, resample
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles, without_points
 from ur_nodes.navigation.steering.local_plan import follow_reference, sweep_is_free
-from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState, make_reference
+from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState, follow_settings, make_reference
+from ur_nodes.navigation.steering.room import slow_beside
 from ur_nodes.navigation.steering.speed_profile import speed_profile, turn_rate
 
 FOOTPRINT = footprint_of_outline(STAGE, 0.05, 0.01)
@@ -149,3 +150,23 @@ def test_obstacles_that_the_scan_does_not_show_stay() -> None:
     seen = without_points(costmap, np.array([(1.0 + dx, dy) for dx in (-0.05, 0.05) for dy in (-0.05, 0.05)]))
     assert seen.costs_at(np.array((1.0, 0.0))) != LETHAL
     assert seen.costs_at(np.array((-1.0, 0.0))) == LETHAL
+
+
+def test_fast_robot_slows_where_it_only_just_passes_and_in_time_before() -> None:
+    fast = replace(LIMITS, speed=2.0)
+    reference = make_reference(resample(np.array([(0.0, 0.0), (4.0, 0.0)]), 0.05), fast)
+    door = window((2.0, 0.55, 0.5), (2.0, -0.55, 0.5))
+    slowed = slow_beside(reference, 0, door, FOOTPRINT, fast)
+    through = np.hypot(*(reference.points - (2.0, 0.0)).T).argmin()
+    assert slowed.speeds[through] < 0.9
+    assert slowed.speeds[0] > slowed.speeds[through]
+    steps = np.diff(slowed.speeds[: through + 1] ** 2)
+    assert (steps >= -2.0 * 0.85 * fast.acceleration * reference.spacing - 1e-9).all(), "it cannot brake so hard"
+    assert (slow_beside(reference, 0, window(), FOOTPRINT, fast).speeds == reference.speeds).all()
+
+
+def test_follow_settings_of_the_usual_bases_are_the_usual_ones() -> None:
+    assert follow_settings(LIMITS) == FollowSettings()
+    fast = follow_settings(replace(LIMITS, speed=2.0))
+    assert fast.horizon > 2.0 / LIMITS.acceleration
+    assert fast.preview_most > FollowSettings().preview_most
