@@ -5,19 +5,20 @@ footprint would touch something.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
 
+from ur_nodes.costmap.costmap import LETHAL, Costmap
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.people.tracked_people import approaches, hull_of_footprint, rooms_to
 from ur_nodes.navigation.planning.outline_grid import overlaps
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.rollout import Floats, FollowSettings, ReferencePath, RolloutState, roll_out
-from ur_nodes.navigation.steering.room import FAST, slow_beside
-from ur_nodes.navigation.steering.speed_profile import DriveVelocity, SpeedLimits
+from ur_nodes.navigation.steering.speed_profile import DriveVelocity, SpeedLimits, brake_for
 
 # Variants of the steering law: the share of the speed limit, the offset to the left of the path (m).
 _PLAIN = np.array(((1.0, 0.0),))
@@ -27,6 +28,10 @@ _LEAST_GAIN, _LEAST_TURN = 0.02, 0.05  # m, rad/s: a variant with less of both g
 _BESIDE_POINTS = 0.015  # m between the outline and a point of the scan
 _NO_NEARER = 0.002  # m
 _SAMPLED = 0.1  # s between two poses of a sweep
+_FAST = 0.6  # m/s: bases that drive no faster keep the margin of their footprint at any speed
+_CAREFUL = 0.5  # m/s: of a faster one where it only just passes, since what steering is off by grows with the speed
+_MARGIN = 0.05  # m of room that permit no more than that
+_PER_METRE = 3.0  # m/s more for each metre of room
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,7 +70,7 @@ def follow_reference(
 
     The command differs from the present motion by no more than the accelerations allow in `period`.
     """
-    if limits.speed > FAST:
+    if limits.speed > _FAST:
         reference = slow_beside(reference, index, around.costmap, footprint, limits)
     plain = roll_out(reference, index, motion, _PLAIN, limits, settings, period)
     times: Floats = period + settings.step * np.arange(len(plain.poses), dtype=np.float64)
@@ -86,6 +91,27 @@ def follow_reference(
     return LocalCommand(
         float(others.speeds[0, best]), float(others.turns[0, best]), others.poses[:, best], hindered=True
     )
+
+
+def slow_beside(
+    reference: ReferencePath, index: int, costmap: Costmap, footprint: Footprint, limits: SpeedLimits
+) -> ReferencePath:
+    """Return the path with lower speeds beside obstacles, from point `index` on as far as the costmap reaches."""
+    reach = math.ceil(0.5 * math.hypot(*costmap.shape) * costmap.resolution / reference.spacing)
+    part = slice(index, min(index + reach, reference.end + 1))
+    if part.stop <= part.start or not (costmap.costs == LETHAL).any():
+        return reference
+    distances = distance_transform_edt(costmap.costs != LETHAL) * costmap.resolution
+    rows, columns = costmap.cells_of_points(reference.points[part]).T
+    height, width = costmap.shape
+    inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
+    room = np.full(len(rows), np.inf)
+    room[inside] = distances[rows[inside], columns[inside]] - footprint.inscribed - _MARGIN
+    allowed = _CAREFUL + _PER_METRE * np.maximum(0.0, room)
+    speeds = reference.speeds.copy()
+    speeds[part] = np.minimum(speeds[part], allowed)
+    speeds[: part.stop] = brake_for(speeds[: part.stop], reference.spacing, limits)
+    return replace(reference, speeds=speeds)
 
 
 def sweep_is_free(motion: RolloutState, seconds: float, around: LocalObstacles, footprint: Footprint) -> bool:

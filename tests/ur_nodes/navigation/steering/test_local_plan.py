@@ -11,9 +11,8 @@ from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.planning.path_geometry import nearest_index, resample
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles, without_points
-from ur_nodes.navigation.steering.local_plan import follow_reference, sweep_is_free
+from ur_nodes.navigation.steering.local_plan import follow_reference, slow_beside, sweep_is_free
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState, follow_settings, make_reference
-from ur_nodes.navigation.steering.room import slow_beside
 from ur_nodes.navigation.steering.speed_profile import speed_profile, turn_rate
 
 FOOTPRINT = footprint_of_outline(STAGE, 0.05, 0.01)
