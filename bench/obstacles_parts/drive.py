@@ -23,8 +23,7 @@ from ur_nodes.motion.mux_events import Event, GuardChanged, MuxSettings, Source,
 from ur_nodes.motion.obstacle_stop.guard import make_guard
 from ur_nodes.motion.obstacle_stop.obstacle_stop import contact_points, make_sight
 from ur_nodes.motion.obstacle_stop.sensors import RangeSensor
-from ur_nodes.motion.obstacle_stop.sight import MEMORY, SensorRanges, Sight, look, move, touch
-from ur_nodes.motion.obstacle_stop.track import Odometer
+from ur_nodes.motion.obstacle_stop.sight import MEMORY, Odometer, SensorRanges, Sight, look, move, touch
 from ur_nodes.motion.ramp import axes_of
 from ur_nodes.simulator.schedule import SimulationTick
 from ur_nodes.simulator.sensors.bumpers import BumperSense

@@ -9,10 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ur_nodes.exploration.explorer_step import ExplorerInputs, ExplorerOutputs, ExplorerSettings, GoalEnd
-from ur_nodes.exploration.memory import AttemptMemory
-from ur_nodes.exploration.reasons import Reason, at, explain_unreachable
-from ur_nodes.exploration.search.choice import choose_viewpoint
-from ur_nodes.exploration.search.corners import Viewpoints, sort_corners
+from ur_nodes.exploration.memory import AttemptMemory, Reason, at, explain_unreachable
+from ur_nodes.exploration.search.choice import Viewpoints, choose_viewpoint, sort_corners
 from ur_nodes.exploration.search.floor import ESCAPE, OCCUPIED_FROM, Floor, read_floor
 from ur_nodes.exploration.search.frontiers import Frontier, find_frontiers, unknown_behind
 from ur_nodes.exploration.search.viewpoints import DISTANCES, Viewpoint, find_viewpoint, next_viewpoint

@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.exploration.search.choice import Weights
-from ur_nodes.exploration.search.corners import CornerSettings
+from ur_nodes.exploration.search.choice import CornerSettings, Weights
 from ur_nodes.exploration.search.frontiers import Frontier
 from ur_nodes.exploration.status import ExploreStatus
 from ur_nodes.geometry.grid import Grid

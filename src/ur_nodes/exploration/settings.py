@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 from ur_nodes.costmap.local_costmap_settings import read_footprint
 from ur_nodes.exploration.explorer_step import ExplorerSettings
-from ur_nodes.exploration.search.choice import Weights
-from ur_nodes.exploration.search.corners import CornerSettings
+from ur_nodes.exploration.search.choice import CornerSettings, Weights
 from ur_nodes.ports.parameters import Parameters
 
 

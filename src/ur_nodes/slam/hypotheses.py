@@ -5,7 +5,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.pose_graph.edge import Edge
+from ur_nodes.slam.map_state import Edge
 from ur_nodes.slam.relocation import WORSE, Fit, PlaceVerdict, is_same_place
 
 _WEAK = 0.5  # of a keyframe: a fit that would need a second one, where the robot may be off the map

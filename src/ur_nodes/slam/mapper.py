@@ -9,17 +9,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.slam.matching.contradiction import contradiction
-from ur_nodes.slam.matching.covariance import LEAST_NOISE, position_deviation, rotate_covariance
+from ur_nodes.slam.map_state import Edge, Trail, select_views
 from ur_nodes.slam.matching.local_map import LocalMap
 from ur_nodes.slam.matching.locate import POOR, locate_surface
-from ur_nodes.slam.matching.match import ScanMatch
+from ur_nodes.slam.matching.match import LEAST_NOISE, ScanMatch, contradiction, position_deviation, rotate_covariance
 from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.matching.surface import Floats
-from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.pose_graph.graph import PoseGraph
 from ur_nodes.slam.pose_graph.loop_closer import LoopCloser
-from ur_nodes.slam.pose_graph.trail import Trail, select_views
 from ur_nodes.slam.prediction import UNKNOWN_MOTION, MotionPredictor
 
 _PAIRS_AT_REST = 2  # of neighbouring keyframes that are matched instead of a scan at rest

@@ -11,11 +11,10 @@ from scipy.spatial import cKDTree
 from ur_nodes.geometry.grid import FREE, OCCUPIED
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.hypotheses import Hypotheses, Hypothesis
-from ur_nodes.slam.map_state import MapState
+from ur_nodes.slam.map_state import Edge, MapState
 from ur_nodes.slam.matching.correlative import finish
-from ur_nodes.slam.matching.covariance import LEAST_NOISE
+from ur_nodes.slam.matching.match import LEAST_NOISE
 from ur_nodes.slam.occupancy import OccupancyMap
-from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.pose_graph.graph import PoseGraph
 from ur_nodes.slam.pose_graph.loop_closer import Confirmation, KeyframeGroup, PoseLink, find_groups, verify_group
 from ur_nodes.slam.relocation import WholeMap

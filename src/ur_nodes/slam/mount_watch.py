@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.odometry_model import with_turn
+from ur_nodes.slam.prediction import with_turn
 
 _LONG, _FAR = 0.3, 0.4  # m, rad: motions so large are compared
 _SLIPPED = 0.1  # m: the wheels slipped where the two differ by more

@@ -1,14 +1,89 @@
-"""The expected motion between two scans: by odometry, by a measured heading, or as the previous one."""
+"""The expected motion between two scans, and the errors of the odometry that it is computed from."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.matching.surface import Floats
-from ur_nodes.slam.odometry_model import OdometryModel, is_still, with_measured_turn
+
+_START = np.diag(np.square((0.05, 0.05, 0.05)))  # of scale, of turns per turn, of rad per m
+_MEMORY = 0.995  # how much of what was learned remains with each motion
+_NOISE = (0.02, 0.02)  # m per root m, rad per root m: what is random in a motion that teaches
+_STILL = (0.002, 0.002)  # m, rad: odometry that reports less motion means that the robot is at rest
+_GYRO_NOISE = (0.004, 0.02)  # rad, rad per rad: of a heading between two scans
+_TEACHES = (0.05, 0.2)  # m, rad: smaller motions teach nothing
+_SHORTEST = 0.1  # m: the noise of shorter motions is that of one so long
+_MOST_SURPRISE = 4.0  # standard deviations: more means that the wheels slipped, or that the scan was matched wrongly
+_SHIFT_NOISE = (0.005, 0.05, 0.02)  # m, m per m driven, m per rad turned
+_TURN_NOISE = (0.004, 0.03, 0.08)  # rad, rad per m driven, rad per rad turned
+
+
+class OdometryModel:
+    """Corrects motions by learned errors: a factor for lengths, a factor for turns, and a turn per metre."""
+
+    def __init__(self) -> None:
+        self._errors = np.zeros(3)  # of scale, of turns per turn, rad per m
+        self._covariance = _START.copy()
+
+    def correct(self, motion: Pose2) -> Pose2:
+        """Return the most likely motion for one that odometry reports."""
+        scale, turn, drift = self._errors
+        distance = math.hypot(motion.x, motion.y)
+        factor = 1.0 + scale
+        longer = Pose2(factor * motion.x, factor * motion.y, motion.yaw)
+        return with_turn(longer, motion.yaw * (1.0 + turn) + drift * distance)
+
+    def covariance(self, motion: Pose2) -> Floats:
+        """Return the covariance (3, 3) of a corrected motion in its frame: random errors, and those not yet learned."""
+        distance, angle = math.hypot(motion.x, motion.y), abs(motion.yaw)
+        scale, turn, drift = np.sqrt(np.diag(self._covariance))
+        least, per_metre, per_radian = _SHIFT_NOISE
+        shift = least + (per_metre + scale) * distance + per_radian * angle
+        least, per_metre, per_radian = _TURN_NOISE
+        swing = least + (per_metre + drift) * distance + (per_radian + turn) * angle
+        return np.diag(np.square((shift, shift, swing)))
+
+    def learn(self, reported: Pose2, true: Pose2) -> None:
+        """Compare a motion that odometry reported with the true one: a Kalman filter of the three systematic errors."""
+        distance, real = math.hypot(reported.x, reported.y), math.hypot(true.x, true.y)
+        if distance < _TEACHES[0] and abs(reported.yaw) < _TEACHES[1]:
+            return
+        rows = np.array(((distance, 0.0, 0.0), (0.0, reported.yaw, distance)))
+        seen = np.array((real - distance, math.remainder(true.yaw - reported.yaw, 2.0 * math.pi)))
+        noise = np.diag(np.square(_NOISE)) * max(distance, _SHORTEST)
+        before = self._covariance / _MEMORY
+        innovation = rows @ before @ rows.T + noise
+        surprise = seen - rows @ self._errors
+        if surprise @ np.linalg.solve(innovation, surprise) > _MOST_SURPRISE**2:
+            return
+        gain = before @ rows.T @ np.linalg.inv(innovation)
+        self._errors = self._errors + gain @ surprise
+        self._covariance = (np.eye(3) - gain @ rows) @ before
+
+
+def with_turn(motion: Pose2, yaw: float) -> Pose2:
+    """Return the motion of the same length on an arc that turns by `yaw` rad."""
+    half = 0.5 * (yaw - motion.yaw)  # the chord lies halfway between both headings
+    c, s = math.cos(half), math.sin(half)
+    return Pose2(c * motion.x - s * motion.y, s * motion.x + c * motion.y, yaw)
+
+
+def is_still(reported: Pose2) -> bool:
+    """Return whether a reported motion means that the robot is at rest."""
+    return math.hypot(reported.x, reported.y) < _STILL[0] and abs(reported.yaw) < _STILL[1]
+
+
+def with_measured_turn(motion: Pose2, covariance: Floats, turn: float) -> tuple[Pose2, Floats]:
+    """Return a motion and its covariance (3, 3) with a turn (rad) that was measured independently of the wheels."""
+    exact = covariance.copy()
+    exact[2] = exact[:, 2] = 0.0
+    exact[2, 2] = min(covariance[2, 2], (_GYRO_NOISE[0] + _GYRO_NOISE[1] * abs(turn)) ** 2)
+    return with_turn(motion, turn), exact
+
 
 UNKNOWN_MOTION = np.diag(np.square((0.1, 0.1, 0.15)))
 """The covariance (m, rad) of a motion between two scans that nothing is known of."""

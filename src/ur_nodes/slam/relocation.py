@@ -7,14 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.slam.matching.contradiction import contradiction
+from ur_nodes.slam.map_state import select_views
 from ur_nodes.slam.matching.correlative import Pyramid, Window, search, search_poses
-from ur_nodes.slam.matching.covariance import position_deviation, rotate_covariance
 from ur_nodes.slam.matching.local_map import LocalMap
-from ur_nodes.slam.matching.match import match_surface
+from ur_nodes.slam.matching.match import contradiction, match_surface, position_deviation, rotate_covariance
 from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.matching.surface import Floats, join
-from ur_nodes.slam.pose_graph.trail import select_views
 
 _CELL = 0.2  # m: of the search of the whole map
 _POINTS = 120  # of a scan, in a search

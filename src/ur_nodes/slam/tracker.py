@@ -10,9 +10,9 @@ import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.hypotheses import Hypotheses
+from ur_nodes.slam.map_state import Edge, find_drives
 from ur_nodes.slam.mapper import MapEstimate, MapperSettings, ScanMapper
 from ur_nodes.slam.matching.scan import MapScan
-from ur_nodes.slam.pose_graph.edge import Edge, find_drives
 from ur_nodes.slam.relocation import WholeMap
 
 _DOUBTS = 5  # scans in a row that contradict the map

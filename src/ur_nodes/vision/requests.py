@@ -5,8 +5,8 @@ from collections.abc import Callable
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.services import Silent
 from ur_nodes.ports.values import PoseEstimate, Result
+from ur_nodes.vision.fiducial_parameters import SlamSettings
 from ur_nodes.vision.fiducial_slam import FiducialSlam
-from ur_nodes.vision.slam_settings import SlamSettings
 
 MAP = "map"
 """The lane of all that uses the map."""

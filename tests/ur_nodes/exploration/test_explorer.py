@@ -6,7 +6,7 @@ from tests.ur_nodes.exploration.drawn import ROOM, box, draw, place
 
 from ur_nodes.exploration.explorer import Explorer
 from ur_nodes.exploration.explorer_step import ExplorerInputs, ExplorerOutputs, ExplorerSettings, GoalEnd
-from ur_nodes.exploration.search.corners import CornerSettings
+from ur_nodes.exploration.search.choice import CornerSettings
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 

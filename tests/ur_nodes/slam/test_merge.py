@@ -6,10 +6,9 @@ from tests.ur_nodes.slam.rooms import Floats, box, walls_of
 
 from ur_nodes.geometry.grid import OCCUPIED
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.map_state import MapState
+from ur_nodes.slam.map_state import MapState, find_drives
 from ur_nodes.slam.merge import Merged, NotMerged, merge_maps
 from ur_nodes.slam.occupancy import OccupancyMap
-from ur_nodes.slam.pose_graph.edge import find_drives
 from ur_nodes.slam.tracker import MapTracker
 
 ELSEWHERE = walls_of(box(0.0, 0.0, 5.0, 4.0), box(1.5, 1.0, 2.5, 1.5), box(3.5, 2.6, 3.9, 4.0))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.odometry_model import OdometryModel, is_still, with_measured_turn
+from ur_nodes.slam.prediction import OdometryModel, is_still, with_measured_turn
 
 RANDOM = np.random.default_rng(3)
 

@@ -5,8 +5,7 @@ import pytest
 from ur.source.diagnostic import UserError
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.parameters import Parameters
-from ur_nodes.vision.fiducial_parameters import parse_numbers, parse_sizes, read_sizes
-from ur_nodes.vision.slam_settings import read_slam_settings
+from ur_nodes.vision.fiducial_parameters import parse_numbers, parse_sizes, read_sizes, read_slam_settings
 
 
 def parameters(**values: object) -> Parameters:

@@ -11,8 +11,8 @@ from ur_nodes.pictures.feed import decode_view
 from ur_nodes.teleop.camera.picture_screen import draw_picture_screen
 from ur_nodes.teleop.camera.viewer import Feed
 from ur_nodes.teleop.terminal.keys import Key, leaves_view
-from ur_nodes.teleop.terminal.quit_key import QuitKey
 from ur_nodes.teleop.terminal.raw import RawTerminal
+from ur_nodes.teleop.terminal.request_keys import QuitKey
 
 _LINE_EVERY = 10.0  # s between two lines that say the same
 _PAUSE = 0.05  # s

@@ -1,10 +1,38 @@
-"""Calls from a program's thread on the thread of its node, and waiting for their results."""
+"""Calls from a program's thread on the thread of its node: waiting for their results, and their errors."""
 
+import math
 from collections.abc import Callable
 
-from ur_nodes.client.script.errors import Interrupted, Lost
 from ur_nodes.client.wait import WatchedWait
 from ur_nodes.ports.node import Node
+
+
+class RobotError(Exception):
+    """A request was not carried out; the text is the reason, for users."""
+
+
+class Refused(RobotError):  # noqa: N818 - named as users say it
+    """The robot refuses: there is no path, the emergency stop is on, another client drives, or a sensor is missing."""
+
+
+class Lost(RobotError):  # noqa: N818
+    """Nothing is received from the robot, or from a node that the request needs."""
+
+
+class TakenOver(RobotError):  # noqa: N818
+    """Another client has taken over and drives the robot now."""
+
+
+class Interrupted(RobotError):  # noqa: N818
+    """The call was cancelled from another thread or task, and the motion that it had begun is stopped."""
+
+
+def check_finite(**numbers: float) -> None:
+    """Raise ValueError if a number is not finite."""
+    for name, value in numbers.items():
+        if not math.isfinite(value):
+            raise ValueError(f"{name}: {value}, expected a finite number")
+
 
 _CALL_LIMIT = 2.0  # s
 

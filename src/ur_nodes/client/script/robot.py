@@ -21,8 +21,7 @@ from ur_nodes.client.mux import describe_emergency
 from ur_nodes.client.navigation import Names
 from ur_nodes.client.navigator import RobotNavigator
 from ur_nodes.client.script.commands import VelocityCommands
-from ur_nodes.client.script.errors import Lost, Refused, TakenOver, check_finite
-from ur_nodes.client.script.node_calls import NodeCalls
+from ur_nodes.client.script.node_calls import Lost, NodeCalls, Refused, TakenOver, check_finite
 from ur_nodes.client.snapshot import LastGoalState, RobotSnapshot, heading_there
 from ur_nodes.client.wait import Wait, WatchedWait, wait_in_real_time
 from ur_nodes.exploration.status import ExploreStatus, describe_status

@@ -10,7 +10,6 @@ from dataclasses import replace
 from functools import partial
 
 from ur_nodes.motion.joystick.device import JoystickState
-from ur_nodes.motion.joystick.joy_commander import make_joy_commander
 from ur_nodes.motion.joystick.joy_origin import JoyOrigin
 from ur_nodes.motion.joystick.joy_teleop import (
     ANGULAR,
@@ -20,6 +19,7 @@ from ur_nodes.motion.joystick.joy_teleop import (
     JoyTeleopState,
     JoyTwist,
     Speeds,
+    make_joy_commander,
     step_joy_teleop,
 )
 from ur_nodes.ports.node import Node, Sender

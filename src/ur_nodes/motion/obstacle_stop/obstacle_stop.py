@@ -12,8 +12,7 @@ from ur_nodes.motion.mux_time import read_mux_time
 from ur_nodes.motion.obstacle_stop.guard import Guard, GuardVerdict, make_guard, reach_of
 from ur_nodes.motion.obstacle_stop.report import CLEAR, OFF, Motion, ObstacleReport, report_of, write_report
 from ur_nodes.motion.obstacle_stop.sensors import sensors_of
-from ur_nodes.motion.obstacle_stop.sight import Contact, SensorRanges, Sight, look, move, touch
-from ur_nodes.motion.obstacle_stop.track import Odometer
+from ur_nodes.motion.obstacle_stop.sight import Contact, Odometer, SensorRanges, Sight, look, move, touch
 from ur_nodes.motion.writes import AsideLog, Writes
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality

@@ -6,7 +6,6 @@ all who receive it.
 
 from ur_nodes.ports.values.basics import NO_MATRIX, ClockTime, Level, LogLine, Number, Result, Signal, Time
 from ur_nodes.ports.values.motion import DriverOdometry, Joints, Joystick, Odometry, StampedTwist, Twist
-from ur_nodes.ports.values.pictures import Calibration, PackedPicture, Picture
 from ur_nodes.ports.values.poses import (
     Map,
     MapInfo,
@@ -18,7 +17,7 @@ from ur_nodes.ports.values.poses import (
     StampedPose,
     Transform,
 )
-from ur_nodes.ports.values.sensors import Battery, Imu, Range, Scan
+from ur_nodes.ports.values.sensors import Battery, Calibration, Imu, PackedPicture, Picture, Range, Scan
 from ur_nodes.ports.values.shapes import Marker, MarkerChange, MarkerChanges, Markers, PointCloud, Shape
 
 __all__ = [

@@ -12,7 +12,7 @@ from ur.worlds.world_file import Drop
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.simulator.physics import Physics
-from ur_nodes.simulator.sensors.rays import Floats
+from ur_nodes.simulator.sensors.flat_rays import Floats
 
 Send = Callable[[float, int], None]
 """Sends a reading: the simulated time (s), and the stamp of messages (ns)."""

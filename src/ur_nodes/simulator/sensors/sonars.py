@@ -10,7 +10,7 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Range
 from ur_nodes.simulator.scenery import rotation_axes
-from ur_nodes.simulator.sensors.rays import Floats, RayCaster, measured_ranges
+from ur_nodes.simulator.sensors.flat_rays import Floats, RayCaster, measured_ranges
 from ur_nodes.simulator.sensors.sense import Send, Sense, Site, draw_noise
 
 ROW_RAYS = 17  # side by side: walls and obstacles are upright

@@ -6,9 +6,8 @@ import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.matching.correlative import Window, search
-from ur_nodes.slam.matching.covariance import rotate_covariance
 from ur_nodes.slam.matching.local_map import LocalMap
-from ur_nodes.slam.matching.match import ScanMatch, match_surface
+from ur_nodes.slam.matching.match import ScanMatch, match_surface, rotate_covariance
 from ur_nodes.slam.matching.surface import Floats, Surface
 
 POOR = 0.6

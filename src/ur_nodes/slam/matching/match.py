@@ -1,17 +1,64 @@
-"""Subcell refinement of a scan's pose: points to lines, with a covariance that is correct in corridors.
+"""Subcell refinement of a scan's pose with a covariance that is correct in corridors, and walls that contradict it.
 
 Sources: Chen and Medioni, Object modelling by registration of multiple range images, 1992 (the distance to the line);
 Zhang, Kaess, Singh, On degeneracy of optimization-based state estimation problems, 2016 (directions that the scan says
 nothing about are left to the prior).
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.slam.matching.local_map import LocalMap
+from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.matching.surface import Floats, Surface
+
+_THROUGH = 0.3  # m: a beam that passes a wall by so much contradicts it
+_WIDEST_GAP = 0.05  # rad: what lies between beams farther apart is not in sight
+
+
+def contradiction(target: Surface, scan: MapScan, pose: Pose2) -> float:
+    """The share (0..1) of a map's points in sight of a scan at `pose` that its beams pass through.
+
+    1 for a scan of fewer than two points, 0 where nothing of the map is in sight.
+    """
+    inside = target.moved(pose.inverse())
+    delta = inside.points - scan.origin
+    ends = scan.surface.points - scan.origin
+    if len(ends) < 2:
+        return 1.0
+    angles, ranges = np.arctan2(ends[:, 1], ends[:, 0]), np.hypot(*ends.T)
+    order = np.argsort(angles)
+    angles, ranges = angles[order], ranges[order]
+    bearing, distance = np.arctan2(delta[:, 1], delta[:, 0]), np.hypot(*delta.T)
+    after = np.searchsorted(angles, bearing)
+    low, high = (after - 1) % len(angles), after % len(angles)
+    gap = np.maximum(np.abs(wrap_angle(angles[low] - bearing)), np.abs(wrap_angle(angles[high] - bearing)))
+    nearer = np.minimum(ranges[low], ranges[high])
+    faces = (inside.normals * delta).sum(axis=1) < 0.0
+    in_sight = faces & (gap < _WIDEST_GAP) & (distance < nearer + _THROUGH)
+    passed = in_sight & (distance < nearer - _THROUGH)
+    return float(passed.sum()) / max(1, int(in_sight.sum()))
+
+
+LEAST_NOISE: Floats = np.diag(np.square((0.002, 0.002, 0.0007)))
+"""Errors (m, rad) that no covariance of a match contains."""
+
+
+def rotate_covariance(covariance: Floats, yaw: float) -> Floats:
+    """Express a covariance (3, 3), given in the parent frame of a pose with `yaw` (rad), in that of the pose."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    rotation = np.array(((c, s, 0.0), (-s, c, 0.0), (0.0, 0.0, 1.0)))
+    rotated: Floats = rotation @ covariance @ rotation.T
+    return rotated
+
+
+def position_deviation(covariance: Floats) -> float:
+    """Return the standard deviation (m) of the position along its most uncertain direction."""
+    return math.sqrt(float(np.linalg.eigvalsh(covariance[:2, :2])[-1]))
+
 
 _REACHES = (0.5, 0.3, 0.2, 0.15)  # m: the farthest correspondences, falling with the iterations
 _CLUMPED = 0.2  # how much a point without a line counts, in each direction

@@ -13,8 +13,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.map_state import Edge
 from ur_nodes.slam.matching.surface import Floats
-from ur_nodes.slam.pose_graph.edge import Edge
 
 _TURN = 16.0  # m^2: how much the variance of a turn counts when paths are compared
 _KERNEL = 2.0  # standard deviations beyond which a loop counts less and less

@@ -9,11 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.slam.matching.contradiction import contradiction
 from ur_nodes.slam.matching.correlative import Window, Work, search_slowly
-from ur_nodes.slam.matching.covariance import LEAST_NOISE, rotate_covariance
 from ur_nodes.slam.matching.local_map import LocalMap
-from ur_nodes.slam.matching.match import ScanMatch, match_surface
+from ur_nodes.slam.matching.match import LEAST_NOISE, ScanMatch, contradiction, match_surface, rotate_covariance
 from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.matching.surface import Floats
 from ur_nodes.slam.pose_graph.graph import PoseGraph

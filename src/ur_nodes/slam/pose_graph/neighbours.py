@@ -12,9 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.matching.covariance import LEAST_NOISE, rotate_covariance
 from ur_nodes.slam.matching.local_map import LocalMap
-from ur_nodes.slam.matching.match import match_surface
+from ur_nodes.slam.matching.match import LEAST_NOISE, match_surface, rotate_covariance
 from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.pose_graph.graph import PoseGraph
 

@@ -69,10 +69,9 @@ def _explain(result: NotMerged, first: str, second: str) -> Diagnostic:
 
 def merge_stored(store: MapStore, first: str, second: str, name: str) -> dict[str, object]:
     """Merge two maps of a store; returns what `main` prints. Raises UserError, OSError."""
-    from ur_nodes.slam.map_state import MapState
+    from ur_nodes.slam.map_state import MapState, find_drives
     from ur_nodes.slam.merge import NotMerged, merge_maps
     from ur_nodes.slam.occupancy import OccupancyMap
-    from ur_nodes.slam.pose_graph.edge import find_drives
     from ur_nodes.slam.storage.writer import MapWriter, load_poses
 
     first, second = store.resolve(first), store.resolve(second)

@@ -15,8 +15,8 @@ from ur.source.diagnostic import UserError, error
 from ur.source.replace import replace_file
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.map_state import Edge
 from ur_nodes.slam.matching.scan import MapScan, restore_scan
-from ur_nodes.slam.pose_graph.edge import Edge
 
 
 def store_scan(scan: MapScan) -> StoredScan:

@@ -18,9 +18,10 @@ from ur_nodes.teleop.map_view.widget import MapView
 from ur_nodes.teleop.navigate import commands as c
 from ur_nodes.teleop.navigate.command_line import CommandLine
 from ur_nodes.teleop.navigate.commands import bad_command_error, error_line
-from ur_nodes.teleop.navigate.message_text import REQUESTED, describe_stop
 from ur_nodes.teleop.navigate.panel import Panel, list_places
 from ur_nodes.teleop.navigate.status_text import (
+    REQUESTED,
+    describe_stop,
     help_table,
     reason_not_to_drive,
     reason_not_to_send,

@@ -13,8 +13,13 @@ from ur.source.diagnostic import UserError
 from ur_nodes.client.saving import MapSaving, Saving
 from ur_nodes.client.snapshot import NavigationClient
 from ur_nodes.run import BROKEN_PIPE_EXIT_CODE, drop_output
-from ur_nodes.teleop.navigate.batch import BatchContext, InterruptedBatchError, run_batch, wait_until_ready
-from ur_nodes.teleop.navigate.batch_text import BatchTimeouts
+from ur_nodes.teleop.navigate.batch import (
+    BatchContext,
+    BatchTimeouts,
+    InterruptedBatchError,
+    run_batch,
+    wait_until_ready,
+)
 from ur_nodes.teleop.navigate.commands import AskMux, CancelGoal, Command, ContinueGoal, Quit, parse_command
 from ur_nodes.teleop.navigate.target import StoreChoice
 

@@ -23,13 +23,14 @@ from ur_nodes.teleop.map_view.palette import MapPalette, choose_palette
 from ur_nodes.teleop.map_view.widget import MapView
 from ur_nodes.teleop.navigate.command_line import CommandLine
 from ur_nodes.teleop.navigate.commands import error_line
-from ur_nodes.teleop.navigate.message_text import announce_goal, visible_state
 from ur_nodes.teleop.navigate.status_text import (
     alarm_line,
+    announce_goal,
     asking_line,
     driver_line,
     silence_line,
     status_line,
+    visible_state,
     waiting_line,
 )
 

@@ -1,8 +1,32 @@
-"""The keys that every program on a terminal has: emergency stop, obstacle stop, who drives, and to save."""
+"""The keys that programs on a terminal share: emergency stop, obstacle stop, who drives, to save, and to quit."""
+
+import os
+import select
+import threading
 
 from ur_nodes.client.driver_text import DriverRequest
 from ur_nodes.client.mux import MuxRequest, MuxView
 from ur_nodes.teleop.terminal.keys import Key, KeyEvent
+
+
+class QuitKey:
+    """Reads a file descriptor for a `q`. Its end, as that of an empty pipe, does not end the program."""
+
+    def __init__(self, source: int) -> None:
+        self._source: int | None = source
+
+    def wait(self, seconds: float, ended: threading.Event) -> bool:
+        """Wait for `q` or for `ended`, at most `seconds`; return whether `q` was read."""
+        if self._source is None:
+            ended.wait(seconds)
+        elif select.select([self._source], [], [], seconds)[0]:
+            data = os.read(self._source, 1024)
+            if b"q" in data:
+                return True
+            if not data:
+                self._source = None
+        return False
+
 
 EMERGENCY_KEYS: dict[str, MuxRequest] = {"space": "stop", "r": "release"}
 OBSTACLE_KEY = "g"

@@ -1,6 +1,6 @@
 import numpy as np
 
-from ur_nodes.exploration.search.corners import CornerSettings, sort_corners
+from ur_nodes.exploration.search.choice import CornerSettings, sort_corners
 from ur_nodes.exploration.search.frontiers import Frontier
 from ur_nodes.exploration.search.viewpoints import Viewpoint
 from ur_nodes.geometry.pose import Pose2

@@ -9,8 +9,7 @@ from tests.ur_nodes.motion.obstacle_stop.conftest import load, scan_of, seeing
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.obstacle_stop.obstacle_stop import contact_points, make_sight
-from ur_nodes.motion.obstacle_stop.sight import MEMORY, Contact, SensorRanges, Sight, move, touch
-from ur_nodes.motion.obstacle_stop.track import Odometer
+from ur_nodes.motion.obstacle_stop.sight import MEMORY, Contact, Odometer, SensorRanges, Sight, move, touch
 
 
 def echo(distance: float, at: float) -> SensorRanges:

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.motion.obstacle_stop.track import Odometer, Track, follow
+from ur_nodes.motion.obstacle_stop.sight import Odometer, Track, follow
 
 
 def drive(*readings: Odometer) -> Track:

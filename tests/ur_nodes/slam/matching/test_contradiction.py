@@ -2,7 +2,7 @@ import numpy as np
 from tests.ur_nodes.slam.rooms import CENTRE, ROOM, box, scan_at, walls_of
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.matching.contradiction import contradiction
+from ur_nodes.slam.matching.match import contradiction
 from ur_nodes.slam.matching.scan import make_scan
 
 HERE = Pose2(0.0, 0.0, 0.0)

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from ur_nodes.slam.matching.covariance import position_deviation, rotate_covariance
+from ur_nodes.slam.matching.match import position_deviation, rotate_covariance
 
 LONG_X = np.diag(np.square((0.3, 0.1, 0.02)))
 

@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 
-from ur_nodes.slam.pose_graph.trail import select_views
+from ur_nodes.slam.map_state import select_views
 
 POSES = np.array([
     (0.0, 0.0, 0.0),

@@ -16,8 +16,8 @@ from ur.source.replace import replace_file
 from ur.worlds.map_file import read_map
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.map_state import Edge
 from ur_nodes.slam.matching.scan import MapScan
-from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.storage.writer import MapWriter, load_poses, pause_before_next
 
 SAVED_EVERY = 2  # keyframes, 2.5 s apart

@@ -13,8 +13,13 @@ from ur_nodes.client.snapshot import GoalReport, LastGoalState, Silence
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.lease.view import LeaseView
-from ur_nodes.teleop.navigate.batch import BatchContext, InterruptedBatchError, run_batch, wait_until_ready
-from ur_nodes.teleop.navigate.batch_text import BatchTimeouts
+from ur_nodes.teleop.navigate.batch import (
+    BatchContext,
+    BatchTimeouts,
+    InterruptedBatchError,
+    run_batch,
+    wait_until_ready,
+)
 
 
 @dataclass

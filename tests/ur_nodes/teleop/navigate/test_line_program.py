@@ -16,7 +16,7 @@ from ur_nodes.client.saving import MapSaving, save_recordings
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result
-from ur_nodes.teleop.navigate.batch_text import BatchTimeouts
+from ur_nodes.teleop.navigate.batch import BatchTimeouts
 from ur_nodes.teleop.navigate.line_program import run_lines
 from ur_nodes.teleop.navigate.target import StoreChoice, name_growing_map
 
