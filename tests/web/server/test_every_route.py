@@ -53,8 +53,6 @@ DRIVE = {  # for logins that may drive
     ("POST", "/api/sessions/end"),
     ("GET", "/api/recordings/topics"),
     ("GET", "/api/recordings/file"),
-    ("POST", "/api/maps/rename"),
-    ("POST", "/api/maps/delete"),
     ("POST", "/api/recordings/start"),
     ("POST", "/api/recordings/stop"),
     ("POST", "/api/recordings/delete"),

@@ -127,8 +127,6 @@ def open_panel(browser: Chromium, name: str) -> None:
         wait(lambda: browser.run("document.querySelectorAll('#devices-panel li').length") == 2)
     elif name == "maps":
         wait(lambda: browser.holds("document.querySelectorAll('#maps-panel li').length === 2"))
-        browser.run("page.mapList.edit('flat'); 0")
-        wait(lambda: browser.holds("document.querySelector('#map-name')"))
     elif name == "recordings":
         wait(lambda: browser.holds("document.querySelector('#recordings-panel a')"))
         browser.run("document.querySelector('#recordings-panel details').open = true; 0")

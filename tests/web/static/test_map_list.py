@@ -29,13 +29,12 @@ RUN = {"run": "m_make_map.12", "title": "m_make_map", "started": 1.0, "nodes": [
 
 @pytest.fixture
 def panel(browser: Chromium) -> Iterator[Chromium]:
-    """The panel with two maps; `posted` are the changes that it asks for, `started` the requests about runs."""
+    """The panel with two maps; `started` are the requests about runs."""
     browser.run(f"""
-      Object.assign(globalThis, {{ posted: [], started: [], fetched: globalThis.fetched ?? fetch }});
+      Object.assign(globalThis, {{ started: [], fetched: globalThis.fetched ?? fetch }});
       globalThis.fetch = async (path, ...more) => {{
         if (!path.startsWith("/api/maps")) return fetched(path, ...more);
-        if (path !== "/api/maps") posted.push([path, JSON.parse(more[0].body)]);
-        return new Response(JSON.stringify(path === "/api/maps" ? {json.dumps(MAPS)} : {{ ok: true }}));
+        return new Response(JSON.stringify({json.dumps(MAPS)}));
       }};
       page.runs.request = async (message) => (started.push(message), {{ ok: true, text: "" }});
       page.panels.show(["maps"]); 0""")
@@ -61,11 +60,11 @@ def list_buttons(browser: Chromium) -> list[list[str]]:
     return rows
 
 
-def test_map_in_use_is_marked_and_neither_started_nor_changed(robot: PlayedRobot, panel: Chromium) -> None:
+def test_map_in_use_is_marked_and_not_started(robot: PlayedRobot, panel: Chromium) -> None:
     show_map(robot, panel, "")
-    wait(lambda: list_buttons(panel) == [["Drive on this map", "Rename", "Delete"], ["Rename", "Delete"]])
+    wait(lambda: list_buttons(panel) == [["Drive on this map"], []])
     show_map(robot, panel, "flat")
-    wait(lambda: list_buttons(panel) == [[], ["Rename", "Delete"]])
+    wait(lambda: list_buttons(panel) == [[], []])
     assert "in use" in panel.run("document.querySelector('#maps-panel [aria-current]').textContent")
     show_map(robot, panel, "")
 
@@ -102,23 +101,6 @@ def test_map_is_saved_on_request_and_its_program_is_ended_before_another_map_is_
     assert panel.run("started[1].t") == "start"
     show_map(robot, panel, "")
     assert not panel.run("document.getElementById('map-save').checkVisibility()")
-
-
-def test_map_is_renamed_by_a_good_name_and_deleted_by_two_presses(robot: PlayedRobot, panel: Chromium) -> None:
-    show_map(robot, panel, "")
-    press(panel, "Rename the map flat")
-    submit = "document.getElementById('map-name').form.requestSubmit(); 0"
-    panel.run(f"document.getElementById('map-name').value = '../x'; {submit}")
-    assert panel.run("posted") == []
-    assert "Not renamed" in panel.run("document.querySelector('#maps-panel .problem').textContent")
-    panel.run(f"document.getElementById('map-name').value = 'home'; {submit}")
-    wait(lambda: panel.run("posted") == [["/api/maps/rename", {"name": "flat", "new_name": "home"}]])
-    wait(lambda: not panel.holds("document.getElementById('map-name')"))
-    press(panel, "Delete the map hall")
-    assert panel.run("posted.length") == 1
-    press(panel, "Sure? Delete the map hall")
-    wait(lambda: panel.run("posted.length") == 2)
-    assert panel.run("posted[1]") == ["/api/maps/delete", {"name": "hall"}]
 
 
 def test_page_drops_what_it_knew_when_nothing_runs_and_names_another_selection(

@@ -77,7 +77,7 @@ class Application:
         )
         self._foxglove = ViewerGate(environment, self._drivers, self._send, self._is_up, log)
         self._data = DataPages(environment, self._is_up, log)
-        self._maps = MapPages(commands or CommandQueue(environment), log)
+        self._maps = MapPages(commands or CommandQueue(environment))
         self._recordings = recordings or RecordingPages(environment, log)
 
     def _is_up(self) -> bool:

@@ -1,7 +1,7 @@
 // @ts-check
-/** The stored maps of the computer that serves the page: drive on one, save the one that is being made, rename, delete. */
+/** The stored maps of the computer that serves the page: drive on one, and save the one that is being made. */
 
-import { make, makeButton, makeNote, makeSureButton, replaceRows } from "./elements.js";
+import { make, makeButton, makeNote, replaceRows } from "./elements.js";
 import { offerToEndRun, startProgram } from "./program_panel.js";
 import { RUNS } from "./run_socket.js";
 import { TEXTS } from "./texts.js";
@@ -17,7 +17,6 @@ import { KIND } from "./wire.js";
 const NO_MAP = /** @type {MapState} */ ({ name: "", saves: false });
 const PROGRAM = "keyboard_navigate";
 const MAPPER = "/slam_gmapping";
-const NAME = /^[A-Za-z][A-Za-z0-9_.-]{0,63}$/; // see ur.maps.names
 const COLOURS = /** @type {Record<string, string>} */ ({ ".": "--map-free", "#": "--map-wall" });
 
 /** @type {import("./panels.js").Panel} */
@@ -43,8 +42,6 @@ export class MapList {
     this.maps = [];
     /** What the list shows. */
     this.shown = "";
-    /** The map that is renamed; "": none. */
-    this.renamed = "";
     this.note = makeNote();
     this.saving = make("div", "", "row");
     this.save = makeButton(TEXTS.mapList.save, () => this.askToSave());
@@ -64,7 +61,6 @@ export class MapList {
     RUNS.use(open);
     this.save.disabled = false; // an answer may have been lost with the connection
     if (open) this.load();
-    else this.renamed = "";
   }
 
   /** @param {MapState} state */
@@ -85,7 +81,7 @@ export class MapList {
   }
 
   draw() {
-    const shown = JSON.stringify([this.maps, this.state.name, this.renamed]);
+    const shown = JSON.stringify([this.maps, this.state.name]);
     if (shown === this.shown) return; // a button that asks whether it is sure keeps asking
     this.shown = shown;
     replaceRows(this.list, this.maps.map((map) => this.makeRow(map)));
@@ -105,21 +101,13 @@ export class MapList {
     const problem = make("p", "", "problem");
     problem.role = "status";
     problem.hidden = true;
-    const buttons = make("div", "", "row");
     const drive = makeButton(
       TEXTS.mapList.drive,
       () => this.driveOn(map.name, drive, problem),
       TEXTS.mapList.driveOn(map.name),
     );
     drive.disabled = Boolean(map.problem);
-    buttons.append(
-      drive,
-      makeButton(TEXTS.rename, () => this.edit(map.name), TEXTS.mapList.rename(map.name)),
-      makeSureButton(TEXTS.remove, () => this.change("delete", { name: map.name }, problem), TEXTS.mapList.remove(map.name)),
-    );
-    row.append(buttons);
-    if (map.name === this.renamed) row.append(this.makeForm(map.name, problem));
-    row.append(problem);
+    row.append(drive, problem);
     return row;
   }
 
@@ -131,42 +119,6 @@ export class MapList {
     const run = RUNS.state?.runs.find((each) => each.nodes.some((node) => node.name.endsWith(MAPPER)));
     if (run) offerToEndRun(run, TEXTS.mapList.makesStill, problem, start);
     else this.say(problem, TEXTS.mapList.endFirst);
-  }
-
-  /** @param {string} name @param {HTMLElement} problem */
-  makeForm(name, problem) {
-    const form = make("form");
-    const input = make("input");
-    input.id = "map-name";
-    input.value = name;
-    input.maxLength = 64;
-    input.autocomplete = "off";
-    input.autocapitalize = "off";
-    input.ariaLabel = TEXTS.newName(name);
-    form.append(input, make("button", TEXTS.rename));
-    form.addEventListener("submit", (event) => {
-      event.preventDefault();
-      const to = input.value.trim();
-      if (to === name) this.edit("");
-      else if (NAME.test(to)) this.change("rename", { name, new_name: to }, problem);
-      else this.say(problem, TEXTS.mapList.badName);
-    });
-    return form;
-  }
-
-  /** Have a map renamed, or end that. @param {string} name */
-  edit(name) {
-    this.renamed = this.renamed === name ? "" : name;
-    this.draw();
-    if (this.renamed) /** @type {HTMLElement | null} */ (this.list.querySelector("#map-name"))?.focus();
-  }
-
-  /** @param {"rename" | "delete"} what @param {Record<string, string>} value @param {HTMLElement} problem */
-  async change(what, value, problem) {
-    const answer = await fetch(`/api/maps/${what}`, { method: "POST", body: JSON.stringify(value) }).catch(() => null);
-    if (!answer?.ok) return this.say(problem, answer ? await answer.text() : TEXTS.noAnswer);
-    this.renamed = "";
-    await this.load();
   }
 
   askToSave() {

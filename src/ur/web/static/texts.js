@@ -221,11 +221,6 @@ export const TEXTS = {
     driveOn: (name) => `Drive on this map: ${name}`,
     /** @param {string} name */
     picture: (name) => `Picture of the map ${name}`,
-    /** @param {string} name */
-    rename: (name) => `Rename the map ${name}`,
-    /** @param {string} name */
-    remove: (name) => `Delete the map ${name}`,
-    badName: "Not renamed: a letter, then letters, digits, '-', '_' and '.', at most 64 in all.",
     makes: "A map is being made.",
     makesStill: "A run makes a map. It saves that map when it ends.",
     endFirst: "Not started: a map is being made. End the program that makes it where it was started.",
