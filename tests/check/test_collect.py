@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from ur.check.collect import collect_targets
-from ur.check.computer import make_world
 from ur.check.links import describe_left_out
+from ur.check.worlds import make_world
 from ur.launchfile.world import MemoryWorld
 from ur.source.diagnostic import UserError
 

@@ -1,6 +1,6 @@
 from pathlib import Path
 
-from ur.check.computer import make_world
+from ur.check.worlds import make_world
 
 
 def test_every_package_of_a_large_workspace_is_found(tmp_path: Path) -> None:

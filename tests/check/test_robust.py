@@ -7,8 +7,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from ur.check.catalogue import load_rules
-from ur.check.computer import make_world
 from ur.check.run import check_paths
+from ur.check.worlds import make_world
 from ur.launchfile.world import MemoryWorld
 
 LAUNCH_TESTS = Path(__file__).parents[1] / "launchfile"

@@ -45,10 +45,3 @@ def test_svg_is_well_formed_and_holds_every_box_and_arrow() -> None:
     arrows = [each.attrib["class"] for each in root.iter(f"{space}g") if "arrow" in each.get("class", "").split()]
     assert arrows == ["arrow", "arrow fault unsure", "arrow"]
     assert len([each for each in root.iter(f"{space}path") if each.get("class") == "tip"]) == len(arrows)
-
-
-def test_svg_has_the_note_of_a_box_as_a_second_line() -> None:
-    root = ElementTree.fromstring(write_svg(DrawnGraph((GraphBox("b0", "a.launch", "file", note="a & b"),), ()), "a"))
-    assert [each.text for each in root.iter("{http://www.w3.org/2000/svg}text") if each.get("class") == "note"] == [
-        "a & b"
-    ]

@@ -14,7 +14,7 @@ from lsprotocol import types
 from pygls.io_ import run_async
 from pygls.lsp.client import LanguageClient
 
-from ur.check.computer import make_world
+from ur.check.worlds import make_world
 from ur.lsp.serve import make_server
 
 PATIENCE = 60  # seconds

@@ -12,10 +12,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from ur.check.cases import resolve_cases
-from ur.check.computer import make_world
 from ur.check.rule import survey_launch_file
 from ur.check.session import CheckSession
-from ur.check.worlds import CachedWorld
+from ur.check.worlds import CachedWorld, make_world
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world import World
 from ur.launchfile.world.overlay import OverlayWorld

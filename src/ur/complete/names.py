@@ -117,7 +117,7 @@ def list_rules() -> Iterator[Completion]:
 
 def list_file_names(path: str, argv: Sequence[str], environment: Mapping[str, str]) -> Iterator[Completion]:
     """Yield the parameters, arguments, remaps and nodes of a launch file with its arguments. Raises UserError."""
-    from ur.check.computer import make_world
+    from ur.check.worlds import make_world
     from ur.launchfile.query.explain import list_names
     from ur.request.environment import current_selection
     from ur.request.launch_request import make_request

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from ur.graph.boxes import DrawnGraph
-
 TreeKind = Literal["file", "node", "missing", "elsewhere", "unknown", "cycle", "off"]
 
 
@@ -159,7 +157,6 @@ class LaunchDoc:
     trees: tuple[TreeDoc, ...]
     support: tuple[SupportDoc, ...]
     problems: tuple[str, ...]
-    graph: DrawnGraph
     launcher: str = "roslaunch"
 
     @property

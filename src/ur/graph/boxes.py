@@ -5,10 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Kind = Literal[
-    "file", "node", "topic", "service", "action", "missing", "cycle",
-    "this", "elsewhere", "unknown", "off",
-]  # fmt: skip
+Kind = Literal["file", "node", "topic", "service", "action", "missing", "cycle"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,13 +21,12 @@ class Branch:
 
 @dataclass(frozen=True, slots=True)
 class GraphBox:
-    """A box of a graph; `title` is its long form, `note` a second line."""
+    """A box of a graph; `title` is its long form."""
 
     id: str
     label: str
     kind: Kind
     title: str = ""
-    note: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,8 +11,7 @@ from ur.source.printable import printable_lines
 _SWEEPS = 8
 _CHARACTER = 7.6  # px of an average character of the font
 _PADDING = 22.0
-HEIGHT, TALL = 30.0, 46.0  # of a box with one line, and with a note below it
-_NOTE = 0.85  # the size of a note's characters, over that of a label's
+HEIGHT = 30.0  # of a box
 _GAP_X, _GAP_Y = 64.0, 16.0
 _BEND = (0.0, 0.0)  # the size of a place where an arrow passes a layer
 
@@ -64,8 +63,7 @@ def lay_out_graph(graph: DrawnGraph) -> GraphLayout:
 
 
 def _measure(box: GraphBox) -> tuple[float, float]:
-    longest = max(len(box.label), _NOTE * len(box.note))
-    return longest * _CHARACTER + _PADDING, TALL if box.note else HEIGHT
+    return len(box.label) * _CHARACTER + _PADDING, HEIGHT
 
 
 def _through(position: BoxPosition) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -169,13 +167,13 @@ _STYLE = """\
   .missing rect, .cycle rect { fill: #fde8e6; stroke: #c22; stroke-dasharray: 5 3; } .missing text { fill: #a11; }
   path { fill: none; stroke: #8b95a1; stroke-width: 1.2; } .tip { fill: #8b95a1; stroke: none; }
   .fault path { stroke: #c22; } .fault .tip { fill: #c22; stroke: none; } .unsure path { stroke-dasharray: 4 4; }
-  .label, .note { font-size: 11px; fill: #5b6570; }
+  .label { font-size: 11px; fill: #5b6570; }
   @media (prefers-color-scheme: dark) {
     svg { background: #14181d; } rect { fill: #20262d; stroke: #8a95a3; } text { fill: #e4e9ef; }
     .node rect { fill: #163626; stroke: #3fb27a; } .topic rect { fill: #1a2a47; stroke: #7fa2e6; }
     .service rect, .action rect { fill: #3a2f14; stroke: #d1a548; }
     .missing rect, .cycle rect { fill: #431b1a; stroke: #ff6b62; } .missing text { fill: #ff9c95; }
-    .label, .note { fill: #a5b0bd; }
+    .label { fill: #a5b0bd; }
   }
 </style>
 """
@@ -201,19 +199,12 @@ def write_svg(graph: DrawnGraph, title: str) -> str:
 
 def _draw_box(box: GraphBox, position: BoxPosition) -> str:
     middle = position.x + position.width / 2
-    long = ", ".join(part for part in (box.title or box.label, box.note) if part)
-    note = ""
-    if box.note:
-        note = (
-            f'<text class="note" x="{middle:.1f}" y="{position.y + HEIGHT + 5:.1f}" text-anchor="middle">'
-            f"{escape(box.note)}</text>"
-        )
     return (
-        f'<g class="{box.kind}"><title>{escape(long)}</title>'
+        f'<g class="{box.kind}"><title>{escape(box.title or box.label)}</title>'
         f'<rect x="{position.x:.1f}" y="{position.y:.1f}" width="{position.width:.1f}"'
         f' height="{position.height:g}" rx="6"/>'
         f'<text x="{middle:.1f}" y="{position.y + HEIGHT / 2 + 4.5:.1f}" text-anchor="middle">'
-        f"{escape(box.label)}</text>{note}</g>\n"
+        f"{escape(box.label)}</text></g>\n"
     )
 
 

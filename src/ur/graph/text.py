@@ -14,11 +14,10 @@ _PLAIN = ("|- ", "`- ", "|  ", "   ", "->", "<-")
 _SHAPES = {
     "file": ("[", "]"), "node": ("(", ")"), "topic": ("[[", "]]"), "service": ("[/", "/]"), "action": ("[/", "/]"),
     "missing": ("{{", "}}"), "cycle": ("{{", "}}"),
-    "this": ("[", "]"), "elsewhere": ("[/", "/]"), "unknown": ("[/", "/]"), "off": ("[", "]"),
 }  # fmt: skip
 _STYLES = {
-    "this": "stroke-width:3px", "node": "stroke:#2a7,stroke-width:2px", "missing": "stroke:#c00,color:#c00",
-    "topic": "stroke:#57c", "elsewhere": "stroke-dasharray:4",
+    "node": "stroke:#2a7,stroke-width:2px", "missing": "stroke:#c00,color:#c00",
+    "topic": "stroke:#57c",
 }  # fmt: skip
 _DOT_SHAPES = {"file": "note", "node": "ellipse", "topic": "box", "service": "cds", "action": "cds", "missing": "note"}
 

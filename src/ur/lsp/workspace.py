@@ -20,7 +20,7 @@ from ur.launchfile.world.overlay import OverlayWorld
 from ur.source.diagnostic import Diagnostic, UserError
 from ur.source.file import SourceFile
 
-MakeWorld = Callable[[Sequence[str]], World]  # of the paths that are checked; see ur.check.computer
+MakeWorld = Callable[[Sequence[str]], World]  # of the paths that are checked; see ur.check.worlds
 _ENCODING = re.compile(r"""\A<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
 _SLICE = 0.1  # seconds of work within one piece after which requests are looked at
 _KEPT = 16  # files whose plans are kept

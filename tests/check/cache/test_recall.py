@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ur.check.cache.recall import Recall
-from ur.check.computer import make_world
 from ur.check.render.text import render_json
 from ur.check.run import check_paths
+from ur.check.worlds import make_world
 from ur.launchfile.world import MemoryWorld
 
 ROOT = Path(__file__).resolve().parents[3]

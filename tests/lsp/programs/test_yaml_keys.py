@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.check.computer import make_world
+from ur.check.worlds import make_world
 from ur.complete.yaml_keys import find_parents
 from ur.lsp.completion import complete
 from ur.lsp.workspace import Workspace

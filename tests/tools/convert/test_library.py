@@ -12,9 +12,8 @@ from tests.tools.convert.ros2_launch import LaunchedNode2, Ros2LaunchReader
 
 from ur.check.cases import list_cases, list_unknown
 from ur.check.collect import collect_targets
-from ur.check.computer import make_world
 from ur.check.rule import survey_launch_file
-from ur.check.worlds import CachedWorld
+from ur.check.worlds import CachedWorld, make_world
 from ur.launchfile import NodeSpec, Plan, load_plan
 from ur.run.middleware.parameter_files import format_parameters
 from ur.source.diagnostic import Severity

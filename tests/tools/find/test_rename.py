@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from ur.check.computer import make_world
 from ur.check.session import CheckSession
+from ur.check.worlds import make_world
 from ur.launchfile.world import MemoryWorld
 from ur.source.diagnostic import UserError
 from ur.source.file import SourceFile

@@ -11,8 +11,7 @@ import pytest
 from tests.launchfile.conftest import Reference, differences, our_plan, read_case
 
 from ur.check.collect import collect_targets
-from ur.check.computer import make_world
-from ur.check.worlds import CachedWorld
+from ur.check.worlds import CachedWorld, make_world
 from ur.source.diagnostic import UserError
 from ur.tools.format.run import format_file
 

@@ -7,8 +7,7 @@ import pytest
 from tests.tools.format.test_layout import expect, format_text
 
 from ur.check.collect import collect_targets
-from ur.check.computer import make_world
-from ur.check.worlds import CachedWorld
+from ur.check.worlds import CachedWorld, make_world
 from ur.tools.format.run import format_file
 
 

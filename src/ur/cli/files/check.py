@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import os
 import sys
-import time
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
 import click
 
 from ur.source.render import shows_colour
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from ur.check.run import CheckReport
-
-_INTERVAL = 0.3  # s between two checks for changes
 
 
 @click.command("check")
@@ -25,7 +22,6 @@ _INTERVAL = 0.3  # s between two checks for changes
 @click.option("--select", multiple=True, metavar="RULE", help="Check only these rules or groups; may be repeated.")
 @click.option("--ignore", multiple=True, metavar="RULE", help="Leave out these rules or groups; may be repeated.")
 @click.option("--fix", is_flag=True, help="Repair what can be repaired safely.")
-@click.option("--watch", is_flag=True, help="Check again whenever a file changes, until Ctrl-C.")
 @click.option("--strict", is_flag=True, help="End with exit code 1 for warnings, too.")
 @click.option(
     "--format",
@@ -49,7 +45,6 @@ def command(
     select: tuple[str, ...],
     ignore: tuple[str, ...],
     fix: bool,
-    watch: bool,
     strict: bool,
     form: str,
     no_cache: bool,
@@ -79,21 +74,17 @@ def command(
             raise click.UsageError("--package checks one package")
 
         return check_package(paths[0] if paths else ".", fix)
-    report = _check(
-        paths, choose_rules(_words(select), _words(ignore)), form, fix=fix, watch=watch, cached=not no_cache
-    )
+    report = _check(paths, choose_rules(_words(select), _words(ignore)), form, fix=fix, cached=not no_cache)
     return 2 if not report.files else 1 if report.errors or (strict and report.findings) else 0
 
 
-def _check(
-    paths: Sequence[str], chosen: frozenset[str], form: str, *, fix: bool, watch: bool, cached: bool
-) -> CheckReport:
-    """Check and print; with `watch`, without end."""
+def _check(paths: Sequence[str], chosen: frozenset[str], form: str, *, fix: bool, cached: bool) -> CheckReport:
+    """Check and print."""
     from ur.check.cache.program import digest_program
     from ur.check.cache.store import cache_folder, load_recall, name_cache, store_recall
-    from ur.check.computer import make_world
     from ur.check.links import describe_left_out
     from ur.check.run import check_paths
+    from ur.check.worlds import make_world
     from ur.request.environment import add_own_package
     from ur.source.arguments import split_argv, values_of
     from ur.source.progress_line import show_progress
@@ -102,8 +93,6 @@ def _check(
     places, values = list(names) or ["."], values_of(arguments)
     program = digest_program() if cached else ""
     cache = f"{cache_folder(os.environ)}/{name_cache([*map(os.path.abspath, places), *names], chosen, values)}"
-    if watch:
-        _watch(places, chosen, values, form, fix=fix)
 
     def check() -> CheckReport:
         recall = load_recall(cache, program) if cached else None
@@ -122,28 +111,6 @@ def _check(
     if note := describe_left_out(report.left_out):
         click.echo(note, err=True)
     return report
-
-
-def _watch(places: list[str], chosen: frozenset[str], values: Mapping[str, str], form: str, *, fix: bool) -> NoReturn:
-    if fix:
-        raise click.UsageError("--watch cannot be used with --fix")
-    from ur.check.computer import FileWatch, make_world
-    from ur.check.run import finish_report
-    from ur.check.session import CheckSession
-    from ur.request.environment import add_own_package
-    from ur.source.printable import printable
-
-    files = FileWatch(places)
-    session = CheckSession(places, make_world(places, add_own_package(os.environ)), chosen, values)
-    while True:
-        _show(finish_report(session), form)
-        sys.stdout.flush()
-        while not (changed := files.pop_changes()):
-            time.sleep(_INTERVAL)
-        names = ", ".join(os.path.relpath(path) for path in changed[:3]) + (", ..." if len(changed) > 3 else "")
-        click.echo(printable(f"\nchanged: {names}"), err=True)
-        if not all(session.change(path) for path in changed):
-            session.renew(make_world(places, add_own_package(os.environ)))
 
 
 def _repair(report: CheckReport) -> None:
@@ -175,7 +142,7 @@ def _show(report: CheckReport, form: str) -> None:
 def check_package(path: str, fix: bool) -> int:
     """Print what package.xml and CMakeLists.txt lack, or add it; return 1 if something is missing."""
     from ur.check.collect import collect_targets
-    from ur.check.computer import make_world
+    from ur.check.worlds import make_world
     from ur.cli.output import replace_file
     from ur.launchfile.syntax.parse import count_unread, describe_unread
     from ur.request.environment import add_own_package

@@ -15,7 +15,7 @@ def command(argv: tuple[str, ...]) -> int:
     The file and its arguments are given as for `ur launch`, in any order before or after NAME; arguments about the
     robot come from the selection. Nothing is started.
     """
-    from ur.check.computer import make_world
+    from ur.check.worlds import make_world
     from ur.launchfile.address import join_addresses
     from ur.launchfile.query.explain import explain_name, format_layers
     from ur.launchfile.world.system import SystemWorld

@@ -32,7 +32,7 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
 
     Exit code: 0 when something is found, 1 when nothing is.
     """
-    from ur.check.computer import make_world
+    from ur.check.worlds import make_world
     from ur.request.environment import add_own_package
     from ur.source.progress_line import show_progress
     from ur.tools.find.occurrences import KINDS

@@ -39,9 +39,8 @@ def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
     if paths == (_STANDARD_INPUT,):
         return _format_input()
     from ur.check.collect import collect_targets
-    from ur.check.computer import make_world
     from ur.check.links import describe_left_out
-    from ur.check.worlds import CachedWorld
+    from ur.check.worlds import CachedWorld, make_world
     from ur.launchfile.syntax.parse import count_unread, describe_unread, is_ros2_name
     from ur.request.environment import add_own_package
     from ur.source.progress_line import show_progress
@@ -97,7 +96,7 @@ def _format_files(
 
 
 def _format_input() -> int:
-    from ur.check.computer import make_world
+    from ur.check.worlds import make_world
     from ur.request.environment import add_own_package
     from ur.tools.format.run import format_file
 

@@ -20,7 +20,7 @@ def command(stdio: bool) -> int:  # noqa: ARG001 - what some editors give
     need_all(["pygls"], "lsp.lock", "what editors need (1 MB to download)")
     from importlib.metadata import version
 
-    from ur.check.computer import make_world
+    from ur.check.worlds import make_world
     from ur.launchfile.world import World
     from ur.lsp.serve import make_server
     from ur.request.environment import add_own_package

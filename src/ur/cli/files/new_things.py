@@ -300,7 +300,7 @@ def _formatted(target: TargetPackage, file: NewFile) -> NewFile:
         return file
     from dataclasses import replace
 
-    from ur.check.computer import make_world
+    from ur.check.worlds import make_world
     from ur.request.environment import add_own_package
     from ur.tools.format.run import format_file
 

@@ -36,7 +36,7 @@ def command(path: str, output: str | None, prefix: str | None, language: Languag
 
     Exit code: 0, or 1 when something could not be converted, or 2 when nothing was.
     """
-    from ur.check.computer import make_world
+    from ur.check.worlds import make_world
     from ur.request.environment import add_own_package
     from ur.source.diagnostic import UserError, error
     from ur.source.progress_line import show_progress

@@ -1,1 +1,1 @@
-"""The documents of one launch file: its arguments, nodes, includes, tree and graph."""
+"""The documents of one launch file: its arguments, nodes, includes and tree."""

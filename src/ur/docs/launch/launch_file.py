@@ -30,14 +30,12 @@ from ur.docs.documents import (
     TreeItem,
     Value,
 )
-from ur.docs.launch.graph import draw_graph
 from ur.docs.launch.nodes import NodeDescriber, TreeMaker
 from ur.docs.launch.support import describe_finding, describe_support, list_unreadable
 from ur.docs.repository.bases import match_paths
 from ur.docs.repository.collect import DocumentedRepository, is_elsewhere, is_unknown, relative_path
 from ur.docs.repository.comments import find_argument_doc, find_needs, find_overview, find_summary
 from ur.docs.words import Words, describe_condition, describe_type, join_words, settle_links, types_from_use
-from ur.graph.boxes import DrawnGraph
 from ur.launchfile.plan.specs import (
     ArgumentStep,
     IncludeSpec,
@@ -95,7 +93,6 @@ class PlannedFile:
             trees=trees,
             support=(),
             problems=tuple(dict.fromkeys(describe_finding(found, words) for found in errors)),
-            graph=draw_graph(path, trees) if own or includes else DrawnGraph((), ()),
             launcher=plan.launcher,
         )
 
@@ -289,7 +286,6 @@ class LaunchDescriber:
             trees=trees,
             support=support if not unreadable else (),
             problems=tuple(dict.fromkeys((*unreadable, *problems))),
-            graph=draw_graph(path, trees) if outline.includes or outline.nodes else DrawnGraph((), ()),
         )
 
 

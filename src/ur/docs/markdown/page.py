@@ -21,7 +21,6 @@ from ur.docs.documents import (
 )
 from ur.docs.markdown.text import MarkdownPage, code, escape_cell, inline
 from ur.docs.words import name_cases
-from ur.graph.text import write_mermaid
 
 MAX_LINES = 400
 
@@ -94,8 +93,6 @@ def write_launch_file(page: MarkdownPage, doc: LaunchDoc, title: str, level: int
     if doc.includes:
         page.table(("Includes", "When", "Passes"), [_include_row(page, each) for each in doc.includes])
         write_trees(page, doc.trees, title, f"launch {doc.path}")
-    if doc.graph.arrows:
-        page.code_block(write_mermaid(doc.graph).splitlines(), "mermaid")
 
 
 def _list_places(page: MarkdownPage, doc: LaunchDoc) -> Iterable[str]:
