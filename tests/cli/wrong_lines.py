@@ -76,8 +76,6 @@ replay
 replay absent.mcap
 replay notes.txt --info
 record x:=1
-replay --pause
-replay notes.txt --pause
 replay notes.txt nobody
 replay notes.txt keyboard_navigate fast
 logs
@@ -140,7 +138,6 @@ web sim:mangi
 web --days never
 web --foxglove-origin viewer.example
 mcp grant --within 0,0,5,4 --not kitchen=2,1,5,4 --programs
-replay --jump 95
 record --split 100 --keep-free 500 'a b'
 launch --respawn-limit 3 --screen --log talker.launch
 lsp --stdio more

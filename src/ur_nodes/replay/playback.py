@@ -204,7 +204,7 @@ class ReplayNode:
             self._clock.send(ClockTime(self._player.time))
         state = self._player.state
         if state.ended and not before.ended:
-            self._print(f"end of the recording, at {state.length:.1f} s; 'ur replay --play' plays it again")
+            self._print(f"end of the recording, at {state.length:.1f} s; a key of 'ur replay' plays it again")
         elif state.position - self._printed >= _PRINT_EVERY or state.position < self._printed:
             self._printed = state.position - state.position % _PRINT_EVERY
             self._print(f"{state.position:.0f} of {state.length:.0f} s")
@@ -245,5 +245,5 @@ def open_control_socket(
         command = read_command(data)
         return b"" if command is None else write_json(callback(command)).encode()
 
-    without = "'ur replay --pause' and others have no effect"
+    without = "the keys of 'ur replay' have no effect"
     return DatagramSocket(node, sockets_folder(environment), _CONTROL_EVERY, MOST_BYTES, on_datagram, without)

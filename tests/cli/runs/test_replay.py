@@ -32,9 +32,6 @@ def test_recording_is_described_without_a_replay(recording: Path, capsys: pytest
     ("words", "message"),
     [
         ([], "expected the file of a recording"),
-        (["--pause"], "no replay runs on this computer"),
-        (["--speed", "2", "--back", "3"], "no replay runs on this computer"),
-        (["FILE", "--play"], "reach a replay that runs, expected no file"),
         (["FILE", "--to-simulator"], "starts the nodes of a program, expected its name"),
         (["nothing.mcap"], "no such file, expected a recording"),
         (["FILE", "keyboard_navigate", "base"], "'base' is no argument, expected NAME:=VALUE"),

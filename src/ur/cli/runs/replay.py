@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from ur.recordings.replays import ReplayCommand, ReplayState, ask_replay, describe_state
+from ur.recordings.replays import ReplayCommand, ask_replay, describe_state
 from ur.source.ansi import is_plain
 from ur.source.arguments import Argument, CommandLine, split_argv
 from ur.source.diagnostic import UserError, error, error_about
@@ -22,10 +22,6 @@ from ur.source.diagnostic import UserError, error, error_about
 @click.option("--from", "start", type=float, metavar="SECONDS", help="Begin so many seconds after its start.")
 @click.option("--to-simulator", is_flag=True, help="Start the simulated robot where the robot was at --from, or last.")
 @click.option("--info", is_flag=True, help="Print what the recording holds, and play nothing.")
-@click.option("--pause", is_flag=True, help="Pause the replay that runs.")
-@click.option("--play", is_flag=True, help="Let the replay that runs go on.")
-@click.option("--jump", type=float, metavar="SECONDS", help="Let the replay that runs go on at this second.")
-@click.option("--back", type=float, metavar="SECONDS", help="Jump back by so many seconds.")
 def command(
     recording: str | None,
     program: str | None,
@@ -34,22 +30,14 @@ def command(
     start: float | None,
     to_simulator: bool,
     info: bool,
-    pause: bool,
-    play: bool,
-    jump: float | None,
-    back: float | None,
 ) -> int:
     """Play a recording, into a program if one is named.
 
     FILE is an MCAP file, of the black box or another recorder. The program starts without the nodes of the robot, and
-    shows what the recording holds. Without FILE, the options reach the replay that runs; without options, too, this
-    terminal shows it, and takes keys.
+    shows what the recording holds. Without FILE, this terminal shows the replay that runs, and takes keys.
     """
     if recording is None:
-        return _control(speed, jump, back, pause=pause, play=play)
-    if pause or play or jump is not None or back is not None:
-        message = "--pause, --play, --jump and --back reach a replay that runs, expected no file"
-        raise UserError(error(message, rule="bad-options", help="'--from SECONDS' begins later"))
+        return _show_running()
     from ur.recordings.mcap_file import check_recording
 
     if info:
@@ -65,21 +53,11 @@ def command(
     return _play(played, 1.0 if speed is None else speed, start or 0.0)
 
 
-def _ask(command: ReplayCommand) -> ReplayState:
-    if (state := ask_replay(command, os.environ)) is None:
+def _show_running() -> int:
+    if (state := ask_replay(ReplayCommand("state"), os.environ)) is None:
         message = "no replay runs on this computer, expected the file of a recording"
         raise UserError(error(message, rule="no-replay", help="ur replay FILE starts one"))
-    return state
-
-
-def _control(speed: float | None, jump: float | None, back: float | None, *, pause: bool, play: bool) -> int:
-    commands = [ReplayCommand("pause")] if pause else [ReplayCommand("play")] if play else []
-    commands += [ReplayCommand("speed", speed)] if speed is not None else []
-    commands += [ReplayCommand("jump", jump)] if jump is not None else []
-    commands += [ReplayCommand("back", back)] if back is not None else []
-    shown = not commands
-    state = [_ask(each) for each in commands or [ReplayCommand("state")]][-1]
-    if shown and sys.stdin.isatty() and sys.stdout.isatty() and not is_plain(os.environ):
+    if sys.stdin.isatty() and sys.stdout.isatty() and not is_plain(os.environ):
         from ur.cli.runs.replay_screen import show_replay
 
         return show_replay(os.environ)

@@ -133,8 +133,6 @@ LAUNCHING = (
             ),
             ("ur replay black_box.mcap keyboard_navigate --to-simulator", "Go on in the simulator, from where it was."),
             ("ur replay", "Show the replay that runs, with keys to pause it, jump, and change its speed."),
-            ("ur replay --pause", "Pause the replay that runs; --play goes on."),
-            ("ur replay --jump 95", "Let it go on 95 s after the start of the recording."),
         ),
         trust=Trust(
             "a recording of any origin, as MCAP; launch files of the program",
