@@ -13,9 +13,9 @@ import pytest
 
 from ur.cli.main import main
 from ur.get.record import InstallRecord, load_record, record_path
+from ur.maps.names import waypoint_path
 from ur.maps.record import MapEdit
 from ur.maps.store import own_store
-from ur.maps.waypoint_file import waypoint_path
 from ur.robot.discovery.record import RobotRecord, load_records, records_folder
 from ur.robot.discovery.seen import SeenRobot, load_seen, note_seen, seen_path
 from ur.robot.selection import Selection, load_selection, selection_path

@@ -6,11 +6,11 @@ import pytest
 
 from ur.maps.change import add_edit, make_edit, move_map, propose
 from ur.maps.exchange import import_picture
+from ur.maps.names import read_places, write_places
 from ur.maps.picture_file import write_picture
 from ur.maps.record import MapRecord
 from ur.maps.scan_file import StoredGraph, encode_graph, read_graph
 from ur.maps.store import MapStore
-from ur.maps.waypoint_file import read_places, write_places
 from ur.source.diagnostic import UserError
 from ur.worlds.map_file import read_map
 

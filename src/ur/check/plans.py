@@ -4,8 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 
-from ur.check.cache.answers import CHECKED
-from ur.check.cache.recall import NotedTrees
+from ur.check.cache.recall import CHECKED, NotedTrees
 from ur.check.cases import Resolved, list_cases, list_unknown, resolve_cases
 from ur.check.findings.installed import judge_package
 from ur.check.findings.merge import Hit

@@ -6,9 +6,8 @@ with one of those queries are checked again, and the findings of all others stay
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-from ur.check.cache.answers import CHECKED, digest_of
 from ur.check.cache.outline import IncludeOutline
-from ur.check.cache.recall import Asked, Recall, describe_package
+from ur.check.cache.recall import CHECKED, Asked, Recall, describe_package, digest_of
 from ur.check.catalogue import load_rules
 from ur.check.collect import may_be_checked
 from ur.check.findings.index import FindingIndex, FoundByUnit, Unit

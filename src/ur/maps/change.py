@@ -6,12 +6,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from ur.maps.edit import Origin, apply_edits, move_graph, move_point, move_record, propose_turn, turn_values
-from ur.maps.names import PLACE_NAME, PLACE_RULE
+from ur.maps.names import PLACE_NAME, PLACE_RULE, read_places, write_places
 from ur.maps.picture_file import write_picture
 from ur.maps.record import LARGEST, MOST_EDITS, MOST_POINTS, EditKind, MapEdit, MapRecord, render_record
 from ur.maps.scan_file import encode_graph, read_graph
 from ur.maps.store import MapStore
-from ur.maps.waypoint_file import read_places, write_places
 from ur.maps.zone_mask import write_masks
 from ur.source.diagnostic import UserError, error
 from ur.source.replace import replace_file

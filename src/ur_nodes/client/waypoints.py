@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ur.maps.waypoint_file import read_places, waypoint_path, write_places
+from ur.maps.names import read_places, waypoint_path, write_places
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 from ur_nodes.geometry.grid import Grid

@@ -12,8 +12,8 @@ from tests.ur_nodes.slam.drives import drive
 from tests.ur_nodes.slam.storage.test_merging import put, store
 
 from ur.cli.main import main
+from ur.maps.names import read_places, waypoint_path, write_places
 from ur.maps.store import MapStore
-from ur.maps.waypoint_file import read_places, waypoint_path, write_places
 from ur_nodes.geometry.pose import Pose2
 
 __all__ = ["store"]

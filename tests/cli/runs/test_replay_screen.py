@@ -40,4 +40,4 @@ def test_state_is_printed_without_a_terminal(
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     with fake_replay(tmp_path):
         assert main(["replay"]) == 0
-    assert capsys.readouterr().out == "paused at 3.0 of 120.0 s, speed 1\n"
+    assert capsys.readouterr().out == "playing at 3.0 of 120.0 s, speed 1\n"

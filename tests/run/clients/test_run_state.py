@@ -3,8 +3,8 @@ from tests.tui.fake import RUN, line
 
 from ur.run.clients.protocol import NodeChanged, NodeReadiness, NodeStats, RunEvent, RunStopping, StatsSampled
 from ur.run.clients.run_state import NodeRow, RunState, apply_events, begin_state, describe_node, list_missing
-from ur.tui.node_table import describe_run
 from ur.tui.palette import DARK
+from ur.tui.run_screen import describe_run
 
 
 @pytest.mark.parametrize(("changed", "mood", "word"), [

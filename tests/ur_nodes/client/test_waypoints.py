@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ur.maps.waypoint_file import waypoint_path
+from ur.maps.names import waypoint_path
 from ur.source.diagnostic import UserError
 from ur_nodes.client.waypoints import WaypointStore, name_of_map
 from ur_nodes.geometry.grid import Grid

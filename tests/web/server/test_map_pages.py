@@ -14,9 +14,9 @@ aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requi
 
 from tests.fakes.page_server import PageServerClient  # noqa: E402
 
+from ur.maps.names import waypoint_path  # noqa: E402
 from ur.maps.picture_file import write_picture  # noqa: E402
 from ur.maps.store import own_store  # noqa: E402
-from ur.maps.waypoint_file import waypoint_path  # noqa: E402
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402

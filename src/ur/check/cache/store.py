@@ -4,25 +4,51 @@ Two lines of JSON: a header with the format, a digest of the program and one of 
 file that cannot be read, or was written by another program, is ignored: the check then starts from nothing.
 """
 
-# Exact paths and descriptors throughout.
-# ruff: noqa: PTH123, PTH108, PTH120
-
 import hashlib
 import os
 import stat
+import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Annotated
+from xml.parsers import expat
 
+import yaml
 from msgspec import Meta
 
-from ur.check.cache.answers import is_question
 from ur.check.cache.outline import KeptOutline
-from ur.check.cache.recall import KnownFindings, Recall, RecalledFile
+from ur.check.cache.recall import KnownFindings, Recall, RecalledFile, is_question
 from ur.source.foreign.json_values import read_json_names, write_json_names
 from ur.source.replace import PRIVATE, make_folder, replace_file
 from ur.source.user_folders import user_folder
+
+# ruff: noqa: PTH118, PTH123
+
+
+_PACKAGES = ("check", "launchfile", "source")  # all that takes part in a check
+
+
+def digest_program() -> str:
+    """Return a digest of the source of all involved modules, and of the versions of the parsers."""
+    top = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))  # noqa: PTH100
+    digest = hashlib.blake2b(digest_size=20)
+    digest.update(repr((sys.version, yaml.__version__, yaml.__with_libyaml__, expat.EXPAT_VERSION)).encode())
+    for path in sorted(path for package in _PACKAGES for path in _sources(os.path.join(top, package))):
+        with open(path, "rb") as file:
+            data = file.read()
+        digest.update(f"\n{path.removeprefix(top)} {len(data)}\n".encode("utf-8", "surrogateescape"))
+        digest.update(data)
+    return digest.hexdigest()
+
+
+def _sources(folder: str) -> list[str]:
+    return [os.path.join(place, name) for place, _, names in os.walk(folder) for name in names if name.endswith(".py")]
+
+
+# Exact paths and descriptors throughout.
+# ruff: noqa: PTH123, PTH108, PTH120
+
 
 FORMAT = 3
 _SUFFIX = ".json"

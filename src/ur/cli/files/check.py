@@ -80,8 +80,7 @@ def command(
 
 def _check(paths: Sequence[str], chosen: frozenset[str], form: str, *, fix: bool, cached: bool) -> CheckReport:
     """Check and print."""
-    from ur.check.cache.program import digest_program
-    from ur.check.cache.store import cache_folder, load_recall, name_cache, store_recall
+    from ur.check.cache.store import cache_folder, digest_program, load_recall, name_cache, store_recall
     from ur.check.links import describe_left_out
     from ur.check.run import check_paths
     from ur.check.worlds import make_world

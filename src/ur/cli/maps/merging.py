@@ -6,9 +6,8 @@ import sys
 from dataclasses import dataclass
 
 from ur.maps.change import move_places
-from ur.maps.names import check_map_name
+from ur.maps.names import check_map_name, read_places, waypoint_path, write_places
 from ur.maps.store import MapStore
-from ur.maps.waypoint_file import read_places, waypoint_path, write_places
 from ur.request.requirements.python_packages import need_all
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.json_values import read_json

@@ -4,14 +4,27 @@ Source of the rules: rospkg's `rospack.list_by_path` and `environment` as Debian
 ROS_PACKAGE_PATH are walked, first match wins; below `/usr/share`, which Debian's rospkg appends, only one level.
 """
 
-# Paths are texts here: pathlib would change what roslaunch prints, and costs too much in hot loops.
-# ruff: noqa: PTH113, PTH114, PTH118, PTH119
-
 import os
 import re
 from collections.abc import Iterator, Mapping
 
+from ur.source.diagnostic import UserError, error_about
 from ur.source.foreign.files import MAX_MANIFEST, read_file
+
+
+class BrokenPackageError(UserError, ValueError):
+    """A package.xml is invalid, so that rospack refuses to search packages. Its text begins with the path."""
+
+
+def broken_package(path: str, reason: object) -> BrokenPackageError:
+    """Return the error for an invalid package.xml, with the reason."""
+    help_ = "correct this file, or take its folder out of ROS_PACKAGE_PATH"
+    return BrokenPackageError(error_about(path, str(reason), rule="broken-package", help=help_))
+
+
+# Paths are texts here: pathlib would change what roslaunch prints, and costs too much in hot loops.
+# ruff: noqa: PTH113, PTH114, PTH118, PTH119
+
 
 _KERNEL = ("/proc/", "/sys/", "/dev/")
 
@@ -194,6 +207,5 @@ def _parse_package_name(path: str, data: bytes) -> str | None:
 
 
 def _broken(path: str, reason: object) -> ValueError:
-    from ur.launchfile.world.broken import broken_package
 
     return broken_package(path, reason)

@@ -4,7 +4,7 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur.maps.waypoint_file import waypoint_path
+from ur.maps.names import waypoint_path
 from ur_nodes.client.patrol_text import PatrolRoute, PatrolStop
 from ur_nodes.client.saving import MapSaving
 from ur_nodes.client.snapshot import RobotSnapshot, heading_there
