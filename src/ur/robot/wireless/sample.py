@@ -8,8 +8,7 @@ from itertools import pairwise
 from statistics import median
 from typing import TextIO
 
-from ur.robot.doctor.rules.network import LATENCY_SECONDS
-from ur.robot.doctor.rules.wifi import SLOW_RATE, WEAK_SIGNAL
+from ur.robot.doctor.rules.network import LATENCY_SECONDS, SLOW_RATE, WEAK_SIGNAL
 from ur.robot.doctor.wifi import WirelessLink
 
 SETTLED = 5  # number of later echoes after which a missing one counts as lost: a second, at five per second

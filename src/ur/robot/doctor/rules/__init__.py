@@ -2,7 +2,6 @@
 
 from ur.robot.doctor.findings import ComputerPair, Finding
 from ur.robot.doctor.rules import (
-    clock,
     devices,
     drivers,
     environment,
@@ -10,11 +9,8 @@ from ur.robot.doctor.rules import (
     machine,
     names,
     network,
-    nodes,
     packages,
     ros2,
-    services,
-    wifi,
 )
 from ur.robot.doctor.rules.registry import Rule, SideRule
 from ur.robot.doctor.side import Side
@@ -25,11 +21,7 @@ RULES: tuple[Rule, ...] = (
     *login.RULES,
     *network.RULES,
     *environment.RULES,
-    *nodes.RULES,
-    *clock.RULES,
-    *wifi.RULES,
     *machine.RULES,
-    *services.RULES,
     *devices.RULES,
     *drivers.RULES,
     *packages.RULES,

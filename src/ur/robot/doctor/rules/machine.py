@@ -1,11 +1,75 @@
-"""The computers themselves: disk space, memory, supply voltage."""
+"""The computers themselves: clock, disk space, memory, supply voltage, and services that fail."""
 
 import re
 from collections.abc import Iterator
 
-from ur.robot.doctor.findings import Finding, FixCommand, Where
-from ur.robot.doctor.rules.registry import Rule, SideRule
+from ur.robot.boot.units import PREFIX
+from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand, Where
+from ur.robot.doctor.rules.registry import PairRule, Rule, SideRule
 from ur.robot.doctor.side import Disk, Side
+from ur.robot.ssh.shell import quote
+
+KEPT = ("ssh.service", "avahi-daemon.service", "chrony.service")
+
+
+def check_services(where: Where, side: Side) -> Iterator[Finding]:
+    """Check for failed units; on this computer, only those that robots need."""
+    for unit in side.failing:
+        boot = unit.name.removesuffix(".service").removeprefix(PREFIX) if unit.name.startswith(PREFIX) else ""
+        if where == "local" and not boot and unit.name not in KEPT:
+            continue
+        last = f"; its last output: {' / '.join(unit.last)}" if unit.last else ""
+        if boot:
+            yield Finding(
+                "failing-boot-service",
+                f"{side.name}: {unit.name}, started at boot, has ended and is started again "
+                f"(so far {unit.restarts} times){last}",
+                f"fix the program and install it again (ur boot install); its output: journalctl -u {unit.name}; "
+                "or remove it:",
+                (FixCommand("local", f"ur boot remove --robot {quote(side.name)} {quote(boot)}"),),
+            )
+        else:
+            name = quote(unit.name)
+            yield Finding(
+                "failed-service",
+                f"{side.name}: {unit.name} failed{last}",
+                f"its output: journalctl -u {unit.name}",
+                (FixCommand(where, f"systemctl restart {name} || systemctl reset-failed {name}", root=True),),
+            )
+
+
+CLOCK_SECONDS = 0.5  # the typical tolerance of tf
+# Just after its start, chrony steps the clock by itself (makestep 1 3); later it needs a command.
+STEP = "systemctl restart chrony && { chronyc waitsync 15 0.3 0 1 || chronyc makestep; }"
+
+
+def check_offset(pair: ComputerPair) -> Iterator[Finding]:
+    """Check whether the clocks disagree."""
+    if abs(pair.offset) > CLOCK_SECONDS:
+        by = f"{abs(pair.offset):.1f} s {'ahead of' if pair.offset > 0 else 'behind'}"
+        yield Finding(
+            "clock-offset",
+            f"the clock of {pair.remote.name} is {by} the one of {pair.local.name}",
+            "where it takes its time from: chronyc sources",
+            (FixCommand("remote", STEP, root=True, safe=True),),
+        )
+
+
+def check_daemon(where: Where, side: Side) -> Iterator[Finding]:
+    """Check for a running clock synchronisation."""
+    state = side.active.get("chrony.service")
+    if side.only_ros2 and side.active.get("systemd-timesyncd.service") == "active":
+        return  # as in Ubuntu
+    if state not in ("active", None) and not any(unit.name == "chrony.service" for unit in side.failing):
+        installed = not side.packages or "chrony" in side.packages
+        line = "systemctl enable --now chrony" if installed else "apt-get install -y chrony"
+        yield Finding(
+            "no-time-synchronisation",
+            f"{side.name}: chrony does not run, so its clock drifts"
+            + (", and robots without internet get no time from it" if where == "local" else ""),
+            commands=(FixCommand(where, line, root=True, safe=True),),
+        )
+
 
 FULL_FREE = 200.0  # MB
 FULL_USED = 0.9  # a small file system with little use is not full
@@ -79,7 +143,16 @@ def check_voltage(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG00
 
 
 RULES: tuple[Rule, ...] = (
+    PairRule({"clock-offset": "the clocks differ, and tf refuses data"}, check_offset),
+    SideRule({"no-time-synchronisation": "nothing keeps a clock right"}, check_daemon),
     SideRule({"full-disk": "hardly anything is left on a disk"}, check_disks, simulation=True),
     SideRule({"low-memory": "hardly any memory is left"}, check_memory, simulation=True),
     SideRule({"under-voltage": "the robot's supply is too weak"}, check_voltage, observe={"throttled": _THROTTLED}),
+    SideRule(
+        {
+            "failing-boot-service": "a program that is started at boot ends again and again",
+            "failed-service": "a service of the robot failed",
+        },
+        check_services,
+    ),
 )
