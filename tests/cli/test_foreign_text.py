@@ -40,7 +40,7 @@ CALLS = [
     "docs . --output -",
     "docs . --check",
     "graph FILE",
-    "graph FILE --format mermaid",
+    "graph FILE --as dot",
     "graph FILE --format svg",
     "explain FILE a",
     "launch --nodes FILE",

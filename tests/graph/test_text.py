@@ -4,7 +4,7 @@ from xml.etree import ElementTree
 
 from ur.graph.boxes import Arrow, DrawnGraph, GraphBox
 from ur.graph.svg import write_svg
-from ur.graph.text import write_dot, write_mermaid
+from ur.graph.text import write_dot
 
 GRAPH = DrawnGraph(
     (
@@ -14,20 +14,6 @@ GRAPH = DrawnGraph(
     ),
     (Arrow("b0", "b1"), Arrow("b0", "b2", "if & when", sure=False, fault=True), Arrow("b1", "b0")),
 )
-
-
-def test_mermaid_escapes_what_it_would_misread() -> None:
-    assert write_mermaid(GRAPH).splitlines() == [
-        "graph LR",
-        '  b0["a#quot;#lt;b#gt;.launch"]',
-        '  b1("/talker"):::node',
-        '  b2{{"gone.launch"}}:::missing',
-        "  b0 --> b1",
-        '  b0 -.->|"if #amp; when"| b2',
-        "  b1 --> b0",
-        "  classDef node stroke:#2a7,stroke-width:2px",
-        "  classDef missing stroke:#c00,color:#c00",
-    ]
 
 
 def test_dot_quotes_labels_and_draws_faults_red() -> None:

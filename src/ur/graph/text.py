@@ -1,24 +1,15 @@
-"""Graphs as text: drawn for a terminal, Mermaid, and DOT."""
+"""Graphs as text: drawn for a terminal, and DOT."""
 
 import json
 from collections.abc import Iterator, Sequence
 
 from ur.graph.boxes import Arrow, Branch, DrawnGraph, GraphBox
 from ur.graph.topics import neighbours
-from ur.source.printable import printable
 
 Line = tuple[tuple[str, str], ...]  # pieces of a line: text, and the kind it is coloured as
 
 _LINES = ("├─ ", "└─ ", "│  ", "   ", "→", "←")
 _PLAIN = ("|- ", "`- ", "|  ", "   ", "->", "<-")
-_SHAPES = {
-    "file": ("[", "]"), "node": ("(", ")"), "topic": ("[[", "]]"), "service": ("[/", "/]"), "action": ("[/", "/]"),
-    "missing": ("{{", "}}"), "cycle": ("{{", "}}"),
-}  # fmt: skip
-_STYLES = {
-    "node": "stroke:#2a7,stroke-width:2px", "missing": "stroke:#c00,color:#c00",
-    "topic": "stroke:#57c",
-}  # fmt: skip
 _DOT_SHAPES = {"file": "note", "node": "ellipse", "topic": "box", "service": "cds", "action": "cds", "missing": "note"}
 
 
@@ -73,26 +64,6 @@ def _connection(sign: str, middle: GraphBox, ends: Sequence[str], label: str) ->
     if ends:
         pieces += [(f" {sign} ", "line"), (", ".join(ends), "node")]
     return tuple(pieces)
-
-
-def write_mermaid(graph: DrawnGraph) -> str:
-    """Return a Mermaid flow chart."""
-    lines = ["graph LR"]
-    for box in graph.boxes:
-        left, right = _SHAPES[box.kind]
-        style = f":::{box.kind}" if box.kind in _STYLES else ""
-        lines.append(f'  {box.id}{left}"{_escape(box.label)}"{right}{style}')
-    for arrow in graph.arrows:
-        sign = "-->" if arrow.sure else "-.->"
-        label = f'|"{_escape(arrow.label)}"|' if arrow.label else ""
-        lines.append(f"  {arrow.source} {sign}{label} {arrow.target}")
-    kinds = {box.kind for box in graph.boxes}
-    lines += [f"  classDef {kind} {style}" for kind, style in _STYLES.items() if kind in kinds]
-    return "\n".join(lines) + "\n"
-
-
-def _escape(text: str) -> str:
-    return printable(text).replace("&", "#amp;").replace('"', "#quot;").replace("<", "#lt;").replace(">", "#gt;")
 
 
 def write_dot(graph: DrawnGraph) -> str:

@@ -42,7 +42,7 @@ _PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".webp", ".pdf")
 @click.option(
     "--as",
     "form",
-    type=click.Choice(["text", "mermaid", "dot", "svg"]),
+    type=click.Choice(["text", "dot", "svg"]),
     help="The format; by default that of --output's name, else text.",
 )
 @click.option("--output", "-o", type=click.Path(dir_okay=False), help="Write to a file.")
@@ -64,9 +64,7 @@ def command(argv: tuple[str, ...], topics: bool, live: bool, form: str | None, o
         )
         help_ = f"-o {Path(str(output)).with_suffix('.svg')}"
         raise UserError(error(message, rule="unknown-format", help=help_))
-    form = form or {".svg": "svg", ".dot": "dot", ".gv": "dot", ".mmd": "mermaid"}.get(
-        Path(output or "").suffix, "text"
-    )
+    form = form or {".svg": "svg", ".dot": "dot", ".gv": "dot"}.get(Path(output or "").suffix, "text")
     if live:
         return _write(_show_live(argv, form), output)
     return _draw_file(argv, topics, form, output)
@@ -157,10 +155,8 @@ def _find_nodes(nodes: Sequence[str], state: Sequence[Iterable[tuple[str, Sequen
 
 
 def _render(graph: DrawnGraph, form: str, title: str) -> str:
-    from ur.graph.text import draw_graph, write_dot, write_mermaid
+    from ur.graph.text import draw_graph, write_dot
 
-    if form == "mermaid":
-        return write_mermaid(graph)
     if form == "dot":
         return write_dot(graph)
     if form == "svg":

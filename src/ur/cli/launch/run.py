@@ -23,13 +23,9 @@ from ur.source.project import launch_library
 @click.command("run", context_settings={"ignore_unknown_options": True, "help_option_names": []})
 @click.argument("program")
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
-@click.option("--web", is_flag=True, help="Serve the page of 'ur web' while the program runs.")
-@click.option("--foxglove", is_flag=True, help="As --web; print an address for Foxglove and Lichtblick, too.")
 def command(
     program: str,
     arguments: tuple[str, ...],
-    web: bool,
-    foxglove: bool,
     watch: bool,
     ask: bool,
     take_over: bool,
@@ -62,11 +58,6 @@ def command(
         if is_over_ssh(selection):
             return run_there(selection, found, options, arguments)
     apply_selection(selection)
-    if web or foxglove:
-        from ur.cli.launch.run_web import run_with_page
-
-        check_arguments(found, split_argv(arguments).arguments, os.environ)
-        return run_with_page(program, [*options, *arguments], foxglove=foxglove)
     launched = read_launch_argv(found) if found.folder == PACKAGE else None
     if launched is not None and not any(text.startswith("-") for text in arguments):
         chosen = LaunchOptions(watch=watch, ask=ask, take_over=take_over, unattended=unattended, program=found.name)

@@ -19,8 +19,6 @@ DRIVING = (
         examples=(
             ("ur run keyboard_navigate", "Send the selected robot to places on a map."),
             ("ur run keyboard_navigate world:=office robot_base:=magni", "Choose the world and the robot."),
-            ("ur run keyboard_navigate --web", "Send it there in a browser."),
-            ("ur run keyboard_navigate --foxglove", "The same, and see its topics in Foxglove or Lichtblick."),
             ("ur run keyboard_navigate --help", "Describe the arguments of a program."),
             ("ur run look_around.py", "Run a script of yours, which 'ur new script' has written."),
         ),

@@ -11,7 +11,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import AsyncExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
@@ -106,10 +106,8 @@ class ServerOptions:
     moved: Callable[[], str] = str
 
 
-async def serve(
-    options: ServerOptions, report: Callable[[str], None], until: Callable[[], Awaitable[object]] | None = None
-) -> None:
-    """Serve until SIGINT, SIGTERM or SIGHUP, or until the awaitable of `until` is done.
+async def serve(options: ServerOptions, report: Callable[[str], None]) -> None:
+    """Serve until SIGINT, SIGTERM or SIGHUP.
 
     `report` prints lines for the user. Raises UserError if no port is free, or `phone` is set without a network.
     """
@@ -148,7 +146,7 @@ async def serve(
             elif options.browser and _has_browser():
                 opened = _open(folder / f"open-{os.getpid()}.html", link)
                 stack.callback(opened.unlink, missing_ok=True)
-        await _wait_first(ended.wait, *((until,) if until is not None else ()))
+        await ended.wait()
 
 
 def _print_link(options: ServerOptions, gate: LoginGate, address: str, port: int, report: Callable[[str], None]) -> str:
@@ -158,15 +156,6 @@ def _print_link(options: ServerOptions, gate: LoginGate, address: str, port: int
         report(draw_code(link, colours=sys.stdout.isatty() and allows_colour(os.environ)))
     report(f"open {link}")
     return link
-
-
-async def _wait_first(*waits: Callable[[], Awaitable[object]]) -> None:
-    """Wait until one of these is done."""
-    tasks = [asyncio.ensure_future(each()) for each in waits]
-    await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-    for task in tasks:
-        task.cancel()
-    await asyncio.gather(*tasks, return_exceptions=True)
 
 
 class _Log:
