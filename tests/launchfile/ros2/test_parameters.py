@@ -195,3 +195,9 @@ def test_parameters_of_yaml_keep_the_types_of_yaml() -> None:
         "      param: [{name: e, value: true}]\n"
     )
     assert parameters(load_clean(text, "/ws/a.launch.yaml")) == {"a": 1, "b": "1", "c": [1, 2], "d.e": True}
+
+
+def test_sections_of_one_name_in_a_parameter_file_add_up() -> None:
+    text = "/**:\n  ros__parameters: {a: 1, b: 1}\n/**:\n  ros__parameters: {b: 2}\nn: {ros__parameters: {c: 3}}\n"
+    node = "Node(package='', executable='n', name='n', parameters=['/ws/p.yaml'])"
+    assert parameters(load_clean(python(node), files={"/ws/p.yaml": text})) == {"a": 1, "b": 2, "c": 3}

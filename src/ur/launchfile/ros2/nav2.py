@@ -14,16 +14,36 @@ import yaml
 from ur.launchfile.ros2.context import Context
 from ur.launchfile.ros2.grammar import parse_text
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
+from ur.launchfile.ros2.parameters import ParameterSections
 from ur.launchfile.ros2.substitutions import PERFORM, is_wanted, perform
 from ur.source.file import Span
+from ur.source.foreign.yaml_text import compose_yaml, construct_yaml
 
 REWRITTEN = "/rewritten/"
+_SECTION = re.compile(r"^([^\s#][^:\n]*):", re.MULTILINE)
 
 
 def read_content(path: str, context: Context, span: Span) -> object:
     """Return the content of a YAML file, rewritten or not. Raises DescriptionProblem."""
     known = context.rewritten.get(path)
     return _load(_read_text(path, context, span), path, span, context) if known is None else known
+
+
+def read_sections(path: str, context: Context, span: Span) -> ParameterSections:
+    """Return the sections of a parameter file as rcl reads them: it adds up those of one name. Raises as above."""
+    text = _read_text(path, context, span)
+    names = _SECTION.findall(text)
+    if len(names) == len(set(names)):
+        return ParameterSections(_load(text, path, span, context))
+    found = ParameterSections({})
+    try:
+        top = compose_yaml(text)
+        if isinstance(top, yaml.MappingNode):
+            parts = (construct_yaml(yaml.MappingNode(top.tag, [pair])) for pair in top.value)
+            found.sections.extend(each for part in parts for each in ParameterSections(part).sections)
+    except (ValueError, yaml.YAMLError) as problem:
+        raise DescriptionProblem(f"{path}: {problem}, expected YAML", "bad-yaml", span, None, path) from None
+    return found
 
 
 def fill_file(path: str, context: Context, span: Span) -> str | Unknown:

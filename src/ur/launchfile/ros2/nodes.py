@@ -21,7 +21,7 @@ from ur.launchfile.plan.specs import (
 from ur.launchfile.ros2.collector import Collector
 from ur.launchfile.ros2.context import Context
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
-from ur.launchfile.ros2.nav2 import fill_file, read_content
+from ur.launchfile.ros2.nav2 import fill_file, read_sections
 from ur.launchfile.ros2.parameters import ParameterSections, TypedList, read_value, read_values
 from ur.launchfile.ros2.substitutions import is_wanted, perform, split_command
 from ur.source.diagnostic import Diagnostic, Severity
@@ -236,8 +236,7 @@ class Nodes(Collector):
     def _read_sections(self, source: ParameterFile) -> ParameterSections | None:
         if source.path not in self._sections:
             try:
-                content = read_content(source.path, self._context, source.origin.span)
-                self._sections[source.path] = ParameterSections(content)
+                self._sections[source.path] = read_sections(source.path, self._context, source.origin.span)
             except DescriptionProblem as problem:
                 self._context.report(problem)
                 self._sections[source.path] = None
