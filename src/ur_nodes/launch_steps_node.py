@@ -5,12 +5,13 @@ the call is repeated until the answer has this state ('' : any other than at fir
 is waited for.
 """
 
-import json
 import sys
 from collections.abc import Mapping
-from pathlib import Path
-from typing import Any, cast
+from dataclasses import dataclass
+from typing import cast
 
+from ur.source.foreign.files import read_text
+from ur.source.foreign.json_values import read_json
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.raw import ServiceAnswer, ServiceCaller
 from ur_nodes.ports.values import Result
@@ -18,12 +19,23 @@ from ur_nodes.run import run
 
 _AGAIN = 0.05  # s between two calls
 _MISSING = "no node offers it now"
+_MOST = 16 << 20  # characters of a file: the description of a robot is a parameter
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """An entry of the file."""
+
+    service: str
+    fields: dict[str, object]
+    about: str = ""
+    until: str | None = None
 
 
 class LaunchSteps:
     """Makes the calls, and ends the node behind the last one, or the first that fails."""
 
-    def __init__(self, node: Node, steps: list[dict[str, Any]]) -> None:
+    def __init__(self, node: Node, steps: list[Step]) -> None:
         self._node, self._steps = node, steps
         self._first: object = None
         node.post(self._call)
@@ -33,23 +45,22 @@ class LaunchSteps:
             self._node.end("all is done")
             return
         step = self._steps[0]
-        cast(ServiceCaller, self._node.raw).call(str(step["service"]), step["fields"], self._take)
+        cast(ServiceCaller, self._node.raw).call(step.service, step.fields, self._take)
 
     def _take(self, result: Result) -> None:
         step = self._steps[0]
         answer = result.value.fields if isinstance(result.value, ServiceAnswer) else {}
-        about = step.get("about", "")
         if not result.success and _MISSING in result.text:
             self._node.after(_AGAIN, self._call, steady=True)
         elif not result.success:
-            self._node.end(f"{about}: {result.text}", failed=True)
-        elif "until" in step:
-            self._await(step["until"], answer)
+            self._node.end(f"{step.about}: {result.text}", failed=True)
+        elif step.until is not None:
+            self._await(step.until, answer)
         elif answer.get("success") is False:
             reason = answer.get("error_message") or "it is refused"
-            self._node.end(f"{about} by {step['service']}: {reason}", failed=True)
+            self._node.end(f"{step.about} by {step.service}: {reason}", failed=True)
         else:
-            self._node.log.info(f"{about}: done")
+            self._node.log.info(f"{step.about}: done")
             self._first = None
             self._steps.pop(0)
             self._call()
@@ -66,5 +77,5 @@ class LaunchSteps:
 
 
 if __name__ == "__main__":
-    text = Path(sys.argv[1]).read_text(encoding="utf-8")
-    sys.exit(run("launch_steps", lambda node: LaunchSteps(node, json.loads(text))))
+    found = read_json(read_text(sys.argv[1], _MOST), list[Step], _MOST)
+    sys.exit(run("launch_steps", lambda node: LaunchSteps(node, found)))

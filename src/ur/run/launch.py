@@ -51,10 +51,8 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     middleware = find_middleware(plan, environment, world, options, console)
     environment |= middleware.environment
     folder = make_run_folder(environment, middleware.run_id or new_run_id())
-    programs = (
-        *middleware.arrange(number_logs(programs, middleware.logs), nodes, folder),
-        *_write_steps(steps, folder),
-    )
+    arranged = middleware.arrange(number_logs(programs, middleware.logs), nodes, folder)
+    programs = (*arranged, *_write_steps(steps, folder))
     commands = start_commands(plan.params, environment)
     if not programs and not middleware.core and not planned:
         done = middleware.set_parameters(plan, folder, options, commands)

@@ -1,4 +1,4 @@
-"""What events start, and what happens besides nodes: lines, the end of the run, steps of lifecycle nodes."""
+"""Effects of events, and actions besides nodes: lines, the end of the run, steps of lifecycle nodes."""
 
 from typing import Any, Literal, cast
 
