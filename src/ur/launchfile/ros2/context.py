@@ -9,7 +9,6 @@ from ur.launchfile.plan.values.budget import PER_YAML_CHARACTER, Budget
 from ur.launchfile.ros2.model import DescriptionProblem, Unknown
 from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.source.file import Span
-from ur.source.foreign.yaml_text import load_yaml
 from ur.source.suggest import did_you_mean
 
 MOST_INCLUDES = 2_000
@@ -106,6 +105,8 @@ class Context:
     def load_yaml(self, text: str) -> Any:
         """Return the value of a text in YAML, charged to the budget. Raises ValueError."""
         self.budget.charge(PER_YAML_CHARACTER * len(text))
+        from ur.source.foreign.yaml_text import load_yaml  # many files have no YAML, and a start has to be fast
+
         return load_yaml(text)
 
     def list_folder(self, path: str) -> tuple[str, ...]:

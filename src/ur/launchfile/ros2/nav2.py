@@ -9,15 +9,12 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, cast
 
-import yaml
-
 from ur.launchfile.ros2.context import Context
 from ur.launchfile.ros2.grammar import parse_text
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.parameters import ParameterSections
 from ur.launchfile.ros2.substitutions import PERFORM, is_wanted, perform
 from ur.source.file import Span
-from ur.source.foreign.yaml_text import compose_yaml, construct_yaml
 
 REWRITTEN = "/rewritten/"
 _SECTION = re.compile(r"^([^\s#][^:\n]*):", re.MULTILINE)
@@ -35,6 +32,10 @@ def read_sections(path: str, context: Context, span: Span) -> ParameterSections:
     names = _SECTION.findall(text)
     if len(names) == len(set(names)):
         return ParameterSections(_load(text, path, span, context))
+    import yaml  # few files
+
+    from ur.source.foreign.yaml_text import compose_yaml, construct_yaml
+
     found = ParameterSections({})
     try:
         top = compose_yaml(text)
@@ -117,6 +118,8 @@ def _rewrite(made: Made, context: Context) -> str | Unknown:
         if isinstance(root, Unknown):
             return root
         content = {root: content} if root else content
+    import yaml
+
     return _keep(path, content, context, yaml.dump(content))
 
 

@@ -14,7 +14,6 @@ from ur.launchfile.ros2.context import Context
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.substitutions import perform
 from ur.source.file import Span
-from ur.source.foreign.yaml_text import load_yaml
 
 
 class TypedList(list[ParamValue]):
@@ -150,6 +149,8 @@ def coerce(text: str, kind: object, name: str, span: Span) -> ParamValue:
     """Return a text as a value of a type, one of YAML's if it is None. Raises DescriptionProblem."""
     if kind is str or (kind is None and not text):
         return text
+    from ur.source.foreign.yaml_text import load_yaml  # as in the context
+
     value: object
     try:
         if kind in (int, float):
