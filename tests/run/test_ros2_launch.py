@@ -4,6 +4,7 @@ import signal
 from typing import Any
 
 import pytest
+from tests.ros2_session import ROOT
 from tests.run.ros2_world import Ros2World
 
 HEAD = """
@@ -197,6 +198,42 @@ def test_nothing_is_left_when_the_supervisor_is_killed(ros2: Ros2World) -> None:
     run.look()
     run.process.send_signal(signal.SIGKILL)
     run.wait()
+    run.wait_nothing_left()
+
+
+def test_program_of_a_source_package_runs_without_being_built(ros2: Ros2World) -> None:
+    package = ros2.folder / "src/mine"
+    for each in (package / "launch", package / "mine"):
+        each.mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>mine</name></package>")
+    (package / "setup.py").write_text("setup(entry_points={'console_scripts': ['other=a:b', 'talk = mine.talk:main']})")
+    (package / "mine/talk.py").write_text("import sys\ndef main():\n    print('talks', *sys.argv[1:])\n    return 3\n")
+    action = "    return [Node(package='mine', executable='talk', name='t', output='screen', arguments=['a'])]\n"
+    (package / "launch/mine.launch.py").write_text(HEAD + action)
+    run = ros2.world.ur("launch", "--plain", str(package / "launch/mine.launch.py"))
+    assert run.wait() == 0, run.text
+    assert "talks a --ros-args -r __node:=t" in run.text
+    (package / "setup.py").write_text("")
+    run = ros2.world.ur("launch", "--plain", str(package / "launch/mine.launch.py"))
+    assert run.wait() == 1
+    assert "package 'mine' is not installed" in run.text
+
+
+def test_commands_of_the_page_start_and_stop_a_file(ros2: Ros2World) -> None:
+    page = (ROOT / "docs/how-to/ros2-launch-files.md").read_text(encoding="utf-8")
+    block = page.partition("## Start it")[2].partition("```bash\n")[2].partition("```")[0]
+    first, *others = [line.partition("#")[0].split()[1:] for line in block.splitlines()]
+    share = ros2.share.with_name(first[1])
+    (share / "launch").mkdir(parents=True)
+    (share / "package.xml").write_text(f"<package><name>{first[1]}</name></package>")
+    body = "    return [node('rplidar_composition', output='screen')]\n"
+    (share / "launch" / first[2]).write_text(HEAD + body)
+    run = ros2.world.ur(*first)
+    run.until("shown")
+    printed = [ros2.world.call(*words) for words in others]
+    assert "standard_launch_py." in printed[0]
+    assert "shown" in printed[1]
+    assert run.wait() == 0, run.text
     run.wait_nothing_left()
 
 

@@ -51,7 +51,7 @@ def _format_by_ros2(plan: Plan) -> Iterator[str]:
         about += ["lifecycle node"] if node.kind == "lifecycle" else []
         yield f"# {', '.join((node.full_name if node.kind != 'program' else node.name, *about))}"
         words = _words_of(node)
-        changes: dict[str, str | None] = dict(node.env)
+        changes: dict[str, str | None] = {**dict.fromkeys(node.unset), **dict(node.env)}
         command = _with_variables(changes, [*shlex.split(node.launch_prefix or ""), *words], {})
         yield f"(cd {shlex.quote(node.cwd)} && {command})" if node.cwd else command
     for gap in plan.gaps:

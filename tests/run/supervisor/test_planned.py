@@ -81,7 +81,7 @@ def test_output_of_a_unit_is_an_event() -> None:
 
 
 def test_planned_end_stops_the_run_with_its_reason() -> None:
-    story = Story((EndPlanned("the map is saved"), ON_EXIT), units=(FIRST, Unit("/other")))
+    story = Story((EndPlanned("the map is saved"), ON_EXIT), units=(FIRST,))
     story.happens(ParametersSet())
     story.happens(Started("/first", 1))
     assert story.happens(Exited("/first", CLEAN)) == [ReportStop("the map is saved")]
@@ -99,6 +99,16 @@ def test_state_is_reached_when_the_program_that_awaits_it_ends_well() -> None:
     story.happens(ParametersSet())
     story.happens(Started("/first", 1))
     assert story.happens(Exited("/first", FAILED)) == [ReportStop("every node has ended")]
+
+
+def test_end_of_a_helper_is_none_of_the_ends_that_a_file_means() -> None:
+    story = Story((PrintPlanned("one has ended"), Trigger("exit")), units=(FIRST, Unit("/first/load", helper=True)))
+    story.happens(ParametersSet())
+    story.happens(Started("/first", 1))
+    story.happens(Started("/first/load", 2))
+    assert story.happens(Exited("/first/load", CLEAN)) == []
+    lines = [ReportPlanned("one has ended"), ReportStop("every node has ended")]
+    assert story.happens(Exited("/first", CLEAN)) == lines
 
 
 def test_helper_alone_does_not_keep_a_run_going() -> None:

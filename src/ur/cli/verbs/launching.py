@@ -18,6 +18,7 @@ LAUNCHING = (
             ("ur launch my_robot m_wander.launch.xml", "Start a launch file of a package."),
             ("ur launch ./test.launch speed:=0.5 --screen", "Start a file by its path, and show what its nodes print."),
             ("ur launch --detach --wait my_robot m_wander.launch.xml", "Start it and return when every node is up."),
+            ("ur launch -- ros2 launch my_robot robot.launch.py", "Start another launcher, and leave nothing of it."),
             ("ur launch --ros-args my_robot m_wander.launch.xml", "Print the arguments of the file."),
         ),
         trust=START,

@@ -57,7 +57,7 @@ def describe_programs(
 
 def describe_program(node: NodeSpec, world: World, number: int, written: Mapping[str, str]) -> UnitProgram:
     """Return the program of a node. Raises UserError: no such package or executable, or a prefix that is no command."""
-    executable = find_executable(node, world) if node.package else node.type
+    command = _find_command(node, world)
     name = f"{node.key.lstrip('/').replace('/', '-')}-{number}"
     files: dict[str, str] = {}
     arguments = () if node.kind == "program" else _ros_arguments(node, f"{_FOLDER}/{name}", files, written)
@@ -76,16 +76,30 @@ def describe_program(node: NodeSpec, world: World, number: int, written: Mapping
             planned=node.trigger is not None,
             retries=node.retries,
         ),
-        argv=(*prefix, executable, *node.words, *arguments),
+        argv=(*prefix, *command, *node.words, *arguments),
         changes=(*((each, None) for each in node.unset), *node.env),
         cwd=node.cwd if node.cwd is not None else os.getcwd(),  # noqa: PTH109 - as upstream: where the user is
         log_name=name,
         screen=node.output == "screen",
         ready=() if node.is_named and node.kind != "program" else (ReadyCondition("process", ""),),
-        executable=executable,
+        executable=command[0],
         names_log=False,
         files=tuple(files.items()),
     )
+
+
+def _find_command(node: NodeSpec, world: World) -> tuple[str, ...]:
+    if not node.package:
+        return (node.type,)
+    try:
+        return (find_executable(node, world),)
+    except UserError:
+        from ur.run.process.sources import find_source_program  # only for packages that are not built
+
+        found = find_source_program(node, world)
+        if not found:
+            raise
+        return found
 
 
 def _ros_arguments(node: NodeSpec, stem: str, files: dict[str, str], written: Mapping[str, str]) -> tuple[str, ...]:

@@ -4,9 +4,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from ur.launchfile.plan.specs import Trigger
-from ur.run.supervisor.actions import put_unit
 from ur.run.supervisor.events import Event, Exited, ParametersSet, Printed, Started, StartFailed
-from ur.run.supervisor.state import Effect, Planned, PrintPlanned, RunPhase, StartPlanned, State
+from ur.run.supervisor.state import Effect, Planned, PrintPlanned, RunPhase, State
 
 
 def list_triggers(trigger: Trigger | None) -> tuple[Trigger, ...]:
@@ -23,23 +22,22 @@ def any_output(planned: Iterable[Planned]) -> bool:
     return any(trigger.kind == "output" for each in planned for trigger in each.triggers)
 
 
-def note_effects(state: State, event: Event, now: float) -> tuple[State, list[Effect]]:
-    """Return the state in which an event is noted, and the effects that it has.
-
-    Units that start are due, so that the run does not end as idle meanwhile.
-    """
+def note_effects(state: State, event: Event, now: float) -> State:
+    """Return the state with the effects that an event has."""
     if not state.planned or state.phase not in (RunPhase.PARAMETERS, RunPhase.RUNNING):
-        return state, []
-    planned, effects = advance(state.planned, event, now)
-    state = replace(state, planned=planned)
-    for each in effects:
-        if isinstance(each, StartPlanned) and (unit := state.find(each.name)) is not None:
-            state = put_unit(state, replace(unit, due=now))
-    return state, effects
+        return state
+    unit = state.find(getattr(event, "name", ""))
+    planned, effects = advance(state.planned, event, now, of_helper=unit is not None and unit.unit.helper)
+    return replace(state, planned=planned, effects=tuple(effects))
 
 
-def advance(planned: Iterable[Planned], event: Event, now: float) -> tuple[tuple[Planned, ...], list[Effect]]:
-    """Return what is still planned after an event, and the effects that it has."""
+def advance(
+    planned: Iterable[Planned], event: Event, now: float, *, of_helper: bool = False
+) -> tuple[tuple[Planned, ...], list[Effect]]:
+    """Return what is still planned after an event, and the effects that it has.
+
+    The units of the launch file do not include helpers: only what awaits a state depends on their events.
+    """
     left: list[Planned] = []
     effects: list[Effect] = []
     for each in planned:
@@ -48,7 +46,7 @@ def advance(planned: Iterable[Planned], event: Event, now: float) -> tuple[tuple
             following = _arm(replace(each, triggers=rest[1:], due=None), now)
         elif not rest and isinstance(event, ParametersSet):
             following = None
-        elif rest and each.due is None and _occurs(rest[0], event):
+        elif rest and each.due is None and of_helper <= (rest[0].kind == "state") and _occurs(rest[0], event):
             # The first timer counts from the beginning, any other from the event before it
             following = _arm(each if rest[0].kind == "timer" else replace(each, triggers=rest[1:]), now)
         else:

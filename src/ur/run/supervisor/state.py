@@ -193,6 +193,7 @@ class State:
     stale: bool = False  # they could not be set: the master was lost again
     shared: bool = False  # the robot has a share of the run, which this run restarts after the robot's restart
     planned: tuple[Planned, ...] = ()  # what events are still to cause
+    effects: tuple[Effect, ...] = ()  # of the event that is handled
     places: Mapping[str, int] = field(default_factory=dict, compare=False, repr=False)  # in `units`, by name
 
     def find(self, name: str) -> UnitState | None:

@@ -314,7 +314,7 @@ def _respawn(state: State, each: UnitState, death: ReportDeath, lived: float, no
 def _end_when_idle(state: State, reported: list[Action], now: float) -> Step:
     """End the run with its last node, unless the user stopped one and may start it again."""
     nodes = [each for each in state.units if not each.unit.core and not each.unit.helper] or list(state.units)
-    waits = any(each.due is not None for each in state.planned)
+    waits = state.effects or any(each.due is not None for each in state.planned)
     if state.phase is not RunPhase.RUNNING or waits or any(other.held or other.goes_on for other in nodes):
         return state, reported
     # As in roslaunch, which has no limit to respawning: otherwise only units that never started count.
@@ -346,24 +346,24 @@ def begin_state(
 
 def step(state: State, event: Event, now: float) -> tuple[State, tuple[Action, ...]]:
     """Compute the next state and the actions for an event. `now` is any monotonic clock, in s."""
-    state, effects = note_effects(state, event, now)
-    following, actions = _handle(state, event, now)
-    for effect in effects:
-        following, more = _apply_effect(following, effect, now)
-        actions = [*actions, *more]
-    if effects and not isinstance(event, Exited | StartFailed):
+    following, actions = _handle(note_effects(state, event, now), event, now)
+    if effects := following.effects:
+        following = replace(following, effects=())
+        for effect in effects:
+            following, more = _apply_effect(following, effect, now)
+            actions = [*actions, *more]
         following, more = _end_when_idle(following, [], now)
         actions = [*actions, *more]
     return following, tuple(actions)
 
 
 def _apply_effect(state: State, effect: Effect, now: float) -> Step:
+    if isinstance(effect, PrintPlanned):
+        return state, [ReportPlanned(effect.text)]
     if not is_before(state, RunPhase.STOPPING_NODES):
         return state, []
     if isinstance(effect, EndPlanned):
         return begin_end(state, effect.reason, 0, now)
-    if isinstance(effect, PrintPlanned):
-        return state, [ReportPlanned(effect.text)]
     each = state.find(effect.name)
     return (state, []) if each is None or each.held else start_units(state, [each], now)
 
