@@ -86,7 +86,8 @@ class CheckSources:
             return is_script(path, self.world)
         if path in self.views or path in self.neighbours:
             data = self.world.read_bytes(path)
-            return path.endswith((".launch", ".launch.xml")) or b"<launch" in data
+            is_named_so = path.endswith((".launch", ".launch.xml", ".launch.yaml", ".launch.yml"))
+            return is_named_so or b"<launch" in data or b"generate_launch_description" in data
         return path in self._yaml or not may_be_checked(path)
 
     def checked_as(self, path: str) -> str:

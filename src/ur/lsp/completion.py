@@ -12,6 +12,7 @@ from ur.launchfile.syntax.substitution import COMMANDS
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.lsp.cursor import Candidate, CursorPosition, OpenTag, find_cursor
 from ur.lsp.documents import document_of
+from ur.lsp.launch_texts import complete_text, is_launch_text
 from ur.lsp.names import expand_everywhere, find_files
 from ur.lsp.programs.parameters import know_parameters
 from ur.lsp.programs.starts import programs_of_tag
@@ -24,6 +25,8 @@ _FOUND = re.compile(r"(\$\(find\s+([\w.-]+)\s*\)|\$\(dirname\))((?:/[^/$]*)*)\Z"
 
 def complete(workspace: Workspace, path: str, offset: int) -> list[Candidate]:
     """The candidates at a place of a file, best first."""
+    if is_launch_text(workspace, path):
+        return complete_text(workspace, path, offset)
     if not path.endswith((".launch", ".xml", ".test")):
         try:
             text = workspace.source(path).text

@@ -5,6 +5,7 @@ from contextlib import suppress
 
 from ur.check.rule import LaunchView
 from ur.launchfile.world.protocol import PackageNotFound
+from ur.lsp.launch_texts import define_text, is_launch_text, refer_text
 from ur.lsp.names import NamedThing, expand_everywhere, find_files, find_name_at, find_thing
 from ur.lsp.programs.parameters import KnownParameter, know_parameters
 from ur.lsp.programs.places import (
@@ -32,6 +33,8 @@ _SAME_KIND: dict[str, Kind] = {"node": "node", "param": "param", "topic": "topic
 
 def find_definitions(workspace: Workspace, path: str, offset: int) -> list[Span]:
     """The definitions of the thing at a place."""
+    if is_launch_text(workspace, path):
+        return define_text(workspace, path, offset)
     here = find_thing(workspace, path, offset) if path.endswith(LAUNCH_FILES) else None
     if here is None:
         return [] if path.endswith(LAUNCH_FILES) else define_elsewhere(workspace, path, offset)
@@ -54,6 +57,8 @@ def find_definitions(workspace: Workspace, path: str, offset: int) -> list[Span]
 
 def find_references(workspace: Workspace, path: str, offset: int) -> list[Span]:
     """Every place that speaks of the thing at a place, in the whole workspace, definitions first."""
+    if is_launch_text(workspace, path):
+        return refer_text(workspace, path, offset)
     here = find_thing(workspace, path, offset) if path.endswith(LAUNCH_FILES) else None
     if here is None:
         return [] if path.endswith(LAUNCH_FILES) else refer_elsewhere(workspace, path, offset)

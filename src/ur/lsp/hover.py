@@ -15,6 +15,7 @@ from ur.lsp.definitions import (
     programs_around,
 )
 from ur.lsp.documents import document_of, summary_of
+from ur.lsp.launch_texts import describe_text, is_launch_text
 from ur.lsp.names import NamedThing, arguments_before, expand_everywhere, find_files, find_thing
 from ur.lsp.programs.parameters import describe_parameter, know_parameters
 from ur.lsp.programs.starts import programs_of_yaml
@@ -28,6 +29,8 @@ _MOST = 8  # cases, topics
 
 def describe_at(workspace: Workspace, path: str, offset: int) -> tuple[str, Span] | None:
     """Markdown about the thing at a place, and the text that it is about; None where there is nothing to show."""
+    if is_launch_text(workspace, path):
+        return describe_text(workspace, path, offset)
     if is_yaml(path):
         return _describe_key(workspace, path, offset)
     here = find_thing(workspace, path, offset) if path.endswith(LAUNCH_FILES) else None

@@ -9,10 +9,12 @@ from lsprotocol import types
 from pygls.exceptions import JsonRpcInvalidParams
 
 from ur.check.rule import TextEdit
+from ur.launchfile.query.written import find_written
 from ur.lsp.annotations import TOKEN_KINDS, list_code_lenses, list_inlay_hints, list_semantic_tokens
 from ur.lsp.convert import path_of, uri_of
 from ur.lsp.definitions import included_by
-from ur.lsp.names import NamedThing, find_name_at
+from ur.lsp.launch_texts import declaring_file, is_launch_text
+from ur.lsp.names import find_name_at
 from ur.lsp.programs.places import list_programs
 from ur.lsp.symbols import IncludeStep, find_included, find_including
 from ur.source.diagnostic import UserError
@@ -31,25 +33,31 @@ def add_more_answers(server: LaunchServer) -> None:
     _add_commands(server)
 
 
-def _argument_at(server: LaunchServer, uri: str, position: types.Position) -> tuple[str, NamedThing] | None:
+def _argument_at(server: LaunchServer, uri: str, position: types.Position) -> tuple[str, Span] | None:
     # The file that declares the argument at a position, and the argument.
     path = path_of(uri) or ""
     view = server.files.view(path)
     if view is None:
         return None
     source = view.tree.source
-    thing = find_name_at(source, server.units.offset(source, position))
+    offset = server.units.offset(source, position)
+    if is_launch_text(server.files, path):
+        written = find_written(source, offset)
+        known = written is not None and written.kind in ("arg", "passed")
+        file = declaring_file(server.files, source, written) if written is not None and known else None
+        return (file, written.span) if written is not None and file in server.files.views else None
+    thing = find_name_at(source, offset)
     if thing is None or thing.kind not in ("arg", "passed"):
         return None
     files = [path] if thing.kind == "arg" else included_by(thing, view, server.files)
-    return (files[0], thing) if files and files[0] in server.files.views else None
+    return (files[0], thing.span) if files and files[0] in server.files.views else None
 
 
 def _add_rename(server: LaunchServer) -> None:
     @server.feature(types.TEXT_DOCUMENT_PREPARE_RENAME)
     def _prepare(params: types.PrepareRenameParams) -> types.Range | None:
         found = _argument_at(server, params.text_document.uri, params.position)
-        return server.units.range(found[1].span) if found is not None else None
+        return server.units.range(found[1]) if found is not None else None
 
     @server.feature(types.TEXT_DOCUMENT_RENAME, types.RenameOptions(prepare_provider=True))
     def _rename(params: types.RenameParams) -> types.WorkspaceEdit | None:
@@ -59,7 +67,7 @@ def _add_rename(server: LaunchServer) -> None:
         files = server.files
         try:
             spans = rename_argument(
-                found[0], found[1].name, params.new_name, files.views, files.world, list_programs(files)
+                found[0], found[1].text, params.new_name, files.views, files.world, list_programs(files)
             )
         except UserError as problem:
             raise JsonRpcInvalidParams(problem.diagnostics[0].message) from None

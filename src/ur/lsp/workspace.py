@@ -7,6 +7,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
+from typing import NamedTuple
 
 from ur.check.cases import resolve_cases
 from ur.check.collect import collect_targets
@@ -14,6 +15,7 @@ from ur.check.rule import LaunchView, survey_launch_file
 from ur.check.session import CheckSession
 from ur.check.worlds import CachedWorld
 from ur.launchfile.plan.specs import Plan, TraceStep
+from ur.launchfile.query.written import ENDINGS
 from ur.launchfile.syntax.parse import decode_text
 from ur.launchfile.world import World
 from ur.launchfile.world.overlay import OverlayWorld
@@ -23,10 +25,18 @@ from ur.source.file import SourceFile
 MakeWorld = Callable[[Sequence[str]], World]  # of the paths that are checked; see ur.check.worlds
 _ENCODING = re.compile(r"""\A<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
 _SLICE = 0.1  # seconds of work within one piece after which requests are looked at
+_UNREADABLE = frozenset({"python-syntax", "bad-yaml", "bad-xml", "undefined-name"})
+_PATIENCE = 0.03  # seconds of processor
 _KEPT = 16  # files whose plans are kept
 
 ResolvedCase = tuple[str, Plan, tuple[TraceStep, ...]]
 """The arguments of a case as they would be typed, its plan, and how values resulted."""
+
+
+class _KnownCases(NamedTuple):
+    version: int
+    cases: list[ResolvedCase]
+    seconds: float  # of processor, to find them
 
 
 class Workspace:
@@ -40,7 +50,7 @@ class Workspace:
         self._more: list[str] = []  # files and packages outside of the folders
         self._session: CheckSession | None = None
         self._stale = True
-        self._cases: dict[str, tuple[int, list[ResolvedCase]]] = {}
+        self._cases: dict[str, _KnownCases] = {}
 
     # Texts
 
@@ -96,7 +106,14 @@ class Workspace:
     def steps(self, first: Sequence[str] = ()) -> Iterator[frozenset[str]]:
         """Find what has changed, `first` in those files; yields after each piece the files with other findings."""
         if self.session is not None:
-            yield from _in_slices(self.session.steps(first), self.session.world)
+            yield from _in_slices(self._steps(self.session, first), self.session.world)
+
+    def _steps(self, session: CheckSession, first: Sequence[str]) -> Iterator[frozenset[str]]:
+        yield from session.steps(first)
+        for path in first:  # what somebody may ask for next
+            if path.endswith(ENDINGS) and (view := self.view(path)) is not None:
+                self._renew_cases(view)
+                yield frozenset()
 
     def findings_of(self, path: str) -> list[Diagnostic]:
         """The findings in one file, as far as they are known."""
@@ -136,13 +153,26 @@ class Workspace:
             return None
 
     def cases(self, view: LaunchView) -> list[ResolvedCase]:
-        """The plans of a launch file for each base and variant, kept until something changes."""
+        """The plans of a launch file for each base and variant, kept until something changes.
+
+        Those of a program that take long are of an earlier text until `steps` has found the new ones.
+        """
         known = self._cases.get(view.path)
-        broken = known is not None and view.tree.diagnostics  # the values of before are better than none
-        if known is None or (known[0] != self.version and not broken):
-            known = (self.version, list(self._resolve(view)))
+        if known is None or (view.path.endswith(ENDINGS) and known.seconds < _PATIENCE):
+            return self._renew_cases(view)
+        broken = view.tree.launch is not None and view.tree.diagnostics  # the values of before are better than none
+        return known.cases if broken or view.path.endswith(ENDINGS) else self._renew_cases(view)
+
+    def _renew_cases(self, view: LaunchView) -> list[ResolvedCase]:
+        known = self._cases.get(view.path)
+        if known is None or known.version != self.version:
+            began, version = time.thread_time(), self.version
+            found = list(self._resolve(view))
+            if known is not None and any(each.rule in _UNREADABLE for _, plan, _ in found for each in plan.diagnostics):
+                found = known.cases
+            known = _KnownCases(version, found, time.thread_time() - began)
             self._cases = {view.path: known, **dict(list(self._cases.items())[:_KEPT])}
-        return known[1]
+        return known.cases
 
     def _resolve(self, view: LaunchView) -> Iterator[ResolvedCase]:
         trace: list[TraceStep] = []

@@ -247,10 +247,19 @@ class RemapStep:
     origin: Origin
 
 
+@dataclass(frozen=True, slots=True)
+class ValueStep:
+    """The text that a substitution or an expression has at its place."""
+
+    value: str
+    origin: Origin
+
+
 LOCAL_ADDRESSES = frozenset({"localhost", "127.0.0.1", "::1"})
 """Addresses of machines that are this computer."""
 
-TraceStep = ArgumentStep | RemapStep | ParamSpec  # a parameter each time it is set, also when a later one replaces it
+TraceStep = ArgumentStep | RemapStep | ValueStep | ParamSpec
+"""A parameter is traced each time it is set, also when a later one replaces it."""
 
 
 GapKind = Literal["", "command", "argument", "package"]

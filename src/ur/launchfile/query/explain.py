@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ur.launchfile.load import load_plan
 from ur.launchfile.plan.names import canonical_name, read_assignments
-from ur.launchfile.plan.specs import ArgumentStep, NodeSpec, Origin, ParamSpec, Plan, RemapStep, TraceStep
+from ur.launchfile.plan.specs import ArgumentStep, NodeSpec, Origin, ParamSpec, Plan, RemapStep, TraceStep, ValueStep
 from ur.launchfile.syntax import (
     Element,
     LaunchFile,
@@ -94,6 +94,8 @@ def format_layers(layers: Sequence[ExplanationStep], depth: int = 0) -> str:
 
 
 def _names_of(step: TraceStep) -> tuple[str, ...]:
+    if isinstance(step, ValueStep):
+        return ()
     return (step.source,) if isinstance(step, RemapStep) else (step.name,)
 
 

@@ -4,7 +4,7 @@ import re
 
 from ur.launchfile.plan.draft import Draft
 from ur.launchfile.plan.problems import TOLERATED
-from ur.launchfile.plan.specs import Gap, Origin
+from ur.launchfile.plan.specs import Gap, Origin, ValueStep
 from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.ros2.context import Context
 from ur.launchfile.ros2.model import Description, DescriptionProblem, Made, Unknown
@@ -23,9 +23,16 @@ class Collector:
         self._context, self._draft = context, draft
         self._gaps: dict[Gap, None] = {}
         context.on_problem, context.on_gap = self._on_problem, self._on_gap
+        context.on_value = self._on_value if draft.trace is not None else None
 
     def _origin(self, span: Span) -> Origin:
         return Origin(span, self._context.chain)
+
+    def _on_value(self, made: Made, text: str) -> None:
+        if self._draft.trace is not None:
+            end = max((place.end for place in made.places.values() if place.file is made.span.file), default=0)
+            span = Span(made.span.file, made.span.start, max(end, made.span.end))
+            self._draft.trace.append(ValueStep(text, self._origin(span)))
 
     def _on_problem(self, problem: DescriptionProblem, chain: tuple[Span, ...]) -> None:
         found = Diagnostic(

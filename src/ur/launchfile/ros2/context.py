@@ -6,7 +6,7 @@ from typing import Any
 
 from ur.launchfile.plan.commands import RunWith
 from ur.launchfile.plan.values.budget import PER_YAML_CHARACTER, Budget
-from ur.launchfile.ros2.model import DescriptionProblem, Unknown
+from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.source.file import Span
 from ur.source.suggest import did_you_mean
@@ -69,6 +69,7 @@ class Context:
         self.file = ""
         self.chain: tuple[Span, ...] = ()
         self.on_problem: Callable[[DescriptionProblem, tuple[Span, ...]], None] = lambda *_: None
+        self.on_value: Callable[[Made, str], None] | None = None
         self.on_gap: Callable[[Unknown, tuple[Span, ...]], None] = lambda *_: None
         self._scopes: list[tuple[dict[str, object], str | None, tuple[object, ...], tuple[tuple[str, str], ...]]] = []
         self._environments: list[dict[str, str]] = []

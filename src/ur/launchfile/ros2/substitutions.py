@@ -34,7 +34,10 @@ def _perform(value: object, context: Context) -> str | Unknown:
                 f"{value.kind} stands where a text is needed, expected a substitution", "launch-value", value.span, None
             )
         context.budget.charge(20)
-        return known(value, context)
+        found = known(value, context)
+        if context.on_value is not None and isinstance(found, str):
+            context.on_value(value, found)
+        return found
     if isinstance(value, (list, tuple)):
         parts = [perform(part, context) for part in value]
         for part in parts:
