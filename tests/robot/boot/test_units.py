@@ -50,6 +50,17 @@ def test_guards_of_motors_are_units_that_systemd_reads_and_that_the_oom_killer_s
     service, socket = texts.values()
     assert "\nOOMScoreAdjust=-1000\n" in service
     assert "\nSocketMode=0600\n" in socket
+    assert measure_exposure(tmp_path / "motor-guard@.service") < 3.0
+
+
+def measure_exposure(unit: Path) -> float:
+    """What `systemd-analyze security` says of a unit, from 0 to 10."""
+    done = subprocess.run(
+        ["systemd-analyze", "security", "--offline=true", str(unit)], capture_output=True, text=True, check=False
+    )
+    found = re.search(r"Overall exposure level for \S+: ([0-9.]+)", done.stdout)
+    assert found, done.stderr
+    return float(found[1])
 
 
 @pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is not installed")
@@ -58,12 +69,7 @@ def test_unit_has_the_rights_that_programs_of_a_robot_need_and_few_others(tmp_pa
     for unit in (master_unit(user, "/data/my home"), program_unit("drive", "exec roslaunch p f", user, "/home/ros")):
         path = tmp_path / f"{unit.service}.service"
         path.write_text(unit.text)
-        done = subprocess.run(
-            ["systemd-analyze", "security", "--offline=true", str(path)], capture_output=True, text=True, check=False
-        )
-        found = re.search(r"Overall exposure level for \S+: ([0-9.]+)", done.stdout)
-        assert found, done.stderr
-        assert float(found[1]) < 5.0
+        assert measure_exposure(path) < 5.0
         verified = subprocess.run(["systemd-analyze", "verify", str(path)], capture_output=True, text=True, check=False)
         assert path.name not in verified.stderr
     assert 'ReadWritePaths="-/data/my home" ' in master_unit(user, "/data/my home").text

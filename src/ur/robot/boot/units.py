@@ -84,6 +84,7 @@ WantedBy=multi-user.target
 """
 
 # The guard of a board's motors, which has to outlive the unit of the driver that it guards: a unit for each connection.
+# It opens nothing, the driver sends it the open device. What takes a namespace more could keep it from its start.
 _GUARD_SOCKET = """\
 # Written by ur boot install.
 [Unit]
@@ -110,7 +111,16 @@ ExecStart={start}
 StandardInput=socket
 StandardOutput=journal
 OOMScoreAdjust=-1000
-{limits}"""
+{limits}CapabilityBoundingSet=
+PrivateDevices=yes
+PrivateTmp=yes
+ProtectControlGroups=yes
+ProtectKernelTunables=yes
+MemoryDenyWriteExecute=yes
+RestrictRealtime=yes
+IPAddressDeny=any
+UMask=0077
+"""
 
 # Python of ROS: PyYAML is installed with rospkg. A master that was just started needs a moment until it answers.
 _SET_BASE = """\
@@ -182,7 +192,9 @@ def guard_units(user: str, home: str) -> dict[str, str]:
     """Return the texts of the units that start guards of motors for a user's drivers, by path; the socket is last."""
     start = f"/bin/sh -c {_quote(own_line('-m ur_nodes.drivers.lines.guard_program'))}"
     return {
-        f"{FOLDER}/{GUARD}@.service": _GUARD.format(user=user, start=start, limits=_limit(user, home)),
+        f"{FOLDER}/{GUARD}@.service": _GUARD.format(
+            user=user, start=start, limits=_LIMITS.format(home=_quote(f"-{home}"))
+        ),
         f"{FOLDER}/{GUARD}.socket": _GUARD_SOCKET.format(path=GUARD_SOCKET, user=user),
     }
 
