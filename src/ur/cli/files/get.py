@@ -183,6 +183,7 @@ def _run_on_robot(robot: str, words: Sequence[str], flags: Sequence[tuple[str, b
     from ur.cli.robots.shell import run_ssh
     from ur.request.remote.connection import robot_address
     from ur.robot.boot.units import LIBRARIES
+    from ur.robot.ssh.failures import lost_connection
     from ur.robot.ssh.shell import quote
 
     arguments = quote("get", *(flag for flag, given in flags if given), "--", *words)
@@ -191,6 +192,8 @@ def _run_on_robot(robot: str, words: Sequence[str], flags: Sequence[tuple[str, b
         for place in LIBRARIES
     )
     script += "echo 'error: ubiquity_launches is not set up on the robot; ur robot setup installs it' >&2; exit 2"
-    return run_ssh(
-        robot_address(robot), ["-t"] if sys.stdin.isatty() else [], [quote("bash", "-lc", script)], escaped=True
-    )
+    address, terminal = robot_address(robot), ["-t"] if sys.stdin.isatty() else []
+    done = run_ssh(address, terminal, [quote("bash", "-lc", script)], escaped=True)
+    if done == 255:
+        raise lost_connection(str(address), "")
+    return done
