@@ -1,14 +1,16 @@
 """The log of a node."""
 
+import re
 from collections.abc import Callable
 from typing import Protocol
 
+_NUMBERS = re.compile(r"[\d.]+")
 Write = Callable[[str], object]
 """Writes a line."""
 
 
 class Log(Protocol):
-    """Writes lines for users. With `every`, each calling line of code logs at most once in so many seconds."""
+    """Writes lines for users. With `every`, lines that are alike are logged at most once in so many seconds."""
 
     def debug(self, text: str) -> None:
         """Log a detail for developers."""
@@ -53,9 +55,10 @@ class Throttle:
         self._last: dict[str, float] = {}
 
     def lets(self, text: str, every: float) -> bool:
-        """Return whether the line may be written now; with 0 it always may."""
+        """Return whether the line may be written now; with 0 it always may. Lines that differ in numbers are alike."""
         if not every:
             return True
+        text = _NUMBERS.sub("0", text)
         now = self._read()
         if 0.0 <= now - self._last.get(text, -every) < every:
             return False

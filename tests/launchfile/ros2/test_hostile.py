@@ -103,7 +103,7 @@ HOSTILE = {
     "file that is read again": "for a in range(99999):\n    x = open('BIG').readlines()",
     "folder that is read again": "import os\nwhile True:\n    x = os.listdir('.')\n    y = os.path.exists('.')",
     "statement given up again": "import re\nwhile True:\n    for a in range(9999):\n        if re.x:\n"
-    + "".join(f"            b{number} = a\n" for number in range(3000)),
+    + "".join(f"            b{number} = a\n" for number in range(800)),
     "values in values": "x = [LaunchDescription([])]\nfor a in range(40):\n    x = [LaunchDescription(x), *x]",
 }
 BUDGET = 1_000_000  # units of work, a part of what a file has
