@@ -1,7 +1,7 @@
 """What is not known at any argument of the launch API is a gap, and the rest of the file is read; source trees."""
 
 import pytest
-from tests.launchfile.ros2.plans import FILES, PACKAGES, describe_all, load, load_clean, python
+from tests.launchfile.ros2.plans import FILES, PACKAGES, describe_all, load, load_clean, parameters, python
 
 from ur.launchfile.ros2.load import load_ros2
 from ur.launchfile.world.memory import MemoryWorld
@@ -32,7 +32,7 @@ ACTIONS = (
     "IncludeLaunchDescription('/ws/b.launch.py', launch_arguments=[x])", "OpaqueFunction(function=x)",
     "OpaqueFunction(function=lambda context, a: [], args=x)", "OpaqueFunction(function=lambda context: x)",
     "ForLoop(x, function=lambda i: [])", "ForEach(x, function=lambda a: [])", "ForLoop('2', function=x)",
-    "RegisterEventHandler(x)", "RegisterEventHandler(OnProcessExit(on_exit=lambda event, context: []))",
+    "RegisterEventHandler(x)", "RegisterEventHandler(OnProcessExit(on_exit=lambda event, context: [event]))",
     "SetParameter('a', x)", "SetParametersFromFile(x)", "SetRemap(x, 'a')", "PushRosNamespace(x)", "x",
     "LoadComposableNodes(target_container='/c', composable_node_descriptions=x)",
     "LoadComposableNodes(target_container='/c', composable_node_descriptions=[x])",
@@ -160,3 +160,60 @@ def test_command_line_of_xml_is_split_as_upstream_does(cmd: str, words: tuple[st
     plan = load(f'<launch><executable cmd="{cmd}"/></launch>', "/ws/a.launch.xml")
     assert [node.words for node in plan.nodes] == ([] if words is None else [words])
     assert [found.rule for found in plan.diagnostics] == (["launch-value"] if words is None else [])
+
+
+def test_function_that_an_event_calls_starts_what_is_certain() -> None:
+    before = "def f(event, context):\n    return [Node(executable='b'), LogInfo(msg='c')]"
+    actions = ["Node(executable='a', name='a')", "RegisterEventHandler(OnProcessExit(on_exit=f))"]
+    plan = load_clean(python(*actions, before=before))
+    assert [(node.name, node.trigger and node.trigger.kind) for node in plan.nodes] == [("a", None), ("b", "exit")]
+
+
+def test_function_that_asks_an_event_is_a_gap() -> None:
+    before = "def f(event, context):\n    return [Node(executable='b')] if event.returncode == 0 else []"
+    plan = load(python("RegisterEventHandler(OnProcessExit(on_exit=f))", before=before))
+    assert ["an event decides" in gap.reason for gap in plan.gaps] == [True]
+
+
+def test_program_that_the_file_runs_is_named_with_its_line() -> None:
+    plan = load(python("Node(executable='a')", before="import subprocess\nsubprocess.run(['date'])"))
+    assert [(gap.reason, gap.kind) for gap in plan.gaps] == [("a program is not run while reading: run()", "command")]
+    assert plan.gaps[0].origin is not None
+    assert "subprocess.run" in plan.gaps[0].origin.span.text
+
+
+def test_value_that_a_build_sets_is_named_in_a_template() -> None:
+    action = "Node(executable='@NAME@')"
+    plan = load(python(action), "/ws/a.launch.py.in")
+    assert [(gap.reason, gap.kind) for gap in plan.gaps] == [("@NAME@ is set when its package is built", "package")]
+    assert load_clean(python(action)).nodes[0].type == "@NAME@"
+
+
+def test_module_that_is_not_installed_is_a_package_that_is_missing() -> None:
+    plan = load(python("Node(executable=x)", before="from moveit_configs_utils import x"))
+    assert [gap.kind for gap in plan.gaps] == ["package"]
+
+
+def test_group_whose_configurations_are_not_known_hides_those_that_it_uses() -> None:
+    group = "GroupAction([Node(executable=LaunchConfiguration('a'))], forwarding=False, launch_configurations=x)"
+    plan = load(python(group, "Node(executable='b')", before="import numpy\nx = numpy.a()"))
+    assert not plan.diagnostics
+    assert [node.name for node in plan.nodes][1:] == ["b"]
+    assert plan.gaps
+
+
+def test_arguments_of_a_description_are_handed_over() -> None:
+    before = "d = LaunchDescription([DeclareLaunchArgument('a', default_value='b')])"
+    given = "launch_configurations={e.name: LaunchConfiguration(e.name) for e in d.get_launch_arguments()}"
+    group = f"GroupAction([Node(executable=LaunchConfiguration('a'))], forwarding=False, {given})"
+    plan = load_clean(python("*d.entities", group, before=before))
+    assert [node.name for node in plan.nodes] == ["b"]
+
+
+def test_parameters_of_a_file_that_is_written_are_known() -> None:
+    before = (
+        "import yaml, tempfile\nwith tempfile.NamedTemporaryFile('w', delete=False) as f:\n"
+        "    yaml.dump({'n': {'ros__parameters': {'a': 1}}}, f)"
+    )
+    plan = load_clean(python("Node(executable='n', name='n', parameters=[f.name])", before=before))
+    assert parameters(plan) == {"a": 1}

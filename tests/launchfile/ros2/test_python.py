@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from tests.launchfile.ros2.plans import IMPORTS, load, load_clean, python, rules
 
+_PARAMETER_FILES = "['/opt/demo/share/demo/config/p.yaml']"
 KNOWN = {  # statements that set `x`, the text of it
     "function": (
         "def f(a, b=2, *rest, c=3, **more):\n    return a + b + c + len(rest) + len(more)\nx = f(1, 2, 3, d=4)",
@@ -100,9 +101,67 @@ KNOWN = {  # statements that set `x`, the text of it
     ),
     "deletion": ("x = 1\ny = 2\ndel y", "1"),
     "assertion": ("assert True\nx = 1", "1"),
+    "text that is evaluated": ("a = 2\nx = eval('a * 3')", "6"),
+    "written file": ("with open('/tmp/a.txt', 'w') as f:\n    f.write('b')\nx = open('/tmp/a.txt').read()", "b"),
+    "written path": ("from pathlib import Path\np = Path('/tmp/a')\np.write_text('b')\nx = p.read_text()", "b"),
+    "written YAML": (
+        "import yaml\nyaml.dump({'a': [1]}, open('/tmp/a', 'w'))\nx = yaml.safe_load(open('/tmp/a'))['a']",
+        "[1]",
+    ),
+    "temporary name": ("import tempfile\nx = tempfile.mktemp(prefix='a_', suffix='.sdf')", "/tmp/a_1.sdf"),
+    "temporary file": (
+        "import tempfile\nwith tempfile.NamedTemporaryFile(mode='w', suffix='.yaml', delete=False) as f:\n"
+        "    f.write('b')\nx = open(f.name).read()",
+        "b",
+    ),
+    "files of a pattern": ("from glob import glob\nx = glob('/opt/demo/share/d*/c*/*.yaml')", _PARAMETER_FILES),
+    "files of a path": (
+        "from pathlib import Path\nx = [str(p) for p in Path('/opt/demo/share/demo').glob('*/*.yaml')]",
+        _PARAMETER_FILES,
+    ),
+    "copy": ("import copy\na = {'b': [1]}\nx = copy.deepcopy(a)\na['b'].append(2)", "{'b': [1]}"),
+    "JSON": ("import json\nx = json.dumps({'a': 1})", '{"a": 1}'),
+    "sum in a place": ("a = [{'b': 'c'}]\nfor d in a:\n    d['b'] += 'e'\nx = a[0]['b']", "ce"),
+    "dataclass": (
+        "from dataclasses import dataclass\n@dataclass\nclass A:\n    b: int\n    c: int = 2\nx = A(b=1).c + A(1).b",
+        "3",
+    ),
+    "named tuple": (
+        "from typing import NamedTuple\nclass A(NamedTuple):\n    b: str\n    c: str = 'd'\nx = A('a').b + A('a').c",
+        "ad",
+    ),
+    "property": (
+        "class A:\n    def __init__(self):\n        self.b = 1\n    @property\n    def c(self):\n        return self.b"
+        "\nx = A().c",
+        "1",
+    ),
+    "inherited method": (
+        "class A:\n    def b(self):\n        return 'c'\nclass D(A):\n    pass\nx = D().b()",
+        "c",
+    ),
+    "cached function": ("import functools\n@functools.lru_cache(maxsize=None)\ndef f():\n    return 1\nx = f()", "1"),
+    "folder of modules": ("import sys\nsys.path.append('/opt/more')\nimport elsewhere\nx = elsewhere.value", "9"),
+    "module that is installed": ("import nav.poses\nx = nav.poses.home", "1, 2"),
+    "poses of robots": (
+        "from nav2_common.launch import ParseMultiRobotPose\nx = ParseMultiRobotPose('robots').value()",
+        "{}",
+    ),
+    "packages": ("from ros2pkg.api import get_package_names\nx = get_package_names()", "['demo', 'nav']"),
+    "folders of packages": (
+        "import ament_index_python.packages as p\nx = p.get_packages_with_prefixes()['nav']",
+        "/opt/nav",
+    ),
+    "exports of a package": (
+        "from catkin_pkg.package import parse_package\nx = [e.attributes['path'] for e in "
+        "parse_package('/opt/nav/share/nav/package.xml').exports if e.tagname == 'models']",
+        "['a/b']",
+    ),
     "nested data": ("x = [{'a': (1, 2)}][0]['a'][1]", "2"),
 }
 HELPERS = {
+    "/opt/more/elsewhere.py": "value = 9\n",
+    "/opt/nav/lib/python3.12/site-packages/nav/poses.py": "home = '1, 2'\n",
+    "/opt/nav/share/nav/package.xml": "<package><export><models path='a/b'/></export></package>",
     "/ws/beside.py": "value = 7\n",
     "/opt/demo/share/demo/demo/helper.py": "def name(a):\n    return a + '!'\n",
     "/opt/demo/share/demo/demo/__init__.py": "",
@@ -133,7 +192,7 @@ UNKNOWN = {  # statements after which `x` is not known
     "text of a substitution": "x = f\"{LaunchConfiguration('a')}\"",
     "sum of a substitution": "x = 'a' + LaunchConfiguration('a')",
     "try": "try:\n    import numpy\n    numpy.zeros(3)\n    x = 1\nexcept ImportError:\n    x = 2",
-    "builtin": "x = eval('1')",
+    "builtin": "x = compile('1', '', 'eval')",
     "import by name": "x = __import__('os')",
     "written file": "x = open('/tmp/a', 'w')",
 }

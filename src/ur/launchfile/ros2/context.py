@@ -1,6 +1,6 @@
 """The state in which a description is carried out: configurations, environment, the file, and what was found."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -16,6 +16,7 @@ MOST_FILES = 5_000
 DEEPEST = 50
 MOST_BYTES = 512 * 1024  # of a file in Python or YAML: its syntax tree takes 500 times as much
 PER_SYSTEM_CALL = 50  # units of work
+ANY_NAME = ""  # a configuration of this name is Unknown: the group hands over some that are not known
 
 
 class Environment(dict[str, str]):
@@ -83,6 +84,7 @@ class Context:
         """Their texts."""
         self.run_command: RunWith | None = None
         """Runs what `Command` names; without it the output is not known."""
+        self.temporary = 0  # how many temporary files have a name
 
     @property
     def folder(self) -> str:
@@ -230,12 +232,19 @@ class Context:
                         waiting.append(inner)
         return self._listed[folder]
 
-    def module_paths(self, name: str, beside: str) -> list[str]:
-        """Return the files that a Python module could be: in the package of its name, or beside a file."""
+    def module_paths(self, name: str, beside: str, folders_of_file: Iterable[object] = ()) -> list[str]:
+        """Return the files that a Python module could be.
+
+        It is beside a file, in the folders that the file adds to sys.path, or in the package of its name.
+        """
         first, *rest = name.strip(".").split(".")
-        folders = [beside.rpartition("/")[0]]
+        folders = [beside.rpartition("/")[0], *(str(each) for each in folders_of_file)]
         with suppress(PackageNotFound, OSError, ValueError):
-            folders.append(self.world.find_package(first))
+            share = self.world.find_package(first)
+            folders.append(share)
+            library = f"{share.removesuffix(f'/share/{first}')}/lib"
+            for python in self.world.list_folder(library):
+                folders += [f"{library}/{python}/{each}" for each in ("site-packages", "dist-packages")]
         paths = []
         for folder in folders:
             whole = "/".join((folder, first, *rest))

@@ -7,6 +7,7 @@ from ur.launchfile.plan.specs import ActionSpec, Trigger
 from ur.launchfile.ros2.context import Context
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.nodes import Nodes
+from ur.launchfile.ros2.python.objects import EventFunction, Function
 from ur.launchfile.ros2.substitutions import perform
 
 
@@ -33,6 +34,8 @@ class Events(Nodes):
             return
         target = handler.get("target_action", handler.get("target_lifecycle_node"))
         entities = handler.get(keyword)
+        if isinstance(entities, Function):
+            entities = Made("OpaqueFunction", {"function": EventFunction(entities, handler.span)}, handler.span)
         if isinstance(entities, (Made, list, tuple)):
             states = (self._state_of(handler, "start_state"), self._state_of(handler, "goal_state"))
             trigger = Trigger(cast("Any", kind), after=self._trigger, states=states)

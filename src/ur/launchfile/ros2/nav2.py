@@ -18,6 +18,7 @@ from ur.source.file import Span
 
 REWRITTEN = "/rewritten/"
 _SECTION = re.compile(r"^([^\s#][^:\n]*):", re.MULTILINE)
+_POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
 def read_content(path: str, context: Context, span: Span) -> object:
@@ -49,7 +50,7 @@ def read_sections(path: str, context: Context, span: Span) -> ParameterSections:
 
 def fill_file(path: str, context: Context, span: Span) -> str | Unknown:
     """Return the path of a parameter file in which substitutions are performed, as ParameterFile(allow_substs=True)."""
-    if path not in context.rewritten and not context.is_file(path):
+    if path not in context.written and not context.is_file(path):
         return path
     text = _read_text(path, context, span)
     is_plain = "$(" not in text and "\\" not in text
@@ -204,6 +205,17 @@ def _replace_string(made: Made, context: Context) -> str | Unknown:
 
 def _parse_poses(made: Made, _: Context) -> str | Unknown:
     return Unknown("the poses of several robots come from the command line", made.span)
+
+
+def read_poses(text: str) -> dict[str, dict[str, float]]:
+    """Return the poses of robots by name, written as `name={x: 1.0, yaw: 0.5}; other={...}`. Raises ValueError."""
+    found = {}
+    for part in filter(str.strip, text.split(";")):
+        name, _, pose = part.partition("=")
+        given = load_yaml(pose)
+        if isinstance(given, dict):
+            found[name.strip()] = {each: float(given.get(each, 0.0)) for each in _POSE}
+    return found
 
 
 def original_path(path: str) -> str:

@@ -303,7 +303,7 @@ class Nodes(Collector):
 
     def _parameter_file(self, path: str, span: Span) -> ParameterFile | None:
         context = self._context
-        if path in context.rewritten:
+        if path in context.rewritten or path in context.written:
             return ParameterFile(path, self._origin(span))
         known = context.find_file(path)
         if "<" in path or not path:

@@ -7,7 +7,7 @@ from typing import Any
 
 from ur.launchfile.plan.problems import INHERITED
 from ur.launchfile.plan.values.budget import PER_YAML_CHARACTER, Budget
-from ur.launchfile.ros2.context import PER_SYSTEM_CALL, Context
+from ur.launchfile.ros2.context import ANY_NAME, PER_SYSTEM_CALL, Context
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.source.arguments import split_words
 from ur.source.suggest import did_you_mean
@@ -134,8 +134,8 @@ def _configuration(made: Made, context: Context) -> str | Unknown:
         return value if isinstance(value, str | Unknown) else str(value)
     if "default" in made.values and made.get("default") is not None:
         return perform(made.get("default"), context)
-    if (maker := context.variables.get("unknown scope")) is not None:
-        return Unknown(str(maker))
+    if isinstance(scope := context.configurations.get(ANY_NAME), Unknown):
+        return scope
     near = did_you_mean(name, context.configurations)
     raise DescriptionProblem(
         f"launch configuration '{name}' is used, but no argument of this name is declared before",

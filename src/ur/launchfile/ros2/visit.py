@@ -18,7 +18,7 @@ from ur.launchfile.plan.specs import (
 )
 from ur.launchfile.plan.values.budget import TooLong
 from ur.launchfile.ros2.collector import find_declared, find_written
-from ur.launchfile.ros2.context import DEEPEST, MOST_INCLUDES, Context
+from ur.launchfile.ros2.context import ANY_NAME, DEEPEST, MOST_INCLUDES, Context
 from ur.launchfile.ros2.events import Events
 from ur.launchfile.ros2.model import Description, DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.parameters import read_value
@@ -190,7 +190,9 @@ class Visitor(Events):
         scoped = self._flag(made, "scoped", default=True)
         forwarding = self._flag(made, "forwarding", default=True)
         given: Any = made.get("launch_configurations") or {}
-        values = {} if isinstance(given, Unknown) else {self._text(k): perform(v, context) for k, v in given.items()}
+        if isinstance(given, Unknown):
+            given = {ANY_NAME: replace(given, span=given.span or made.span)}
+        values = {self._text(k): perform(v, context) for k, v in given.items()}
         if not scoped:
             context.configurations.update(values)
             self._visit_all(made.get("actions"))

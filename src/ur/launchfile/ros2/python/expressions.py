@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import PurePosixPath
 from typing import Any
@@ -31,6 +32,8 @@ from ur.launchfile.ros2.python.objects import (
 from ur.source.file import SourceFile, Span
 from ur.source.suggest import did_you_mean
 
+_BUILT = re.compile(r"@\w+@")
+_PER_EVAL = 500  # units of work
 _TYPES: Mapping[str, type] = {"str": str, "int": int, "float": float, "bool": bool, "list": list, "dict": dict}
 
 
@@ -42,8 +45,8 @@ class Expressions(Evaluator):
         self.source, self.frame = source, frame
         self.tries = 0  # how many `try` of the file are around this place
         self.call_function: CallFunction = _not_called
-        self.find_share: Callable[[str], object] = str
-        self.find_prefix: Callable[[str], object] = str
+        self.find_method: Callable[[object, str], object] = lambda *_: None
+        """Return a method that needs the computer, of a value; None if it is none of those."""
         self.report: Callable[[DescriptionProblem], None] = lambda _: None
 
     def span(self, node: ast.AST) -> Span:
@@ -81,6 +84,8 @@ class Expressions(Evaluator):
             return self.charged(node.id, found) if callable(found) and node.id not in _TYPES else found
         if node.id in _TYPES:
             return _TYPES[node.id]
+        if node.id == "eval":
+            return self._evaluate
         if node.id in BUILTINS:
             return self.unknown(f"'{node.id}' is not computed while reading", node)
         near = did_you_mean(node.id, self.frame.names())
@@ -91,6 +96,18 @@ class Expressions(Evaluator):
             f"did you mean {near}?" if near else "import it, or assign it",
             node.id,
         )
+
+    def visit_Constant(self, node: ast.Constant) -> object:
+        value = node.value
+        if isinstance(value, str) and value[:1] == "@" and self.source.path.endswith(".in") and _BUILT.fullmatch(value):
+            return Unknown(f"{value} is set when its package is built", self.span(node), "package")
+        return value
+
+    def _evaluate(self, text: object, *_: object) -> object:
+        """Return the value of a text, as `eval`."""
+        self.budget.weigh(text)
+        self.budget.spend(_PER_EVAL)
+        return self.visit(ast.parse(str(text).strip(), mode="eval").body)
 
     def visit_Lambda(self, node: ast.Lambda) -> object:
         defaults = tuple(self.visit(each) for each in node.args.defaults)
@@ -233,8 +250,8 @@ class Expressions(Evaluator):
         value = self.visit(node.value)
         if isinstance(value, Unknown):
             return value
-        if isinstance(value, Made) and node.attr == "find" and value.kind.startswith("FindPackage"):
-            return self.find_share if value.kind.endswith("Share") else self.find_prefix
+        if (found := self.find_method(value, node.attr)) is not None:
+            return found
         own, found = attribute_of(value, node.attr, self.span(node), self.budget)
         if own:
             return found

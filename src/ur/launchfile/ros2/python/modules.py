@@ -13,6 +13,7 @@ from ur.launchfile.plan.values import expression_functions as functions
 from ur.launchfile.ros2.api import modules
 from ur.launchfile.ros2.context import Context
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
+from ur.launchfile.ros2.nav2 import read_poses
 from ur.launchfile.ros2.python.objects import (
     ApiClass,
     ContextObject,
@@ -23,6 +24,7 @@ from ur.launchfile.ros2.python.objects import (
     make_path,
     taking_unknown,
 )
+from ur.launchfile.ros2.python.standard import Standard
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.source.file import Span
 from ur.source.suggest import did_you_mean
@@ -31,11 +33,11 @@ _TRANSITIONS = (
     *("CREATE", "CONFIGURE", "CLEANUP", "ACTIVATE", "DEACTIVATE", "UNCONFIGURED_SHUTDOWN", "INACTIVE_SHUTDOWN"),
     *("ACTIVE_SHUTDOWN", "DESTROY"),
 )
+_SOURCED = frozenset({"AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH", "ROS_DISTRO"})
 _IGNORED = frozenset(
     {
-        *("__future__", "abc", "argparse", "collections", "copy", "dataclasses", "datetime", "enum", "functools"),
-        *("getpass", "glob", "importlib", "inspect", "itertools", "logging", "multiprocessing", "platform", "random"),
-        *("re", "shutil", "socket", "subprocess", "tempfile", "time", "uuid", "warnings"),
+        *("__future__", "abc", "argparse", "collections", "enum", "getpass", "importlib", "inspect", "itertools"),
+        *("logging", "multiprocessing", "random", "re", "shutil", "uuid", "warnings"),
     }
 )
 
@@ -49,14 +51,14 @@ class Library:
 
     def __init__(self, context: Context, path: str, report: Callable[[DescriptionProblem], None]) -> None:
         self._context, self._world, self._path, self._report = context, context.world, path, report
+        self.standard = Standard(context)
         self._own: dict[str, Callable[[], Module]] = {
+            **self.standard.modules,
             "os": self._os,
             "os.path": self._os_path,
             "math": lambda: Module("math", functions.MATH),
             "typing": lambda: Module("typing", {"List": list, "Dict": dict, "TYPE_CHECKING": False}),
             "pathlib": lambda: Module("pathlib", {"Path": make_path, "PurePath": make_path}),
-            "yaml": self._yaml,
-            "json": lambda: Module("json", {"loads": self._load_text, "load": self._load_text}),
             "xacro": lambda: Module(
                 "xacro",
                 {
@@ -64,11 +66,9 @@ class Library:
                     "process": taking_unknown(self._expand_text),
                 },
             ),
-            "sys": lambda: Module(
-                "sys", {"path": [], "argv": ["ros2", "launch"], "executable": "/usr/bin/python3", "platform": "linux"}
-            ),
             "ament_index_python": self._index,
             "ament_index_python.packages": self._index,
+            "ament_index_python.resources": lambda: Module("ament_index_python.resources", {}),
             "lifecycle_msgs.msg": self._lifecycle,
             "launch_ros.events": lambda: Module(
                 "launch_ros.events", {"lifecycle": self.find("launch_ros.events.lifecycle")}
@@ -115,7 +115,7 @@ class Library:
 
     def at(self, span: Span) -> None:
         """Set the place of the statement that is being read, for messages."""
-        self._at = span
+        self._at = self.standard.at = span
 
     def find_share(self, package: str) -> str | Unknown:
         """Return the share folder of a package; a package that is missing is reported once.
@@ -138,13 +138,42 @@ class Library:
         share = self.find_share(package)
         return share if isinstance(share, Unknown) else make_path(share)
 
+    def find_method(self, value: object, name: str) -> object:
+        """Return a method that needs the computer, of a value; None if it is none of those."""
+        if isinstance(value, PurePosixPath):
+            return self._method_of_path(str(value), name)
+        if not isinstance(value, Made):
+            return None
+        if name == "find" and value.kind.startswith("FindPackage"):
+            return self.find_share if value.kind.endswith("Share") else self.find_prefix
+        if name == "value" and value.kind == "ParseMultiRobotPose":
+            text = self._context.configurations.get(str(value.get("target_argument")), "")
+            return lambda: read_poses(text) if isinstance(text, str) else text
+        return None
+
+    def _method_of_path(self, path: str, name: str) -> object:
+        methods: dict[str, Callable[..., object]] = {
+            "exists": lambda: self.standard.exists(path),
+            "glob": lambda pattern: [make_path(each) for each in self.standard.find(f"{path}/{pattern}")],
+            "is_dir": lambda: bool(self._context.list_folder(path)),
+            "is_file": lambda: path in self._context.written or self._context.is_file(path),
+            "iterdir": lambda: [make_path(path, each) for each in self._context.list_folder(path)],
+            "mkdir": _do_nothing,
+            "open": lambda mode="r", *_, **__: self._open(path, mode),
+            "read_text": lambda *_, **__: self.standard.read(path),
+            "unlink": _do_nothing,
+            "write_text": lambda text, *_, **__: self.standard.write(path).write(text),
+        }
+        return methods.get(name)
+
     # -- modules
 
     def _index(self) -> Module:
         members: dict[str, object] = {
-            "get_package_share_directory": lambda name, *_, **__: self.find_share(name),
-            "get_package_share_path": self._find_share_path,
-            "get_package_prefix": self.find_prefix,
+            "get_package_share_directory": lambda package_name, *_, **__: self.find_share(package_name),
+            "get_package_share_path": lambda package_name, *_, **__: self._find_share_path(package_name),
+            "get_package_prefix": lambda package_name: self.find_prefix(package_name),
+            "get_packages_with_prefixes": self.standard.prefixes,
             "PackageNotFoundError": PackageNotFoundError,
         }
         return Module(
@@ -168,7 +197,9 @@ class Library:
             {
                 "path": self._os_path(),
                 "environ": environment,
-                "getenv": environment.get,
+                "getenv": self._getenv,
+                "system": self.standard.refuse("system"),
+                **dict.fromkeys(("makedirs", "mkdir", "remove", "unlink", "chmod"), taking_unknown(_do_nothing)),
                 "sep": "/",
                 "pathsep": ":",
                 "linesep": "\n",
@@ -178,6 +209,12 @@ class Library:
                 "PathLike": PurePosixPath,
             },
         )
+
+    def _getenv(self, name: str, default: object = None) -> object:
+        value = self._context.environment.get(name, default)
+        if value is None and name in _SOURCED:
+            return Unknown(f"{name} is not set: no ROS 2 is sourced", self._at, "package")
+        return value
 
     def _os_path(self) -> Module:
         world, context = self._world, self._context
@@ -206,34 +243,25 @@ class Library:
                 "realpath": absolute,
                 "expanduser": expand,
                 "expandvars": fill,
-                "exists": lambda path: context.is_file(str(path)) or bool(context.list_folder(str(path))),
-                "isfile": lambda path: context.is_file(str(path)),
+                "exists": self.standard.exists,
+                "isfile": lambda path: str(path) in context.written or context.is_file(str(path)),
                 "isdir": lambda path: bool(context.list_folder(str(path))),
             },
         )
 
-    def _yaml(self) -> Module:
-        loads = dict.fromkeys(("safe_load", "load", "full_load", "unsafe_load"), self._load_text)
-        types = dict.fromkeys(("SafeLoader", "FullLoader", "Loader", "CSafeLoader"), None)
-        return Module("yaml", {**loads, **types, "YAMLError": ValueError})
-
     # -- functions
 
     def _open(self, path: object, mode: str = "r", *_: object, **__: object) -> object:
+        if mode.strip("tb+") in ("w", "x"):
+            return self.standard.write(path)
         if set(mode) - set("rtb"):
-            return Unknown("the file writes a file", self._at)
+            return Unknown("the file changes a file", self._at)
         try:
-            text = self._context.read(str(path)).decode(errors="replace")
+            text = self.standard.read(path)
             return Opened(str(path), text.replace("\r\n", "\n"))
         except OSError as problem:
             reason = (problem.strerror or str(problem)).lower()
             raise FileNotFoundError(f"{path}: {reason}") from None
-
-    def _load_text(self, value: object, *_: object, **__: object) -> object:
-        text = value.text if isinstance(value, Opened) else value
-        if not isinstance(text, str):
-            return Unknown("what it reads is not a text", self._at)
-        return self._context.load_yaml(text)
 
     def _expand_text(self, *arguments: Any, **keywords: Any) -> object:
         text: Any = self._expand(*arguments, **keywords).members["toxml"]
@@ -274,6 +302,10 @@ def _is_instance(value: object, kind: object) -> object:
         ):
             return True
     return False
+
+
+def _do_nothing(*_: object, **__: object) -> None:
+    return None
 
 
 def _matcher(*values: object, **keywords: object) -> object:

@@ -87,11 +87,19 @@ class StaticFunction:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
+class PropertyFunction:
+    """A property of a class of a file."""
+
+    function: Function
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class UserClass:
-    """A class of a file, without what it inherits."""
+    """A class of a file, with what it inherits from others of the file; `fields` are those of a dataclass."""
 
     name: str
     members: Mapping[str, object]
+    fields: tuple[str, ...] = ()
 
     def find(self, name: str, span: Span | None) -> object:
         """Return a member; a method takes its object as an argument."""
@@ -104,6 +112,12 @@ class UserClass:
         begin = self.members.get("__init__")
         if isinstance(begin, Function):
             begin.run([made, *arguments], keywords)
+        elif self.fields:
+            given = {**dict(zip(self.fields, arguments, strict=False)), **keywords}
+            missing = [name for name in self.fields if name not in given and name not in self.members]
+            if missing or len(arguments) > len(self.fields) or not set(given) <= set(self.fields):
+                raise TypeError(f"{self.name}() has the arguments {_join(self.fields)}")
+            made.attributes.update(given)
         return made
 
 
@@ -119,6 +133,8 @@ class Instance:
         if name in self.attributes:
             return self.attributes[name]
         found = self.of.find(name, span)
+        if isinstance(found, PropertyFunction):
+            return found.function.run([self], {})
         is_method = isinstance(self.of.members.get(name), Function)
         return taking_unknown(partial(cast("Function", found), self)) if is_method else found
 
@@ -144,6 +160,40 @@ class Opened:
 
     path: str
     text: str
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class Written:
+    """A file that is open for writing; `keep` gets its path and text."""
+
+    path: str
+    keep: Callable[[str, str], None]
+    text: str = ""
+
+    def write(self, more: object, *_: object) -> object:
+        """Append a text."""
+        self.text += more.decode() if isinstance(more, bytes) else str(more)
+        self.keep(self.path, self.text)
+        return len(self.text)
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class EventFunction:
+    """A function that an event calls: what is known of the event is nothing."""
+
+    function: Function
+    span: Span
+
+    @property
+    def name(self) -> str:
+        """The name of the function."""
+        return self.function.name
+
+    def call(self, context: Context, *_: object) -> object:
+        """Return the entities that it starts."""
+        given = [Unknown("an event decides", self.span), ContextObject(context)]
+        names = self.function.node.args
+        return self.function.run(given[: len(names.args)] if names.vararg is None else given, {})
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -230,11 +280,8 @@ def attribute_of(value: object, name: str, span: Span, budget: Budget) -> tuple[
         return True, _attribute_of_context(value.context, name, span)
     if isinstance(value, Made):
         return True, _attribute_of_made(value, name, span)
-    if isinstance(value, Opened):
-        budget.weigh(value.text)
-        members = {"read": lambda *_: value.text, "name": value.path, "close": lambda: None}
-        members["readlines"] = lambda *_: value.text.splitlines(keepends=True)
-        return True, members.get(name, Unknown(f"'.{name}' of a file is not computed while reading", span))
+    if isinstance(value, Opened | Written):
+        return True, _attribute_of_file(value, name, span, budget)
     if isinstance(value, PurePosixPath):
         return True, _attribute_of_path(value, name, span)
     if isinstance(value, list) and name in _LIST_CHANGES:
@@ -254,6 +301,19 @@ def attribute_of(value: object, name: str, span: Span, budget: Budget) -> tuple[
 
 
 _LONGEST_PATH = 4096
+
+
+def _attribute_of_file(value: Opened | Written, name: str, span: Span, budget: Budget) -> object:
+    budget.weigh(value.text)
+    members: dict[str, object] = {"name": value.path, "close": lambda: None, "flush": lambda: None}
+    if isinstance(value, Written):
+        members["write"] = value.write
+    else:
+        members |= {"read": lambda *_: value.text, "readlines": lambda *_: value.text.splitlines(keepends=True)}
+    return members.get(name, Unknown(f"'.{name}' of a file is not computed while reading", span))
+
+
+_SIMPLE = frozenset({"DeclareLaunchArgument", "Node", "SetLaunchConfiguration", "LogInfo"})  # which include no file
 _LIST_CHANGES = frozenset({"append", "extend", "insert", "pop", "remove", "reverse", "clear"})
 _WHOLE = frozenset({"insert", "pop", "remove", "reverse"})
 _DICT_CHANGES = frozenset({"update", "setdefault", "pop", "clear"})
@@ -278,7 +338,7 @@ def _changing(value: list[object] | dict[object, object], name: str, budget: Bud
 def _attribute_of_made(made: Made, name: str, span: Span) -> object:
     if name == "perform":
         return taking_unknown(lambda context: _perform(made, context, span))
-    if name == "evaluate":
+    if name in ("evaluate", "_predicate_func"):
         return taking_unknown(lambda context: _evaluate(made, context, span))
     if made.kind == "LaunchDescription":
         entities: Any = made.values.setdefault("initial_entities", [])
@@ -286,6 +346,10 @@ def _attribute_of_made(made: Made, name: str, span: Span) -> object:
             return taking_unknown(lambda action: entities.append(action))
         if name == "entities":
             return entities
+        if name == "get_launch_arguments" and {each.kind for each in entities if isinstance(each, Made)} <= _SIMPLE:
+            return lambda *_: [each for each in entities if getattr(each, "kind", "") == "DeclareLaunchArgument"]
+    if made.kind == "Command" and name not in made.values:
+        return Unknown("the output of xacro is known when it runs", made.span, "command")
     return made.values.get(name, Unknown(f"'.{name}' of {made.kind} is not computed while reading", span))
 
 

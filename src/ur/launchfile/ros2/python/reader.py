@@ -5,6 +5,8 @@ that depends on what is not certain is Unknown from there on. Nothing of the fil
 """
 
 import ast
+import copy
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from typing import cast
@@ -15,12 +17,24 @@ from ur.launchfile.ros2.context import MOST_BYTES, Context
 from ur.launchfile.ros2.model import Description, DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.python.expressions import BUILTINS, Expressions, NotRead
 from ur.launchfile.ros2.python.modules import Library, is_api, missing_member
-from ur.launchfile.ros2.python.objects import Frame, Function, Instance, Module, Opened, StaticFunction, UserClass, bind
+from ur.launchfile.ros2.python.objects import (
+    Frame,
+    Function,
+    Instance,
+    Module,
+    Opened,
+    PropertyFunction,
+    StaticFunction,
+    UserClass,
+    Written,
+    bind,
+)
 from ur.source.file import SourceFile, Span
 
 ENTRY = "generate_launch_description"
 _DEEPEST = 60  # calls
 _MOST_LOOPS = 10_000
+_NEUTRAL = frozenset({"cache", "lru_cache", "total_ordering"})
 _PER_STATEMENT, _PER_CALL, _PER_GAP = 40, 200, 500  # units of work
 
 
@@ -69,10 +83,7 @@ class _Reader:
         self._context = context
         outermost = Frame(names={name: value for name, value in self._library.builtins().items() if value is not None})
         self._expressions = Expressions(source, context.budget, Frame(outermost))
-        self._expressions.find_share, self._expressions.find_prefix = (
-            self._library.find_share,
-            self._library.find_prefix,
-        )
+        self._expressions.find_method = self._library.find_method
         self._expressions.call_function, self._expressions.report = self._call, self._report
         self._library.is_tried = lambda: self._expressions.tries > 0
         self._depth = self._loops = 0
@@ -173,7 +184,7 @@ class _Reader:
             self._expressions.frame.names_here[name] = unknown
         if any(isinstance(each, ast.Return) for each in _walk_here(statement)):
             raise _Returned(unknown)
-        if not isinstance(statement, (ast.Assign, ast.AnnAssign, ast.AugAssign, ast.Import, ast.ImportFrom)):
+        if not isinstance(statement, (ast.Import, ast.ImportFrom)) and not _assigns_names(statement):
             self._gap(unknown)
 
     def _run_Import(self, node: ast.Import) -> None:  # noqa: N802
@@ -218,7 +229,7 @@ class _Reader:
         if known is not None:
             return known
         context = self._context
-        for path in context.module_paths(name, self._expressions.source.path):
+        for path in context.module_paths(name, self._expressions.source.path, self._library.standard.paths):
             if path not in context.modules:
                 context.modules[path] = None  # while it is read: modules may import one another
                 context.modules[path] = self._read_module(name, path)
@@ -239,7 +250,10 @@ class _Reader:
         return Module(name, reader._expressions.frame.names_here)
 
     def _missing_module(self, name: str, node: ast.stmt) -> Unknown:
-        return Unknown(f"the module {name} is not followed while reading", self._expressions.span(node))
+        here, top = self._expressions, name.partition(".")[0]
+        if top in sys.stdlib_module_names or not top or is_api(name):
+            return Unknown(f"the module {name} is not followed while reading", here.span(node))
+        return Unknown(f"the Python module {name} is not installed", here.span(node), "package")
 
     def _run_FunctionDef(self, node: ast.FunctionDef) -> None:  # noqa: N802
         here = self._expressions
@@ -251,24 +265,33 @@ class _Reader:
         }
         function = Function(node.name, node, self._call, here.frame, defaults, named)
         value: object = function
-        kinds = [each.id for each in node.decorator_list if isinstance(each, ast.Name)]
+        kinds = [_decorator(each) for each in node.decorator_list]
         if kinds == ["staticmethod"]:
             value = StaticFunction(function)
-        elif node.decorator_list:
+        elif kinds == ["property"]:
+            value = PropertyFunction(function)
+        elif not set(kinds) <= _NEUTRAL:
             value = Unknown(f"the decorated function {node.name} is not followed while reading", here.span(node))
         here.frame.names_here[node.name] = value
 
     def _run_ClassDef(self, node: ast.ClassDef) -> None:  # noqa: N802
         here = self._expressions
-        if node.decorator_list or node.keywords:
+        kinds = {_decorator(each) for each in node.decorator_list}
+        if node.keywords or not kinds <= {"dataclass", *_NEUTRAL}:
             raise NotRead(f"the class {node.name} is not followed while reading", here.span(node))
+        bases = [base for base in map(here.visit, node.bases) if isinstance(base, UserClass)]
+        inherited = {name: value for base in reversed(bases) for name, value in base.members.items()}
         outer, here.frame = here.frame, Frame(here.frame)
         try:
             self._run(node.body)
             members = here.frame.names_here
         finally:
             here.frame = outer
-        here.frame.names_here[node.name] = UserClass(node.name, members)
+        fields = [field for base in reversed(bases) for field in base.fields]
+        if "dataclass" in kinds or any(ast.unparse(base).endswith("NamedTuple") for base in node.bases):
+            written = (each.target for each in node.body if isinstance(each, ast.AnnAssign))
+            fields += [each.id for each in written if isinstance(each, ast.Name) and each.id not in fields]
+        here.frame.names_here[node.name] = UserClass(node.name, {**inherited, **members}, tuple(fields))
 
     def _call(self, function: Function, arguments: list[object], keywords: dict[str, object]) -> object:
         here = self._expressions
@@ -308,13 +331,7 @@ class _Reader:
 
     def _run_AugAssign(self, node: ast.AugAssign) -> None:  # noqa: N802
         here = self._expressions
-        load = (
-            ast.copy_location(ast.Name(node.target.id, ast.Load()), node.target)
-            if isinstance(node.target, ast.Name)
-            else None
-        )
-        if load is None:
-            raise NotRead("this assignment is not followed while reading", here.span(node))
+        load = _read_again(node.target)
         known, added = here.visit(load), node.value
         if isinstance(known, list) and isinstance(node.op, ast.Add):
             values = here.visit(added)
@@ -411,7 +428,7 @@ class _Reader:
     def _run_With(self, node: ast.With) -> None:  # noqa: N802
         for item in node.items:
             value = self._expressions.visit(item.context_expr)
-            if not isinstance(value, Opened | Unknown):
+            if not isinstance(value, Opened | Written | Unknown):
                 raise NotRead("'with' is followed for files only", self._expressions.span(node))
             if item.optional_vars is not None:
                 self._assign(item.optional_vars, value)
@@ -460,6 +477,26 @@ class _Reader:
         for target in node.targets:
             if isinstance(target, ast.Name):
                 self._expressions.frame.names_here.pop(target.id, None)
+
+
+def _assigns_names(statement: ast.stmt) -> bool:
+    """Return whether a statement assigns names only: those are not known, and all the rest is."""
+    targets = statement.targets if isinstance(statement, ast.Assign) else [getattr(statement, "target", None)]
+    is_assignment = isinstance(statement, ast.Assign | ast.AnnAssign | ast.AugAssign)
+    return is_assignment and all(isinstance(each, ast.Name | ast.Tuple | ast.List) for each in targets)
+
+
+def _read_again(target: ast.expr) -> ast.expr:
+    """Return the expression that reads what a target assigns."""
+    copied = copy.copy(target)
+    copied.ctx = ast.Load()  # type: ignore[attr-defined]
+    return copied
+
+
+def _decorator(node: ast.expr) -> str:
+    """Return the last name of a decorator."""
+    node = node.func if isinstance(node, ast.Call) else node
+    return node.attr if isinstance(node, ast.Attribute) else getattr(node, "id", "")
 
 
 def _walk_here(statement: ast.stmt) -> Iterator[ast.AST]:
