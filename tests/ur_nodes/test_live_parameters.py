@@ -14,6 +14,7 @@ from tests.ur_nodes.slam.test_slam_gmapping_node import SlamStage
 from ur_nodes.memory.bus import Bus
 from ur_nodes.memory.node import MemoryNode
 from ur_nodes.motion.joystick.teleop_twist_joy_node import start as start_joystick
+from ur_nodes.motion.velocity_smoother_node import start as start_smoother
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Joystick, Map, Twist
 from ur_nodes.ports.values import Path as PathValue
@@ -187,6 +188,24 @@ def test_fewer_walls_are_drawn(name: str, value: float) -> None:
 
 
 # -- commands --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("name", "axis"), [("speed_lim_v", 0), ("speed_lim_w", 1)])
+def test_velocity_smoother_slows_to_a_lower_limit(name: str, axis: int) -> None:
+    bus, got = Bus(), list[tuple[float, float]]()
+    for limit in ("accel_lim_v", "accel_lim_w", "speed_lim_v", "speed_lim_w"):
+        bus.parameters[f"/smoother/{limit}"] = 1.0
+    node, client = bus.node("smoother"), bus.node("client")
+    start_smoother(node)
+    client.subscribe("smoother/smooth_cmd_vel", Twist, lambda twist: got.append((twist.forward, twist.turn)))
+    raw = client.publish("smoother/raw_cmd_vel", Twist, Quality.EVERY)
+    client.every(0.05, lambda: raw.send(Twist(0.8, 0.8)))
+    bus.run(3.0)
+    assert got[-1] == (0.8, 0.8)
+    change(node, name, 0.3)
+    bus.run(1.0)
+    assert got[-1][axis] == pytest.approx(0.3)
+    assert got[-1][1 - axis] == 0.8
 
 
 @pytest.mark.parametrize(("name", "key", "axis"), [("speed", b"i", 0), ("turn", b"j", 1), ("speed_limit", b"i", 0)])

@@ -1,1 +1,1 @@
-"""Velocity commands between the commanders and the base: the mux, and the limits of the base."""
+"""Velocity commands between the commanders and the base: the mux, the limits of the base, and a velocity smoother."""

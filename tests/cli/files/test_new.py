@@ -315,4 +315,7 @@ def test_base_in_a_workspace_of_its_own_is_found_by_its_name(
     assert {path.relative_to(folder).parts[0] for path in folder.glob("n_*/params/meshes.yaml")} == names
     costmap = yaml.safe_load((folder / "n_local_costmap" / "params" / "meshes.yaml").read_text())["costmap"]
     assert [tuple(point) for point in costmap["footprint"]] == list(base.footprint)
+    given = yaml.safe_load((folder / "n_velocity_smoother" / "params" / "meshes.yaml").read_text())
+    assert given["speed_lim_v"] == base.limits.velocity
+    assert given["accel_lim_v"] * given["decel_factor"] <= base.limits.deceleration
     assert main(["new", "base", "other", *words]) == 0, "a workspace holds several"

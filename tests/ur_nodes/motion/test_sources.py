@@ -72,6 +72,17 @@ def test_joystick_speeds_are_those_of_the_base(path: Path) -> None:
     assert given["scale_angular"] <= given["scale_angular_turbo"] <= given["turn_limit"] <= limits.angular_velocity
 
 
+@pytest.mark.parametrize("path", sorted((PACKAGE / "n_velocity_smoother" / "params").glob("*.yaml")), ids=str)
+def test_smoother_is_at_most_as_lively_as_the_base(path: Path) -> None:
+    limits = load_base(PACKAGE, path.stem).limits
+    given = yaml.safe_load(path.read_text())
+    assert given["speed_lim_v"] <= limits.velocity
+    assert given["speed_lim_w"] <= limits.angular_velocity
+    assert given["accel_lim_v"] <= limits.acceleration
+    assert given["accel_lim_w"] <= limits.angular_acceleration
+    assert given["accel_lim_v"] * given["decel_factor"] <= limits.deceleration
+
+
 @pytest.mark.parametrize("name", list_bases(PACKAGE))
 def test_base_can_be_stopped_in_time(name: str) -> None:
     """Braking from full speed, the lag between mux and wheels, and a period of a commander at 20 Hz: at most 0.3 s."""

@@ -44,6 +44,7 @@ PARAMETERS: dict[str, dict[str, Any]] = {
     "lidar_driver": {"base": "create2", "variant": "lidar", "device_folder": "/nonexistent"},
     "sonar_driver": {"base": "magni", "device": "/nonexistent"},
     "robot_state_publisher": {"robot_description": DESCRIPTION},
+    "velocity_smoother": {f"{name}_{axis}": 1.0 for name in ("speed_lim", "accel_lim") for axis in "vw"},
 }
 """Of nodes that need some, by the last part of their modules without `_node`."""
 

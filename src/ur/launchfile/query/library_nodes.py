@@ -129,4 +129,8 @@ LIBRARY_NODES: dict[str, Interface] = {
         "cmd_vel_mux/stopped",
         calls="cmd_vel_mux/stop cmd_vel_mux/release cmd_vel_mux/set_obstacle_stop",
     ),
+    "velocity_smoother": make_interface(
+        publishes="smooth_cmd_vel",
+        subscribes="raw_cmd_vel odometry robot_cmd_vel",
+    ),
 }

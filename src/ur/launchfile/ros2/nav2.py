@@ -15,6 +15,7 @@ from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.parameters import ParameterSections
 from ur.launchfile.ros2.substitutions import PERFORM, is_wanted, perform
 from ur.source.file import Span
+from ur.source.foreign.yaml_text import load_yaml
 
 REWRITTEN = "/rewritten/"
 _SECTION = re.compile(r"^([^\s#][^:\n]*):", re.MULTILINE)
