@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import pytest
-from ur.check.worlds import make_world
 
+from ur.check.worlds import make_world
 from ur.lsp.completion import complete
 from ur.lsp.definitions import find_definitions, find_references
 from ur.lsp.hover import describe_at
