@@ -41,8 +41,8 @@ def explain_unreachable(floor: Floor, frontier: Frontier, map_walls: np.ndarray 
         return Reason("apart", frontier.point, "the robot does not know how to get out of its place")
     search = MCP_Geometric(costs)
     totals, _ = search.find_costs([tuple(cell) for cell in frontier.cells.tolist()], find_all_ends=False)
-    ways = totals[goals[:, 0], goals[:, 1]]
-    path = np.array(search.traceback(tuple(goals[int(np.argmin(ways))].tolist())))
+    lengths = totals[goals[:, 0], goals[:, 1]]
+    path = np.array(search.traceback(tuple(goals[int(np.argmin(lengths))].tolist())))
     path = path[::-1]  # from the robot's side
     rows, columns = path[:, 0], path[:, 1]
     crossed = floor.occupied[rows, columns]

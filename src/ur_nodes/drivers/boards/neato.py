@@ -110,15 +110,15 @@ class Neato:
             self._over = (0.0, 0.0)
             self._stops += 1
             self._back = not self._back
-            way = -1 if self._back else 1
-            return _line(f"SetMotor LWheelDist {way} RWheelDist {way} Speed 1") if self._stops <= _STOPS else b""
+            step = -1 if self._back else 1
+            return _line(f"SetMotor LWheelDist {step} RWheelDist {step} Speed 1") if self._stops <= _STOPS else b""
         self._stops = 0
-        ways = _divide(wanted, speed)
-        farthest = max(abs(way) for way in ways)
-        given = [speed * way / farthest for way in ways]
+        distances = _divide(wanted, speed)
+        farthest = max(abs(distance) for distance in distances)
+        given = [speed * distance / farthest for distance in distances]
         over_left, over_right = (max(-5.0, min(5.0, w - g)) for w, g in zip(wanted, given, strict=True))
         self._over = (over_left, over_right)
-        return _line("SetMotor LWheelDist {} RWheelDist {} Speed {}".format(*ways, speed))
+        return _line("SetMotor LWheelDist {} RWheelDist {} Speed {}".format(*distances, speed))
 
     def _ask(self) -> bytes:
         """The questions of this beat; none while the answers of the last ones are on their way."""
@@ -169,11 +169,13 @@ def _divide(speeds: list[float], fastest: int) -> list[int]:
     """Distances in whole mm that are to each other as speeds are, as well as a command of a good length can have it."""
     shares = [each / max(abs(speed) for speed in speeds) for each in speeds]
     least = max(1, math.ceil(SHORTEST * fastest))
-    ways = [[round(share * way) for share in shares] for way in range(least, max(least, int(LONGEST * fastest)) + 1)]
-    return min(
-        ways,
-        key=lambda way: sum(abs(each / max(map(abs, way)) - share) for each, share in zip(way, shares, strict=True)),
-    )
+    longest = max(least, int(LONGEST * fastest))
+    pairs = [[round(share * distance) for share in shares] for distance in range(least, longest + 1)]
+
+    def deviate(pair: list[int]) -> float:
+        return sum(abs(each / max(map(abs, pair)) - share) for each, share in zip(pair, shares, strict=True))
+
+    return min(pairs, key=deviate)
 
 
 def _number(cells: Mapping[str, list[str]], key: str) -> float:
@@ -308,7 +310,7 @@ class NeatoFirmware:
         farthest = max(abs(left), abs(right))
         if not farthest or speed <= 0:
             return "Speed and distance must be set\r\n"
-        self._plant.turn_wheels(*(speed * way / farthest / 1000.0 for way in (left, right)))
+        self._plant.turn_wheels(*(speed * distance / farthest / 1000.0 for distance in (left, right)))
         self._until = self._plant.time + farthest / speed
         return ""
 

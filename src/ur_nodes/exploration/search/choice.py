@@ -118,11 +118,11 @@ def _distances_between(floor: Floor, viewpoints: Sequence[Viewpoint]) -> NDArray
     padded[: floor.shape[0], : floor.shape[1]] = floor.reachable
     coarse = np.asarray(padded.reshape(height, factor, width, factor).any(axis=(1, 3)))
     cells = [(each.cell[0] // factor, each.cell[1] // factor) for each in viewpoints]
-    ways = np.zeros((len(cells), len(cells)))
+    lengths = np.zeros((len(cells), len(cells)))
     for index, cell in enumerate(cells):
         costs = drive_distances(coarse, cell, floor.resolution * factor)
-        ways[index] = [costs[other] for other in cells]
-    return ways
+        lengths[index] = [costs[other] for other in cells]
+    return lengths
 
 
 def _shortest_onward(between: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -95,8 +95,8 @@ def read_floor(grid: Grid, robot: Pose2, radius: float, obstacles: NDArray[np.fl
 def drive_distances(fits: NDArray[np.bool_], start: Cell, resolution: float) -> NDArray[np.float64]:
     """Ways in m (height, width) over cells that fit from one of them; inf where there is none."""
     costs, _ = MCP_Geometric(np.where(fits, 1.0, -1.0)).find_costs([start])
-    ways: NDArray[np.float64] = costs * resolution
-    return ways
+    lengths: NDArray[np.float64] = costs * resolution
+    return lengths
 
 
 def _distances(grid: Grid, fits: NDArray[np.bool_], robot: Pose2) -> NDArray[np.float64]:

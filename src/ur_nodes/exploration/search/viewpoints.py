@@ -46,8 +46,8 @@ def find_viewpoint(
     spots = np.argwhere(near)
     if not len(spots):
         return None
-    ways = floor.distance[box][near]
-    order = np.argsort(ways, kind="stable")
+    lengths = floor.distance[box][near]
+    order = np.argsort(lengths, kind="stable")
     chosen = spots[order[:: max(1, len(order) // _TRIED)]]
     targets = nearest[:, chosen[:, 0], chosen[:, 1]].T
     seen = _in_sight(floor, chosen + low, targets + low)
@@ -93,8 +93,8 @@ def _arrival(floor: Floor, cell: Cell) -> float:
     """The direction (rad) in which the robot arrives at a cell."""
     around = round(_ARRIVAL / floor.resolution)
     rows, columns = (slice(max(0, at - around), at + around + 1) for at in cell)
-    ways = floor.distance[rows, columns]
-    before = np.unravel_index(int(np.argmin(ways)), ways.shape)
+    lengths = floor.distance[rows, columns]
+    before = np.unravel_index(int(np.argmin(lengths)), lengths.shape)
     back, left = rows.start + before[0] - cell[0], columns.start + before[1] - cell[1]
     return math.atan2(-back, -left) + floor.origin[2] if back or left else floor.origin[2]
 

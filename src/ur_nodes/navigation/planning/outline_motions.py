@@ -107,8 +107,8 @@ def _pieces_of(heading: int, steering: Steering) -> list[MotionPrimitive]:
 
 def _aside(heading: int, gear: int) -> MotionPrimitive:
     course = heading * STEP + course_of(gear)
-    ways = (0.5 * _LENGTH, _LENGTH)
-    checks = tuple((way * math.cos(course), way * math.sin(course), heading) for way in ways)
+    lengths = (0.5 * _LENGTH, _LENGTH)
+    checks = tuple((length * math.cos(course), length * math.sin(course), heading) for length in lengths)
     return MotionPrimitive(*checks[-1][:2], heading, checks, _LENGTH, gear, 0)
 
 

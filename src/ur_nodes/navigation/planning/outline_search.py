@@ -31,11 +31,11 @@ Place = tuple[float, float, float]
 
 def list_shots(start: Place, goal: Place, radius: float, longest: float) -> list[list[Place]]:
     """The ways ahead from a pose (m, m, rad) to another that are at most `longest` m, the shortest first, as poses."""
-    ways = sorted(way for way in _ways(start, goal, radius) if way[0] <= longest)
-    return [_poses_along(start, goal, pieces, radius) for _, pieces in ways]
+    paths = sorted(path for path in _paths(start, goal, radius) if path[0] <= longest)
+    return [_poses_along(start, goal, pieces, radius) for _, pieces in paths]
 
 
-def _ways(start: Place, goal: Place, radius: float) -> Iterator[tuple[float, tuple[tuple[int, float], ...]]]:
+def _paths(start: Place, goal: Place, radius: float) -> Iterator[tuple[float, tuple[tuple[int, float], ...]]]:
     """Lengths (m) and pieces: the side to which each bends (1 left, -1 right, 0 straight), and its length in radii."""
     dx, dy = goal[0] - start[0], goal[1] - start[1]
     bearing, far = math.atan2(dy, dx), math.hypot(dx, dy) / radius
@@ -333,8 +333,8 @@ class _Search:
         if cell < 0:
             return None
         left = (wanted - heading) % HEADINGS
-        ways = (1, left), (-1, HEADINGS - left)
-        for sign, count in sorted(ways, key=lambda way: way[1]):
+        paths = (1, left), (-1, HEADINGS - left)
+        for sign, count in sorted(paths, key=lambda path: path[1]):
             numbers = [(heading + sign * step) % HEADINGS for step in range(1, count % HEADINGS + 1)]
             if all(not self._blocked[cell] >> number & 1 for number in numbers):
                 return [MotionPose(x, y, heading_angle(number), 0) for number in numbers]

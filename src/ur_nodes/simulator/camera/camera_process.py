@@ -31,7 +31,7 @@ from ur_nodes.simulator.scenery import build_scenery, draw_textures
 _REQUEST = struct.Struct("<iiiq")  # robot, pixels wanted, JPEG wanted, bytes of state
 _ANSWER = struct.Struct("<qq")
 _LONGEST_JOB = 64 << 20  # bytes
-_WAYS = ("egl", "osmesa")  # how MuJoCo can draw without a screen, the quicker to start first
+_BACKENDS = ("egl", "osmesa")  # how MuJoCo can draw without a screen, the quicker to start first
 _ABSENT = "not installed"
 _INSTALL = "sudo apt-get install libegl1 libopengl0 libgl1-mesa-dri"
 
@@ -75,13 +75,13 @@ class CameraProcess:
         job = CameraJob(model, fiducials, camera.width, camera.height, quality)
         chosen = environment.get("MUJOCO_GL")
         reasons: dict[str, str] = {}
-        for way in (chosen,) if chosen else _WAYS:
-            self._process = _start(way, environment)
+        for backend in (chosen,) if chosen else _BACKENDS:
+            self._process = _start(backend, environment)
             answer = self._begin(write_json(job).encode() + b"\n")
             if answer == "ok":
                 return
             self.close()
-            reasons[way] = answer
+            reasons[backend] = answer
         raise UserError(_explain(reasons))
 
     @property
@@ -135,7 +135,7 @@ def _explain(reasons: Mapping[str, str]) -> Diagnostic:
     if set(reasons.values()) == {_ABSENT}:
         message = "the simulated camera cannot draw: OpenGL is not installed"
     else:
-        each = "; ".join(f"{way}: {reason}" for way, reason in reasons.items())
+        each = "; ".join(f"{backend}: {reason}" for backend, reason in reasons.items())
         message = f"the simulated camera cannot draw ({each}), expected OpenGL without a screen"
     return error(message, rule="no-renderer", help=_INSTALL)
 
@@ -152,11 +152,11 @@ def _drawable(fiducials: tuple[Fiducial, ...]) -> tuple[tuple[Fiducial, ...], st
     )
 
 
-def _start(way: str, environment: Mapping[str, str]) -> subprocess.Popen[bytes]:
+def _start(backend: str, environment: Mapping[str, str]) -> subprocess.Popen[bytes]:
     # A session of its own: Ctrl-C in a terminal ends the simulator, and that ends this one.
     return subprocess.Popen(
         [sys.executable, "-I", "-m", __name__],
-        env={**environment, "MUJOCO_GL": way},
+        env={**environment, "MUJOCO_GL": backend},
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,

@@ -104,11 +104,11 @@ class WalkableFloor:
         number = int(self._numbers[cell])
         if number < 0:  # pushed aside: to the nearest cell first
             number = int(np.argmin(((self._cells - cell) ** 2).sum(axis=1)))
-        way = [number]
+        path = [number]
         before = self._trees[end]
-        while way[-1] != self._ends[end] and before[way[-1]] >= 0:
-            way.append(int(before[way[-1]]))
-        return self._pulled(self._points(np.array(way)))
+        while path[-1] != self._ends[end] and before[path[-1]] >= 0:
+            path.append(int(before[path[-1]]))
+        return self._pulled(self._points(np.array(path)))
 
     @cached_property
     def _trees(self) -> NDArray[np.int32]:
