@@ -137,7 +137,7 @@ web nosuchrobot
 web sim:mangi
 web --days never
 web --foxglove-origin viewer.example
-mcp grant --within 0,0,5,4 --not kitchen=2,1,5,4 --programs
+mcp grant --programs
 record --split 100 --keep-free 500 'a b'
 launch --respawn-limit 3 --screen --log talker.launch
 lsp --stdio more
@@ -221,7 +221,6 @@ boot install demo talkr.launch
 boot install demo speed.launch
 boot install demo speed.launch sped:=1
 boot install --name 'a b' demo talker.launch
-boot log nothing
 boot remove nothing
 boot status --all
 boot remove

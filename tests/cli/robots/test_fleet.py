@@ -62,8 +62,8 @@ def test_robots_that_are_not_there_fail_each_in_its_line_and_the_reason_follows(
 
 @pytest.mark.usefixtures("records")
 def test_output_of_a_robot_stays_in_a_file() -> None:
-    run_ur("build", "nobody-1.invalid", "nobody-2.invalid")
-    log = Path(os.environ["XDG_STATE_HOME"], "ubiquity_launches/fleet/build-nobody-2.invalid.log")
+    run_ur("sync", "nobody-1.invalid,nobody-2.invalid", "--yes")
+    log = Path(os.environ["XDG_STATE_HOME"], "ubiquity_launches/fleet/sync-nobody-2.invalid.log")
     assert log.read_text().startswith("error: ros@nobody-2.invalid")
 
 

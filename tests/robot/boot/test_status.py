@@ -2,7 +2,7 @@
 
 import pytest
 
-from ur.robot.boot.status import SCRIPT, describe_status, log_command, parse_status
+from ur.robot.boot.status import SCRIPT, describe_status, parse_status
 from ur.robot.ssh.shell import LocalShell
 from ur.source.diagnostic import UserError
 
@@ -72,8 +72,3 @@ def test_answer_that_breaks_off_or_is_another_is_not_taken_for_no_service(text: 
     with pytest.raises(UserError, match="cannot be read") as caught:
         parse_status(text)
     assert "\x1b" not in str(caught.value)
-
-
-def test_log_is_asked_with_sudo_where_that_is_free() -> None:
-    assert "sudo -n journalctl -q -u ubiquity-talk -n 5" in log_command("talk", 5, follow=False)
-    assert log_command("talk", 5, follow=True).endswith("-f; fi")

@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 
-from tests.robot.doctor.pairs import LAPTOP, NOBODY, PAIR, ROBOT, WIFI
+from tests.robot.doctor.pairs import NOBODY, PAIR, ROBOT, WIFI
 from tests.robot.doctor.rules.ros2.cases import RUNNING
 
 from ur.robot.doctor.findings import AdvertisedNode
 from ur.robot.doctor.side import Side
-from ur.robot.doctor.summary import compare_packages, describe_ros2, summarize
+from ur.robot.doctor.summary import describe_ros2, summarize
 
 
 def test_everything_that_was_seen_is_shown_for_both() -> None:
@@ -38,17 +38,3 @@ def test_what_was_not_seen_is_shown_as_such() -> None:
     rows = {what: cells for what, *cells in summarize(replace(PAIR, remote=Side("bob")))}
     assert (rows["latency"][1], rows["loss"][1], rows["memory"][1]) == ("", "", "")
     assert rows["the other's name means"][1] == "nothing"
-
-
-def test_packages_of_ros_and_of_workspaces_that_differ_are_compared_and_others_are_not() -> None:
-    local = replace(
-        LAPTOP, packages={"ros-std-msgs": "1", "python3-rospy": "1", "vim": "1"}, workspace=frozenset({"mine"})
-    )
-    remote = replace(
-        ROBOT, packages={"ros-std-msgs": "1", "python3-rospy": "2", "libtf2-2d": "3"}, workspace=frozenset()
-    )
-    assert compare_packages(replace(PAIR, local=local, remote=remote)) == [
-        ("libtf2-2d", "-", "3"),
-        ("mine", "in ~/catkin_ws", "-"),
-        ("python3-rospy", "1", "2"),
-    ]

@@ -31,7 +31,7 @@ from ur.robot.doctor.inspect import inspect_computer, inspect_pair, read_name
 from ur.robot.doctor.route import RouteStep, explain_route, inspect_route, list_steps
 from ur.robot.doctor.rules import diagnose, diagnose_alone
 from ur.robot.doctor.side import Side
-from ur.robot.doctor.summary import compare_packages, describe_ros2, summarize
+from ur.robot.doctor.summary import describe_ros2, summarize
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.secret import Secret
@@ -50,7 +50,7 @@ PAUSE = 2.0
 @click.argument("robots", nargs=-1, metavar="[ROBOT ...]")
 @ALL
 @click.option("--fix", is_flag=True, help="Run the commands that are safe, then check again.")
-@click.option("--verbose", "-v", is_flag=True, help="Show every result, and the packages that differ.")
+@click.option("--verbose", "-v", is_flag=True, help="Show every result.")
 @click.option("--json", "as_json", is_flag=True, help="Print the findings and their commands as JSON.")
 @click.option(
     "--password-from",
@@ -411,16 +411,12 @@ def print_seen(pair: ComputerPair) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    console = Console(soft_wrap=not sys.stdout.isatty())
-    titles = (("", pair.local.name, pair.remote.name), ("package", pair.local.name, pair.remote.name))
-    for title, rows in zip(titles, (summarize(pair), compare_packages(pair)), strict=True):
-        table = Table()
-        for column in title:
-            table.add_column(plain_text(column), overflow="fold")
-        for row in rows:
-            table.add_row(*map(plain_text, row))
-        if rows:
-            console.print(table)
+    table = Table()
+    for column in ("", pair.local.name, pair.remote.name):
+        table.add_column(plain_text(column), overflow="fold")
+    for row in summarize(pair):
+        table.add_row(*map(plain_text, row))
+    Console(soft_wrap=not sys.stdout.isatty()).print(table)
 
 
 def _style(text: str, colour: str) -> str:

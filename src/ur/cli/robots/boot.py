@@ -9,11 +9,10 @@ import click
 from ur.cli.answers import read_lines
 from ur.cli.changing import PASSWORD_FROM, become_root, show_changes
 from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, run_for_each
-from ur.cli.robots.shell import run_in_front
 from ur.request.remote.boot_command import PAGE, check_name, has_service, install_services, remove_services
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.request.requirements.python_packages import need_all
-from ur.robot.boot.status import SCRIPT, describe_status, log_command, parse_status
+from ur.robot.boot.status import SCRIPT, describe_status, parse_status
 from ur.robot.boot.units import MASTER
 from ur.robot.ssh.openssh import SshShell
 from ur.source.ansi import allows_colour
@@ -132,32 +131,6 @@ def status(robots: tuple[str, ...], every: bool) -> int:
     lines = [line for service in services for line in describe_status(service)]
     click.echo("\n".join(lines) or "nothing is started at boot")
     return 1 if any(service.active != "active" for service in services) else 0
-
-
-@command.command("log")
-@_robot
-@click.option("--follow", "-f", is_flag=True, help="Continue with new output, until Ctrl-C.")
-@click.option("--lines", "-n", type=click.IntRange(1), default=50, show_default=True, help="How many lines.")
-@click.argument("name")
-def log(robot: str | None, follow: bool, lines: int, name: str) -> int:
-    """Print the output of a boot service; NAME as `ur boot status` shows it."""
-    check_name(name, "ur boot status", master=True)
-    address = robot_address(robot)
-    with connect_robot(address) as shell:
-        if not has_service(shell, name):
-            raise UserError(
-                error(
-                    f"{address.host} has no boot service {name!r}",
-                    rule="bad-name",
-                    help="ur boot status",
-                    subject=address.host,
-                )
-            )
-    options = ["-o", "StrictHostKeyChecking=yes", "-o", "ConnectTimeout=10"]
-    terminal = ["-t"] if follow and sys.stdin.isatty() else []
-    argv = ["ssh", *options, *terminal, "--", str(address), log_command(name, lines, follow=follow)]
-    code = run_in_front(argv, escaped=True)
-    return code if code >= 0 else 128 - code
 
 
 @command.command("remove")

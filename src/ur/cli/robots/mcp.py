@@ -2,7 +2,6 @@
 
 import asyncio
 import os
-import re
 import shlex
 import sys
 from getpass import getuser
@@ -13,13 +12,10 @@ import click
 from ur.mcp import NOT_INSTALLED, PACKAGES
 from ur.mcp.assistant import ActionLog
 from ur.mcp.grants import GrantFiles, grant_files, make_grant
-from ur.mcp.terms import Area, make_area
 from ur.request.environment import apply_selection, current_selection
 from ur.request.requirements.python_packages import need_all
 from ur.source.diagnostic import UserError, error
 from ur.source.project import is_installed, project_folder
-
-_AREA = re.compile(r"(?:([\w -]{1,40})=)?(-?[\d.]+),(-?[\d.]+),(-?[\d.]+),(-?[\d.]+)")
 
 
 @click.group("mcp", invoke_without_command=True)
@@ -55,17 +51,10 @@ def command(context: click.Context, install: bool) -> int:
 @command.command("grant")
 @click.option("--minutes", type=click.FloatRange(0.1, 1440.0), help="For how long. [default: as it asks, or 30]")
 @click.option("--speed", type=click.FloatRange(0.01, 2.0), help="The highest, in m/s. [default: as it asks, or 0.2]")
-@click.option(
-    "--within", multiple=True, metavar="X0,Y0,X1,Y1", help="Only in this rectangle of the map, m; repeatable."
-)
-@click.option("--not", "avoid", multiple=True, metavar="[NAME=]X0,Y0,X1,Y1", help="Not in this one; repeatable.")
 @click.option("--programs", is_flag=True, help="It may also start and end programs.")
 @click.option("--to", metavar="ID", help="The server, where several run; 'ur mcp list' names them.")
-def grant(
-    minutes: float | None, speed: float | None, within: tuple[str, ...], avoid: tuple[str, ...], programs: bool,
-    to: str | None,
-) -> int:  # fmt: skip
-    """Let an assistant drive, for a time, in an area, at most at a speed.
+def grant(minutes: float | None, speed: float | None, programs: bool, to: str | None) -> int:
+    """Let an assistant drive, for a time, at most at a speed; the page of 'ur web' limits areas, too.
 
     Every screen of the robot shows the grant while the assistant drives; `d` on one of them, or 'ur mcp end', revokes
     it. It has to be typed in a terminal.
@@ -83,8 +72,8 @@ def grant(
     found = make_grant(
         minutes if minutes is not None else asks.minutes if asks else 30.0,
         speed if speed is not None else asks.speed if asks else 0.2,
-        tuple(map(_read_area, within)),
-        tuple(map(_read_area, avoid)),
+        (),
+        (),
         programs=programs,
     )
     if not click.confirm(f"Let {server.client} drive: {found.text}?", default=False):
@@ -149,14 +138,3 @@ def _choose(files: GrantFiles, to: str | None) -> str:
     message = f"{len(servers)} assistants are served, expected one" if to is None else f"unknown server {to!r}"
     help_ = f"give the ID of one of them: {names}" if servers else "start the assistant first"
     raise UserError(error(message, rule="no-assistant", help=help_))
-
-
-def _read_area(text: str) -> Area:
-    found = _AREA.fullmatch(text)
-    sides = found.groups()[1:] if found is not None else ()
-    try:
-        x0, y0, x1, y1 = map(float, sides)
-    except ValueError:
-        message = f"area {text!r}, expected X0,Y0,X1,Y1 in m of the map, or NAME=X0,Y0,X1,Y1"
-        raise UserError(error(message, rule="bad-options", help="for example --not kitchen=2,1,5,4")) from None
-    return make_area(x0, y0, x1, y1, found[1] or "" if found else "")

@@ -77,10 +77,7 @@ DRIVING = (
             "grant": Below(
                 examples=(
                     ("ur mcp grant", "Let the assistant drive as it asks to."),
-                    (
-                        "ur mcp grant --minutes 30 --speed 0.2 --not kitchen=2,1,5,4",
-                        "For half an hour, slowly, and not in the kitchen.",
-                    ),
+                    ("ur mcp grant --minutes 30 --speed 0.2", "For half an hour, and slowly."),
                 ),
             ),
             "end": Below(

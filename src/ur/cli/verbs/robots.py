@@ -210,13 +210,6 @@ ROBOTS = (
                     ("ur boot link --look", "Print one that allows watching but not driving."),
                 )
             ),
-            "log": Below(
-                descriptions=("A boot service, as 'ur boot status' shows it.",),
-                examples=(
-                    ("ur boot log robot_base", "Print its last lines."),
-                    ("ur boot log robot_base --follow", "Print what follows as well."),
-                ),
-            ),
             "remove": Below(
                 descriptions=("Boot services, as 'ur boot status' shows them; all of them unless given.",),
                 examples=(

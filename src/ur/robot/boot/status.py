@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ur.robot.boot.units import FOLDER, PREFIX
-from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.numbers import parse_integer
 
@@ -97,11 +96,3 @@ def _describe_state(status: ServiceStatus) -> str:
     else:
         text = f"does not run ({status.active or 'unknown'})"
     return text if status.enabled else f"{text}; not enabled, so it will not start when the robot boots"
-
-
-def log_command(name: str, lines: int, *, follow: bool) -> str:
-    """Return the shell command that prints a boot service's log, with systemd's messages if sudo needs no password."""
-    command = quote(
-        "journalctl", "-q", "-u", f"{PREFIX}{name}", "-n", str(lines), "--no-pager", *(["-f"] if follow else [])
-    )
-    return f"if sudo -n true 2>/dev/null; then exec sudo -n {command}; else exec {command}; fi"

@@ -1,16 +1,11 @@
-"""Comparison of two computers side by side, and of packages that differ. Pure."""
+"""Comparison of two computers side by side. Pure."""
 
-import re
 from collections.abc import Mapping
 
 from ur.robot.doctor.findings import ComputerPair
 from ur.robot.doctor.rules.drivers import describe_driver, read_drivers
 from ur.robot.doctor.side import Side
 from ur.robot.ros2.seen_graph import NAMES, Ros2, domain_of, middleware_of
-
-_ROS = re.compile(
-    r"^(ros-|python3-(ros|catkin|gen|actionlib|tf|rviz|message)|lib(ros|tf2?-|actionlib|xmlrpcpp|roscpp))"
-)
 
 
 def summarize(pair: ComputerPair) -> list[tuple[str, str, str]]:
@@ -94,24 +89,6 @@ def describe_ros2(ros2: Ros2) -> list[str]:
 
 def _count(number: int, one: str, many: str) -> str:
     return f"{number} {one if number == 1 else many}"
-
-
-def compare_packages(pair: ComputerPair) -> list[tuple[str, str, str]]:
-    """Return rows (package, local version, robot's version) of what differs: Debian packages of ROS, and workspaces'.
-
-    A workspace package is compared only by its existence.
-    """
-    left, right = (_ros_packages(side) for side in (pair.local, pair.remote))
-    return [
-        (name, left.get(name, "-"), right.get(name, "-"))
-        for name in sorted({*left, *right})
-        if left.get(name) != right.get(name)
-    ]
-
-
-def _ros_packages(side: Side) -> dict[str, str]:
-    debian = {name: version for name, version in side.packages.items() if _ROS.match(name)}
-    return {**debian, **dict.fromkeys(side.workspace, "in ~/catkin_ws")}
 
 
 def _variables(variables: Mapping[str, str]) -> str:
