@@ -123,3 +123,20 @@ def test_global_parameters_reach_the_nodes_of_their_scope() -> None:
 def test_parameter_of_a_node_takes_precedence_over_a_global_one() -> None:
     plan = load_clean(python("SetParameter('a', 1)", "Node(executable='n', name='n', parameters=[{'a': 2}])"))
     assert parameters(plan) == {"a": 2}
+
+
+def test_environment_is_replaced_and_the_folder_of_logs_is_set() -> None:
+    node = "Node(package='', executable='n', name='n', arguments=[ParameterSubstitution('rate', default='0')])"
+    before = "from launch_ros.substitutions import Parameter as ParameterSubstitution"
+    plan = load_clean(
+        python(
+            "SetParameter('rate', 5)", "ReplaceEnvironmentVariables({'A': 'b'})", "SetROSLogDir('/logs')", node,
+            before=before,
+        )
+    )  # fmt: skip
+    assert describe_all(plan) == ["node /n /n 5 A=b ROS_LOG_DIR=/logs without HOME without PATH without ROBOT"]
+
+
+def test_actions_that_are_not_carried_out_are_named() -> None:
+    plan = load(python("handler", "UnregisterEventHandler(handler)", before="handler = OnProcessExit(on_exit=[])"))
+    assert "UnregisterEventHandler is not carried out" in [gap.reason for gap in plan.gaps]

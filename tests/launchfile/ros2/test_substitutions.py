@@ -109,7 +109,6 @@ def test_condition_of_xml_and_yaml_agree(condition: str, value: str) -> None:
         ("Command(['xacro ', '/a.xacro'])", "output of 'xacro /a.xacro'"),
         ("LaunchLogDir()", "log"),
         ("LocalSubstitution('x')", "local"),
-        ("Parameter('use_sim_time')", "global parameters"),
         ("FindPackageShare('absent')", "not installed"),
     ],
 )
@@ -229,3 +228,8 @@ def test_substitutions_in_a_parameter_file_are_performed_where_allowed() -> None
     ):
         plan = load_clean(python(declared, f"Node(executable='e', name='n', parameters=[{call}])"), files=files)
         assert {each.name: each.value for each in plan.params} == {"/n/path": path, "/n/flag": flag}
+
+
+def test_global_parameter_that_is_not_set_is_a_mistake() -> None:
+    plan = load(python("Node(executable='n', arguments=[Parameter('rate')])", before=PARAMETER))
+    assert rules(plan, errors=True) == ["undeclared-argument"]

@@ -6,6 +6,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from ur.launchfile.plan.problems import INHERITED
+from ur.launchfile.plan.specs import ParameterValues
 from ur.launchfile.plan.values.budget import PER_YAML_CHARACTER, Budget
 from ur.launchfile.ros2.context import ANY_NAME, PER_SYSTEM_CALL, Context
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
@@ -344,8 +345,18 @@ def _flag_configuration(made: Made, context: Context) -> str | Unknown:
     return "True" if text.lower() in ("true", "on", "yes", "1", "t", "y") else "False"
 
 
-def _node_parameter(made: Made, _: Context) -> str | Unknown:
-    return Unknown("global parameters are set when the launch starts", made.span)
+def _node_parameter(made: Made, context: Context) -> str | Unknown:
+    name = perform(made.get("name", ""), context)
+    if isinstance(name, Unknown):
+        return name
+    for source in context.global_parameters:
+        for known, value in source.values if isinstance(source, ParameterValues) else ():
+            if known == name:
+                return str(tuple(value) if isinstance(value, list) else value)
+    if made.get("default") is not None:
+        return perform(made.get("default"), context)
+    message = f"no global parameter is named '{name}', expected one of a SetParameter before"
+    raise DescriptionProblem(message, "undeclared-argument", made.place("name"), None, name)
 
 
 def split_command(text: str, budget: Budget) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 What an event starts later (an end, a timer) is visited when all else has been, in the order of the file.
 """
 
+import posixpath
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
@@ -358,6 +359,24 @@ class Visitor(Events):
     def _unset_variable(self, made: Made) -> None:
         self._context.environment.pop(self._text(made.get("name", ""), made.span), None)
 
+    def _replace_variables(self, made: Made) -> None:
+        given: Any = made.get("environment") or {}
+        if isinstance(given, Unknown):
+            self._on_gap(given, self._context.chain)
+            return
+        values = {self._text(name, made.span): self._text(value, made.span) for name, value in given.items()}
+        self._context.environment.clear()
+        self._context.environment.update(values)
+
+    def _set_log_folder(self, made: Made) -> None:
+        environment = self._context.environment
+        default = f"{dict.get(environment, 'HOME', '')}/.ros/log"
+        known = dict.get(environment, "ROS_LOG_DIR") or default
+        environment["ROS_LOG_DIR"] = posixpath.join(known, self._text(made.get("log_dir", ""), made.span))
+
+    def _leave_out(self, made: Made) -> None:
+        self._on_gap(Unknown(f"{made.kind} is not carried out", made.span), self._context.chain)
+
     # -- scopes of launch_ros
 
     def _push_namespace(self, made: Made) -> None:
@@ -406,15 +425,13 @@ class Visitor(Events):
         self._context.configurations.update(values)
 
 
-_SILENT = frozenset(
-    "LogDebug OpaqueCoroutine SetROSLogDir UnregisterEventHandler "  # noqa: SIM905
-    "Action ReplaceEnvironmentVariables ExecuteLocal".split()
-)
+_SILENT = frozenset({"Action", "LogDebug"})
 _ACTIONS: Mapping[str, str] = {
     "AppendEnvironmentVariable": "_append_variable",
     "ComposableNodeContainer": "_node",
     "DeclareLaunchArgument": "_declare",
     "EmitEvent": "_emit",
+    "ExecuteLocal": "_leave_out",
     "ExecuteProcess": "_execute",
     "ForEach": "_repeat",
     "ForLoop": "_repeat",
@@ -429,6 +446,7 @@ _ACTIONS: Mapping[str, str] = {
     "LoopRound": "_round",
     "LoadComposableNodes": "_load_components",
     "Node": "_node",
+    "OpaqueCoroutine": "_leave_out",
     "OpaqueFunction": "_opaque",
     "PopEnvironment": "_pop_environment",
     "PopLaunchConfigurations": "_pop_configurations",
@@ -436,6 +454,7 @@ _ACTIONS: Mapping[str, str] = {
     "PushLaunchConfigurations": "_push_configurations",
     "PushRosNamespace": "_push_namespace",
     "RegisterEventHandler": "_register",
+    "ReplaceEnvironmentVariables": "_replace_variables",
     "ResetEnvironment": "_reset_environment",
     "ResetLaunchConfigurations": "_reset_configurations",
     "RosTimer": "_timer",
@@ -443,10 +462,12 @@ _ACTIONS: Mapping[str, str] = {
     "SetLaunchConfiguration": "_set_configuration",
     "SetParameter": "_set_parameter",
     "SetParametersFromFile": "_set_parameter_file",
+    "SetROSLogDir": "_set_log_folder",
     "SetRemap": "_set_remap",
     "SetUseSimTime": "_set_parameter",
     "Shutdown": "_shutdown",
     "TimerAction": "_timer",
+    "UnregisterEventHandler": "_leave_out",
     "UnsetEnvironmentVariable": "_unset_variable",
     "UnsetLaunchConfiguration": "_unset_configuration",
 }
