@@ -48,6 +48,11 @@ def is_launch_name(path: str) -> bool:
     return is_ros2_name(path)
 
 
+def has_tree(path: str, world: World, parsed: dict[str, LaunchFile] | None = None) -> bool:
+    """Return whether the arguments of a launch file are tags of a tree; those of others are known by a trace."""
+    return not is_for_ros2(path, world, parsed=parsed)
+
+
 def is_for_ros2(
     path: str, world: World, trees: dict[str, LaunchFile] | None = None, parsed: dict[str, LaunchFile] | None = None
 ) -> bool:

@@ -7,7 +7,7 @@ import pytest
 from ur.cli.main import main
 
 MANIFEST = '<package><name>my_robot</name><depend condition="$ROS_VERSION == 2">rclcpp</depend></package>'
-READ = ("format --check", "get --missing", "convert .")
+READ = ("format --check", "get --missing")
 UNREAD = "2 Python launch files of ROS 2 and 1 YAML launch file of ROS 2 were not read"
 
 

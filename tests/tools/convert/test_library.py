@@ -14,10 +14,12 @@ from ur.check.cases import list_cases, list_unknown
 from ur.check.collect import collect_targets
 from ur.check.rule import survey_launch_file
 from ur.check.worlds import CachedWorld, make_world
+from ur.cli.main import main
 from ur.launchfile import NodeSpec, Plan, load_plan
 from ur.run.middleware.parameter_files import format_parameters
 from ur.source.diagnostic import Severity
 from ur.tools.convert.package import ConvertedFiles, convert_all
+from ur.tools.convert.write import write_prefix
 
 LIBRARY = Path(__file__).parents[3] / "ubiquity_launches"
 RENAMED = {("rviz", "rviz"): ("rviz2", "rviz2")}
@@ -60,6 +62,21 @@ def test_every_library_file_starts_the_nodes_of_its_plan(monkeypatch: pytest.Mon
                 assert started == planned(plan), f"{file.place} {arguments}"
                 compared += 1
     assert compared > 500, compared
+
+
+def test_converted_library_passes_the_check(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path))
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "share"))
+    write_prefix(converted()[0], tmp_path)
+    package = tmp_path / "share" / "ubiquity_launches"
+    assert main(["check", str(package)]) == 0
+    assert capsys.readouterr().out.startswith("nothing found in ")
+    file = package / "n_amcl" / "launch" / "n_amcl.launch.xml"
+    file.write_text(file.read_text().replace("$(var ", "$(var no_", 1))
+    assert main(["check", str(package)]) == 1
+    assert "undeclared-argument" in capsys.readouterr().out
 
 
 def describe(node: LaunchedNode2) -> dict[str, object]:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ur.launchfile.load import is_for_ros2, load_plan
+from ur.launchfile.load import has_tree, load_plan
 from ur.launchfile.plan.draft import Draft
 from ur.launchfile.plan.names import initial_namespace, read_assignments
 from ur.launchfile.plan.problems import NOT_GIVEN, TagRefused
@@ -41,7 +41,7 @@ def read_arguments(
     resolved.
     """
     parsed = {} if parsed is None else parsed
-    if is_for_ros2(path, world, parsed=parsed):
+    if not has_tree(path, world, parsed):
         return _read_traced(path, arguments, world, parsed)
     draft = Draft(world, parsed=parsed)
     try:

@@ -9,13 +9,15 @@ from ur.check.rule import Package, survey_launch_file
 from ur.check.worlds import CachedWorld
 from ur.launchfile.plan.specs import Origin, Plan
 from ur.launchfile.syntax import Comment, Element, LaunchFile, parse_launch_file
-from ur.launchfile.syntax.parse import decode_text
+from ur.launchfile.syntax.parse import WRONG_LAUNCHER, decode_text
 from ur.launchfile.world import World
 from ur.launchfile.world.overlay import OverlayWorld
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import Diagnostic, UserError, error, error_about
+from ur.source.foreign.yaml_text import load_yaml
 from ur.tools.format.layout import lay_out
 from ur.tools.format.order import is_title, sort_pieces
 from ur.tools.format.pieces import Tag, end_of, read_pieces
+from ur.tools.format.yaml_layout import lay_out_yaml
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,11 +46,14 @@ def format_file(path: str, data: bytes, world: World, package: Package | None = 
         raise UserError(
             error_about(path, "the file is not encoded in UTF-8", rule="not-utf-8", help="save it as UTF-8 first")
         )
+    if path.endswith((".yaml", ".yml")):
+        return _format_yaml(path, before, data, world, package)
     tree = _parse(path, before.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n"))
     assert tree.root is not None
     pieces = read_pieces(tree.root)
     plain = _write(tree, pieces)
-    ordered = _write(tree, sort_pieces(pieces))
+    # Where <let> and <arg> depend on one another, their order is the author's.
+    ordered = plain if tree.for_other_launcher else _write(tree, sort_pieces(pieces))
     for text, kept in ((ordered, None), (plain, "the order of its arguments"), (before, "its layout")):
         if text is ordered and text != plain and not _may_move(tree):
             continue
@@ -58,11 +63,27 @@ def format_file(path: str, data: bytes, world: World, package: Package | None = 
     raise AssertionError("the text itself is the last that is tried")
 
 
+def _format_yaml(path: str, before: str, data: bytes, world: World, package: Package | None) -> Formatted:
+    text = lay_out_yaml(before)
+    try:
+        same = load_yaml(before) == load_yaml(text)
+    except ValueError as problem:
+        raise UserError(error_about(path, f"{problem}, expected YAML", rule="bad-yaml")) from None
+    if same and same_plans(path, data, text.encode(), package, world):
+        return Formatted(path, before, text)
+    return Formatted(path, before, before, "its layout stays: the usual one would change the meaning of the file")
+
+
 def _parse(path: str, text: str) -> LaunchFile:
     tree = parse_launch_file(path, text.encode())
-    if tree.diagnostics:
-        raise UserError(*tree.diagnostics)
+    if problems := _problems(tree):
+        raise UserError(*problems)
     return tree
+
+
+def _problems(tree: LaunchFile) -> list[Diagnostic]:
+    # A file for another launcher has the same layout.
+    return [each for each in tree.diagnostics if not tree.for_other_launcher or each.rule != WRONG_LAUNCHER]
 
 
 def _write(tree: LaunchFile, pieces: Tag) -> str:
@@ -76,7 +97,7 @@ def _write(tree: LaunchFile, pieces: Tag) -> str:
 def _checked(tree: LaunchFile, text: str) -> str:
     # A defect here must not cost anybody a line of a launch file.
     after = parse_launch_file(tree.source.path, text.encode())
-    if after.diagnostics or not same_content(tree, after):
+    if _problems(after) or not same_content(tree, after):
         message = f"{tree.source.path}: cannot be laid out without a change of its content; it is left as it is"
         raise UserError(error(message, rule="not-formatted", help="please report it with the file"))
     return text
