@@ -9,7 +9,8 @@ from ur.check.rule import Package, survey_launch_file
 from ur.check.worlds import CachedWorld
 from ur.launchfile.plan.specs import Origin, Plan
 from ur.launchfile.syntax import Comment, Element, LaunchFile, parse_launch_file
-from ur.launchfile.syntax.parse import WRONG_LAUNCHER, decode_text
+from ur.launchfile.syntax.parse import decode_text
+from ur.launchfile.syntax.tree import WRONG_LAUNCHER
 from ur.launchfile.world import World
 from ur.launchfile.world.overlay import OverlayWorld
 from ur.source.diagnostic import Diagnostic, UserError, error, error_about
