@@ -129,20 +129,6 @@ def describe_obstacles(view: MuxView, turn_on: str = "") -> str:
     return report.text if report.state in ("slowed", "stopped") else ""
 
 
-def view_of(
-    connected: bool,
-    stopped: bool | None,
-    active: str,
-    asked: MuxRequest | None,
-    problem: str,
-    obstacles: ObstacleReport = NO_REPORT,
-) -> MuxView:
-    """The view of a mux: its last state counts only while it exists."""
-    if not connected:
-        return MuxView(asked=asked, problem=problem)
-    return MuxView(stopped, "" if active == _IDLE else active, asked, problem, obstacles)
-
-
 def describe_refusal(request: MuxRequest, reason: str) -> str:
     """Describe a request to the mux that had no effect, for `MuxView.problem`."""
     return f"{_REFUSALS[request]}: {reason}"

@@ -1,19 +1,30 @@
 import pytest
 
 from ur_nodes.client.mux import (
+    MuxLink,
     MuxView,
     describe_emergency,
     describe_obstacles,
     describe_refusal,
-    view_of,
 )
+from ur_nodes.memory.bus import Bus
 from ur_nodes.motion.obstacle_stop.report import OFF, ObstacleReport
+from ur_nodes.ports.qualities import Quality
 
 
-def test_mux_that_is_gone_is_not_believed_any_more() -> None:
-    assert view_of(True, True, "joystick", None, "") == MuxView(True, "joystick")
-    assert view_of(False, True, "joystick", "stop", "late") == MuxView(None, "", "stop", "late")
-    assert view_of(True, False, "idle", None, "").active == ""
+def test_state_of_a_mux_that_has_ended_is_unknown() -> None:
+    bus = Bus()
+    mux, link = bus.node("mux"), MuxLink(bus.node("client"), "mux")
+    stopped, active = mux.publish("mux/stopped", bool, Quality.LATCHED), mux.publish("mux/active", str, Quality.LATCHED)
+    stopped.send(True)
+    active.send("joystick")
+    bus.run(0.1)
+    assert link.view() == MuxView(True, "joystick")
+    active.send("idle")
+    bus.run(0.1)
+    assert link.view().active == ""
+    mux.end("it has ended")
+    assert link.view() == MuxView()
 
 
 @pytest.mark.parametrize(
