@@ -15,10 +15,9 @@ from ur.launchfile.world import World
 from ur.launchfile.world.overlay import OverlayWorld
 from ur.source.diagnostic import Diagnostic, UserError, error, error_about
 from ur.source.foreign.yaml_text import load_yaml
-from ur.tools.format.layout import lay_out
+from ur.tools.format.layout import lay_out, lay_out_yaml
 from ur.tools.format.order import is_title, sort_pieces
 from ur.tools.format.pieces import Tag, end_of, read_pieces
-from ur.tools.format.yaml_layout import lay_out_yaml
 
 
 @dataclass(frozen=True, slots=True)
