@@ -1,6 +1,6 @@
 from pathlib import Path
 
-from ur.get.offer import make_offer
+from ur.get.install import make_offer
 
 
 def test_names_that_no_package_can_have_are_left_out() -> None:

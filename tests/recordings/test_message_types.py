@@ -14,7 +14,7 @@ from ur.recordings.mcap_channels import register_channel
 from ur.recordings.mcap_file import RecordingTopic, open_recording
 from ur.recordings.message_types import MessageTypes
 from ur.recordings.place import find_place
-from ur.report.recording import copy_recording
+from ur.report.archive import copy_recording
 from ur.report.secrets import SecretFilter
 from ur.source.diagnostic import UserError
 

@@ -4,7 +4,7 @@ from tests.tui.fake import FakeServices, example, read_screen, until, watching
 from ur.run.clients.protocol import RunCommand, StopRun
 from ur.run.debugger.choice import DebuggerCommand
 from ur.run.supervisor.events import KillNode, RestartNode, StartNode, StopNode
-from ur.tui.dialogs import Question
+from ur.tui.app import Question
 
 
 async def test_nodes_of_the_run_itself_are_not_steered() -> None:

@@ -10,8 +10,7 @@ from tests.tui.fake import FakeRun, FakeServices, line, until, watching
 
 from ur.run.clients.protocol import StopRun
 from ur.run.supervisor.events import RestartNode, StartNode, StopNode
-from ur.tui.app import WatchApp
-from ur.tui.dialogs import Question, TextDialog
+from ur.tui.app import Question, TextDialog, WatchApp
 from ur.tui.journal import Filter
 from ur.tui.keys import FOOT, KEYS, describe_foot, describe_keys
 from ur.tui.palette import DARK

@@ -5,7 +5,7 @@ from tests.tui.fake import FakeServices, example, line, log_of, read_screen, unt
 from textual.widgets import Input
 
 from ur.run.clients.protocol import NodeChanged
-from ur.tui.dialogs import TextDialog
+from ur.tui.app import TextDialog
 
 
 async def test_find_shows_only_messages_with_the_text() -> None:

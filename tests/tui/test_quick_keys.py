@@ -8,8 +8,7 @@ from textual import events
 
 from ur.run.clients.protocol import StopRun
 from ur.run.supervisor.events import KillNode, StartNode, StopNode
-from ur.tui.app import WatchApp
-from ur.tui.dialogs import Question, TextDialog
+from ur.tui.app import Question, TextDialog, WatchApp
 from ur.tui.keys import KEYS
 
 NAMES = [name for key in KEYS for name in key.keys.split(",")]

@@ -66,7 +66,7 @@ def test_broken_selection_file_says_how_to_repair_it(config: Path, capsys: pytes
 def bob(config: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A robot that was set up from here, and a network on which no name but `alice.local` resolves."""
     monkeypatch.setenv("XDG_STATE_HOME", str(config / "state"))
-    monkeypatch.setattr("ur.robot.discovery.known._resolves", lambda host: host == "alice.local")
+    monkeypatch.setattr("ur.robot.discovery.seen._resolves", lambda host: host == "alice.local")
     folder = config / "ubiquity_launches" / "robots"
     folder.mkdir(parents=True)
     (folder / "bob.yaml").write_text('name: "bob"\nuser: "ros"\nbase: "magni"\n')

@@ -4,8 +4,7 @@ import pytest
 from markdown_it import MarkdownIt
 from tests.docs.helpers import document, document_one
 
-from ur.docs.markdown.page import render_markdown
-from ur.docs.markdown.text import MarkdownPage, code, escape_cell, escape_text, inline
+from ur.docs.markdown.page import MarkdownPage, code, escape_cell, escape_text, inline, render_markdown
 
 
 @pytest.mark.parametrize("text", ["a", "`", "``a`", "a|b", "<b>", "*x*", "$(arg a)"])

@@ -10,7 +10,7 @@ from tests.fuzz.target import Target
 from tests.robot.doctor.pairs import PAIR
 
 from ur.robot.boot.launch_file import find_launch
-from ur.robot.boot.status import describe_status, parse_status
+from ur.robot.boot.units import describe_status, parse_status
 from ur.robot.commit_confirm.guard import parse_last
 from ur.robot.commit_confirm.network_facts import parse_networks
 from ur.robot.doctor.observe import parse_side

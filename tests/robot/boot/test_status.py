@@ -2,7 +2,7 @@
 
 import pytest
 
-from ur.robot.boot.status import SCRIPT, describe_status, parse_status
+from ur.robot.boot.units import SCRIPT, describe_status, parse_status
 from ur.robot.ssh.shell import LocalShell
 from ur.source.diagnostic import UserError
 

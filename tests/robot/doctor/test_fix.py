@@ -1,7 +1,7 @@
 from pathlib import Path
 
 from ur.robot.doctor.findings import Finding, FixCommand
-from ur.robot.doctor.fix import ATTEMPTS, inspect_until_fixed, list_safe, run_fix
+from ur.robot.doctor.inspect import ATTEMPTS, inspect_until_fixed, list_safe, run_fix
 from ur.robot.ssh.shell import LocalShell
 
 FIXABLE = Finding("clock", "the clock is wrong", commands=(FixCommand("local", "true", safe=True),))

@@ -4,8 +4,7 @@ from datetime import timezone
 
 import pytest
 
-from ur.robot.sync.compare import CLASH, compare
-from ur.robot.sync.show import describe_file, describe_plan, describe_size, summarise
+from ur.robot.sync.compare import CLASH, compare, describe_file, describe_plan, describe_size, summarise
 from ur.robot.sync.steps import Conflict, File, Manifest, SyncPlan, SyncStep
 
 SECOND = 10**9

@@ -26,8 +26,7 @@ from ur.robot.devices import expected_devices
 from ur.robot.discovery.record import RobotRecord, load_records, records_folder
 from ur.robot.discovery.seen import SeenRobot, load_seen, note_seen, seen_path
 from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand
-from ur.robot.doctor.fix import inspect_until_fixed, list_safe, run_fix
-from ur.robot.doctor.inspect import inspect_computer, inspect_pair, read_name
+from ur.robot.doctor.inspect import inspect_computer, inspect_pair, inspect_until_fixed, list_safe, read_name, run_fix
 from ur.robot.doctor.route import RouteStep, explain_route, inspect_route, list_steps
 from ur.robot.doctor.rules import diagnose, diagnose_alone
 from ur.robot.doctor.side import Side

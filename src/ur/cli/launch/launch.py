@@ -273,7 +273,7 @@ def _describe_finding(finding: Diagnostic) -> tuple[EventSeverity, str]:
 
 def make_xacro() -> None:
     """Build the ROS package xacro. Raises UserError."""
-    from ur.get.offer import install_xacro_package
+    from ur.get.install import install_xacro_package
 
     sys.stderr.write("installing xacro, once ...\n")
     install_xacro_package(os.environ)
@@ -281,7 +281,7 @@ def make_xacro() -> None:
 
 def offer(options: LaunchOptions, names: Iterable[str]) -> bool:
     """Ask whether `ur get` may search for packages, and run it; return True once one has been installed."""
-    from ur.get.offer import make_offer
+    from ur.get.install import make_offer
 
     offered = make_offer(names)
     if offered is None:

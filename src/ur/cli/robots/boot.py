@@ -12,8 +12,7 @@ from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, run
 from ur.request.remote.boot_command import PAGE, check_name, has_service, install_services, remove_services
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.request.requirements.python_packages import need_all
-from ur.robot.boot.status import SCRIPT, describe_status, parse_status
-from ur.robot.boot.units import MASTER
+from ur.robot.boot.units import MASTER, SCRIPT, describe_status, parse_status
 from ur.robot.ssh.openssh import SshShell
 from ur.source.ansi import allows_colour
 from ur.source.diagnostic import UserError, error

@@ -95,7 +95,7 @@ def check_robot(chosen: Selection, *, away: bool) -> str:
 
     Returns a note if the robot was not set up from this computer, since it may belong to other people; '' otherwise.
     """
-    from ur.robot.discovery.known import look_up_robot
+    from ur.robot.discovery.seen import look_up_robot
     from ur.source.progress_line import show_progress
 
     with show_progress(f"looking up {chosen.robot}.local"):

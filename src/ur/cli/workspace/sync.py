@@ -12,8 +12,7 @@ from ur.cli.robots.fleet import ALL, choose_robots, is_fleet, run_for_each
 from ur.cli.workspace.mount import read_mounts
 from ur.fleet.processes import answer_confirmed
 from ur.request.remote.connection import connect_robot, robot_address
-from ur.robot.sync.compare import compare
-from ur.robot.sync.show import describe_plan, summarise
+from ur.robot.sync.compare import compare, describe_plan, summarise
 from ur.robot.sync.steps import SIDES, Side, SyncPlan, load_memory, memory_path, store_memory
 from ur.robot.sync.sync import (
     WORKSPACE,

@@ -7,11 +7,28 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NoReturn
 from xml.etree.ElementTree import Element
 
-from ur.robot.description.numbers import MOST, read_number, read_numbers
 from ur.robot.description.pose import Pose, Vector, make_pose
 from ur.robot.description.urdf_parts import Description, DrivePlugin, GazeboSensor, Inertia, Joint, Link, Mesh, Shape
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.xml_text import parse_xml
+
+MOST = 1e6
+
+
+def read_numbers(text: str) -> tuple[float, ...] | None:
+    """Parse numbers separated by whitespace; None if one is not a finite number, or greater than MOST."""
+    try:
+        numbers = tuple(float(word) for word in text.split())
+    except ValueError:
+        return None
+    return numbers if all(math.isfinite(number) and abs(number) <= MOST for number in numbers) else None
+
+
+def read_number(text: str | None) -> float | None:
+    """Parse one number; None for any other text."""
+    numbers = read_numbers(text or "")
+    return numbers[0] if numbers and len(numbers) == 1 else None
+
 
 Extension = tuple[str, Element]  # the link that it is about ('' for the whole robot), and its tag
 

@@ -1,15 +1,18 @@
-"""Inspection of one or two computers for the rules: run the script of `observe`, and test the connections."""
+"""Inspection of one or two computers for the rules, also again after the safe commands of findings."""
 
+import fcntl
 import re
 import socket
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from ur.devices.known import Expected
 from ur.robot.devices import inspect_devices
 from ur.robot.discovery.ask import clock_offset
-from ur.robot.doctor.findings import AdvertisedNode, ComputerPair, Owner, Where
+from ur.robot.doctor.findings import AdvertisedNode, ComputerPair, Finding, FixCommand, Owner, Where
 from ur.robot.doctor.observe import SHELL_FILES, STRICT, observe_script, parse_side
 from ur.robot.doctor.rules import OBSERVE
 from ur.robot.doctor.side import Side
@@ -18,6 +21,52 @@ from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error_about
 from ur.source.printable import printable
+
+FIX_SECONDS = 600.0  # packages may have to be downloaded
+ATTEMPTS = 3  # names need a moment until all computers resolve them
+
+
+def list_safe(findings: Sequence[Finding]) -> list[tuple[str, FixCommand]]:
+    """List the commands that can do no harm, each with the rule of its finding."""
+    return [(finding.rule, each) for finding in findings for each in finding.commands if each.safe]
+
+
+def run_fix(command: FixCommand, local: Shell, remote: Shell, lock: Path) -> str:
+    """Run a command on its computer, and describe the result.
+
+    A command on this computer holds the file `lock`, so that other doctors wait.
+    """
+    shell = local if command.where == "local" else remote
+    try:
+        with _hold(lock) if command.where == "local" else nullcontext():
+            done = shell.run(command.line, root=command.root, timeout=FIX_SECONDS)
+    except UserError as problem:
+        return f"failed: {problem}"
+    reported = (done.err or done.out).strip().splitlines()
+    return "done" if done.code == 0 else f"failed: {reported[-1] if reported else done.code}"
+
+
+def inspect_until_fixed(
+    before: Sequence[Finding], inspect: Callable[[], list[Finding]], pause: Callable[[], None]
+) -> list[Finding]:
+    """Return the findings after fixes; fixable ones are inspected again for some time, with a `pause` in between."""
+    fixed = {finding.rule for finding in before if finding.fixable}
+    left = inspect()
+    for _ in range(ATTEMPTS - 1):
+        if not any(finding.rule in fixed for finding in left):
+            break
+        pause()
+        left = inspect()
+    return left
+
+
+@contextmanager
+def _hold(lock: Path) -> Iterator[None]:
+    lock.parent.mkdir(parents=True, exist_ok=True)
+    with lock.open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
 
 LOOK_SECONDS = 90.0
 JOURNAL_LINES = 5
