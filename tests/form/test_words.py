@@ -12,8 +12,6 @@ WORDS = (
 DIALECT = "take(?!_over)|takes|taker|takers|lane|lanes|greet|tape|lay(?!_?out)|laid"
 OF_TOPICS = "offer|offers|listener|listeners"
 """Words that ROS has names for: publisher, subscriber."""
-NOT_YET = ("ur/cli/", "ur/run/")
-"""Packages whose names are still to be changed."""
 _IN_TEXT = re.compile(rf"\b({WORDS})\b", re.IGNORECASE)
 _IN_NAME = re.compile(rf"(?:^|_)({WORDS})(?:_|$)", re.IGNORECASE)
 _HUMP = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
@@ -39,8 +37,6 @@ def test_public_names_are_terms_of_the_field(modules: Mapping[str, Facts]) -> No
     """`take`: on_scan, handle_goal, or the verb that it means; `lane`: queue; `greet`: handshake; `_end`: endpoint."""
     wrong = {}
     for path, each in modules.items():
-        if path.startswith(NOT_YET):
-            continue
         words = f"{DIALECT}|{OF_TOPICS}" if path.startswith("ur_nodes/") else DIALECT
         pattern = re.compile(rf"(?:^|_)({words})(?:_|$)", re.IGNORECASE)
         module = path.rpartition("/")[2].removesuffix(".py")

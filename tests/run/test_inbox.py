@@ -11,7 +11,7 @@ def test_task_that_is_posted_wakes_the_loop_and_is_taken_once() -> None:
         inbox.post(lambda: done.append("task"))
         assert select.select([inbox.fileno()], [], [], 0.0)[0]
         inbox.clear()
-        for task in inbox.take():
+        for task in inbox.drain():
             task()
         assert done == ["task"]
         assert not select.select([inbox.fileno()], [], [], 0.0)[0]
@@ -26,7 +26,7 @@ def test_task_that_is_posted_after_the_end_writes_into_no_file_that_has_the_pipe
     try:
         inbox.post(lambda: None)
         assert not select.select([reader for reader, _ in pipes], [], [], 0.0)[0]
-        assert list(inbox.take()) == []
+        assert list(inbox.drain()) == []
     finally:
         for ends in pipes:
             for end in ends:

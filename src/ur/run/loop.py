@@ -72,17 +72,17 @@ class Foreground:
         self._terminal.mark_lent()
         return FOREGROUND
 
-    def take_back(self, *, reset: bool) -> None:
+    def reclaim(self, *, reset: bool) -> None:
         """Take the terminal back after the unit has ended; `reset` it after one that was killed."""
         if self._terminal is not None:
-            self._terminal.take_back(reset=reset)
+            self._terminal.reclaim(reset=reset)
         self._console.release()
 
     def suspend(self, name: str, pid: int | None) -> None:
         """Stop this process with a unit that was stopped (Ctrl-Z), and continue with it (`pid`, if it still exists)."""
         if self._terminal is None or name != self._name:
             return
-        self._terminal.take_back(reset=False)
+        self._terminal.reclaim(reset=False)
         self._terminal.wait_suspended()
         if self._terminal.in_foreground() and pid is not None:
             self._terminal.lend(pid)
@@ -160,15 +160,15 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # signals that request
 class Inbox:
     """A queue of tasks, readable (`fileno`) while it is not empty. Handles SIGNALS until it is closed."""
 
-    def __init__(self, take_signal: Callable[[int], None]) -> None:
-        """Create the inbox; `take_signal` is called later, in the loop's thread, with a signal."""
+    def __init__(self, on_signal: Callable[[int], None]) -> None:
+        """Create the inbox; `on_signal` is called later, in the loop's thread, with a signal."""
         self._tasks: deque[Task] = deque()
         self._open = threading.Lock()  # held while the pipe is written to or closed
         self._closed = False
         self._reader, self._writer = os.pipe2(os.O_CLOEXEC | os.O_NONBLOCK)
         self._old_writer = signal.set_wakeup_fd(self._writer, warn_on_full_buffer=False)
         self._handlers = {
-            signum: signal.signal(signum, lambda number, _: self._tasks.append(lambda: take_signal(number)))
+            signum: signal.signal(signum, lambda number, _: self._tasks.append(lambda: on_signal(number)))
             for signum in SIGNALS
         }
 
@@ -193,7 +193,7 @@ class Inbox:
         except BlockingIOError:
             return
 
-    def take(self) -> Iterator[Task]:
+    def drain(self) -> Iterator[Task]:
         """Iterate over the pending requests, oldest first, and remove each."""
         while self._tasks:
             yield self._tasks.popleft()
@@ -283,7 +283,7 @@ class _Loop:
             self._console.flush()
             self._monitor.flush()
             self._wait()
-            for task in self._inbox.take():
+            for task in self._inbox.drain():
                 task()
             now = time.monotonic()
             deadline = next_deadline(self._state)
@@ -304,7 +304,7 @@ class _Loop:
         owner = self._run.terminal_program
         each = None if owner is None else self._state.find(owner.unit.name)
         if each is not None and each.pid is not None:
-            self._foreground.take_back(reset=True)
+            self._foreground.reclaim(reset=True)
         self._console.release()
         self._console.finish(1.0)
         self._over.set()
@@ -364,7 +364,7 @@ class _Loop:
                 self._outputs.drain(name)
                 if self._programs[name].unit.terminal:
                     killed = isinstance(event, Exited) and event.status.signal is not None
-                    self._foreground.take_back(reset=killed)
+                    self._foreground.reclaim(reset=killed)
                 if isinstance(event, Exited) and self._may_be_evicted(event):
                     middleware = self._run.middleware
                     assert middleware is not None

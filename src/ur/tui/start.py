@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING, Literal
 
-from ur.run.host import restore_terminal, take_foreground
+from ur.run.host import restore_terminal, set_foreground
 from ur.run.process.terminal import ignore_background_write
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class InterfaceProcess:
         with suppress(OSError):
             self.link.close()
         killed = not self._wait()
-        take_foreground(0, os.getpgrp())
+        set_foreground(0, os.getpgrp())
         restore_terminal(0, self._attributes, reset=killed)
 
     def _wait(self) -> bool:

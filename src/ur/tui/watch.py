@@ -8,7 +8,7 @@ from contextlib import AbstractContextManager
 
 from ur.run.clients.client import RunControl
 from ur.run.clients.protocol import RunEvent, StopRun
-from ur.run.host import take_foreground
+from ur.run.host import set_foreground
 
 MOST_REPORTED = 12  # lines about failures that stay on the screen afterwards
 
@@ -69,5 +69,5 @@ def own_terminal(descriptor: int) -> bool:
         os.setpgid(0, 0)
     except OSError:
         return False
-    take_foreground(descriptor, os.getpgrp())
+    set_foreground(descriptor, os.getpgrp())
     return True

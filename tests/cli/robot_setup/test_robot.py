@@ -133,7 +133,7 @@ def offer(*_: object, **__: object) -> OfferedHostKey:
 
 
 def test_unknown_host_key_without_a_terminal_needs_a_fingerprint_or_consent(capsys: pytest.CaptureFixture[str]) -> None:
-    confirm = partial(confirm_host_key, TASK, terminal=NoTerminal(), greet=offer)
+    confirm = partial(confirm_host_key, TASK, terminal=NoTerminal(), handshake=offer)
     with pytest.raises(UserError, match="no terminal to ask on") as caught:
         confirm()
     assert f"--host-key {KEY.fingerprint}" in (caught.value.diagnostics[0].help or "")
@@ -154,10 +154,10 @@ def test_unknown_host_key_is_confirmed_by_yes_or_by_its_fingerprint(
     if answer:
         answers["is it the robot's?"] = answer
     if accepted:
-        assert confirm_host_key(TASK, terminal=answers, greet=offer).host_key == KEY
+        assert confirm_host_key(TASK, terminal=answers, handshake=offer).host_key == KEY
     else:
         with pytest.raises(UserError, match="nothing was sent to it"):
-            confirm_host_key(TASK, terminal=answers, greet=offer)
+            confirm_host_key(TASK, terminal=answers, handshake=offer)
 
 
 def test_robot_gets_no_login_here_unless_the_user_wants_it(home: Path) -> None:

@@ -49,7 +49,7 @@ def start_inside(cgroup: Cgroup) -> int:
     pid = os.fork()
     if pid == 0:
         try:
-            cgroup.take(os.getpid())
+            cgroup.add(os.getpid())
             for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
                 signal.signal(signum, signal.SIG_IGN)
             if os.fork() == 0:

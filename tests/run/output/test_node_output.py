@@ -84,11 +84,11 @@ def test_last_lines_of_a_log(tmp_path: Path) -> None:
 
 def test_allowance_is_per_period_and_tells_what_was_lost_in_the_last() -> None:
     allowance = Allowance(most=10, period=1.0)
-    assert allowance.take(8, 5.0) == (8, 0)
-    assert allowance.take(8, 5.9) == (2, 0)
-    assert allowance.take(4, 5.99) == (0, 0)
-    assert allowance.take(4, 6.0) == (4, 10)
-    assert allowance.take(7, 6.1) == (6, 0)
+    assert allowance.spend(8, 5.0) == (8, 0)
+    assert allowance.spend(8, 5.9) == (2, 0)
+    assert allowance.spend(4, 5.99) == (0, 0)
+    assert allowance.spend(4, 6.0) == (4, 10)
+    assert allowance.spend(7, 6.1) == (6, 0)
     assert allowance.settle() == 1
     assert allowance.settle() == 0
 

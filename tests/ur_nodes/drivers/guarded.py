@@ -46,7 +46,7 @@ class GuardedBoard(StillPlant):
         self.turned: list[tuple[float, float]] = [(0.0, 0.0)]
         self.firmware: Any = FIRMWARES[name](self)  # type: ignore[arg-type]
         self._terminal = DeviceTerminal(path)
-        self._join = (lambda: group.take(os.getpid())) if group else None
+        self._join = (lambda: group.add(os.getpid())) if group else None
         self._watchdogs = arduino.WATCHDOG, magni.CLOCK
         self._command = [sys.executable, "-c", PROGRAM, name, str(path)]
 

@@ -62,14 +62,14 @@ def confirm_host_key(
     yes: bool = False,
     new_host_key: bool = False,
     terminal: SetupTerminal = TERMINAL,
-    greet: Callable[..., OfferedHostKey] = meet,
+    handshake: Callable[..., OfferedHostKey] = meet,
 ) -> Task:
     """Compare the robot's host key with the known one, and ask about a new one; return the task with the key.
 
     `fingerprint` was given by the user, `yes` confirms any key. No secret is sent. Raises UserError if the key differs,
     the user refuses it, or there is no terminal.
     """
-    contact = greet(task.address, task.later, with_key=bool(fingerprint))
+    contact = handshake(task.address, task.later, with_key=bool(fingerprint))
     if needs_answer(task.address, contact, fingerprint=fingerprint, new_host_key=new_host_key):
         assert contact.host_key
         if yes:

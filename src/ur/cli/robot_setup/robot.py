@@ -147,7 +147,7 @@ def setup(
         return max(refused, set_up_each(tasks, make, given))
     tasks = [replace(task, current=current, new=new) for task in _equip(tasks, master=master, programs=programs)]
     if undo or dry_run:
-        look = partial(take_back_ros2 if undo else _preview, viewer=viewer)
+        look = partial(revert_ros2 if undo else _preview, viewer=viewer)
         return max(refused, *(_guard(task, look) for task in tasks))
     ask = sys.stdin.isatty() and sys.stdout.isatty() and passwords_from is None and not (yes or one_of_several)
     work = partial(_set_up, here=here, viewer=viewer, alone=not one_of_several, between=between, ask=ask)
@@ -327,7 +327,7 @@ def put_mux_between(task: Task, report: ChangeReporter) -> tuple[Task, int]:
     return replace(task, robot=robot), count
 
 
-def take_back_ros2(task: Task, viewer: ViewerFacts) -> int:
+def revert_ros2(task: Task, viewer: ViewerFacts) -> int:
     """Revert the set-up; return the exit code.
 
     With ROS 1 it reverts the header of a Raspberry Pi alone. Raises UserError if that was not changed either.

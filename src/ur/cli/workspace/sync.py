@@ -36,7 +36,7 @@ from ur.source.progress_line import show_progress
 @click.option("--to", "only_to", is_flag=True, help="Copy only from this computer to the robot.")
 @click.option("--from", "only_from", is_flag=True, help="Copy only from the robot to this computer.")
 @click.option(
-    "--take", type=click.Choice(SIDES), help="Decide conflicts of the PATHs: the file here, or the one there."
+    "--take", "prefer", type=click.Choice(SIDES), help="Decide conflicts of the PATHs: the file here, or the one there."
 )
 @click.option("--dry-run", is_flag=True, help="Show the plan, and change nothing.")
 @click.option("--yes", is_flag=True, help="Do not ask before changing.")
@@ -49,7 +49,7 @@ def command(
     every: bool,
     only_to: bool,
     only_from: bool,
-    take: Side | None,
+    prefer: Side | None,
     dry_run: bool,
     yes: bool,
     agree_through: int | None,
@@ -68,11 +68,11 @@ def command(
     """
     if every and robot is not None:
         paths, robot = (robot, *paths), None
-    _check_options(paths, take, both=only_to and only_from)
+    _check_options(paths, prefer, both=only_to and only_from)
     chosen = choose_robots([robot] if robot else [], every=every)
     if is_fleet(chosen, every=every):
         flags = (("--to", only_to), ("--from", only_from), ("--dry-run", dry_run))
-        options = [name for name, given in flags if given] + (["--take", take] if take else [])
+        options = [name for name, given in flags if given] + (["--take", prefer] if prefer else [])
         return _sync_each(chosen, paths, options, dry_run=dry_run, yes=yes)
     address = robot_address(chosen[0] if chosen else None)
     name = address.host.removesuffix(".local")
@@ -86,7 +86,7 @@ def command(
         agreed = both.last.agreed if both.last else {}
         check_paths(dict(zip(paths, only, strict=True)), {*both.here.files, *both.there.files, *agreed}, root, name)
         sides: Sequence[Side] = ["there"] if only_to else ["here"] if only_from else SIDES
-        plan = compare(both.here, both.there, agreed, to=sides, prefer=take, only=only if "" not in only else [])
+        plan = compare(both.here, both.there, agreed, to=sides, prefer=prefer, only=only if "" not in only else [])
         click.echo("\n".join(map(printable, [*describe_plan(plan, name), summarise(plan, name)])))
         if dry_run:
             return 1 if plan.conflicts else 0
@@ -105,10 +105,10 @@ def command(
     return _finish(plan, outcome)
 
 
-def _check_options(paths: Sequence[str], take: Side | None, *, both: bool) -> None:
+def _check_options(paths: Sequence[str], prefer: Side | None, *, both: bool) -> None:
     if both:
         raise click.UsageError("--to and --from cannot be used together; without them both directions are synced")
-    if take and not paths:
+    if prefer and not paths:
         raise click.UsageError("--take is for the conflicts of PATHs, expected at least one ('.' is everything)")
 
 

@@ -97,7 +97,7 @@ class Monitor:
             self._viewer = None
             self._console.silent = False
             if self._terminal is not None:
-                self._terminal.take_back(reset=True)
+                self._terminal.reclaim(reset=True)
         return wanted
 
     def work(self, now: float) -> None:

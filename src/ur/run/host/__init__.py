@@ -22,6 +22,6 @@ that can only be started there.
 Runs with `python -I -S`: nothing but the standard library and this package, for a start in a few milliseconds.
 """
 
-from ur.run.host.terminal import restore_terminal, take_foreground
+from ur.run.host.terminal import restore_terminal, set_foreground
 
-__all__ = ["restore_terminal", "take_foreground"]
+__all__ = ["restore_terminal", "set_foreground"]

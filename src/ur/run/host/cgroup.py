@@ -22,7 +22,7 @@ class Cgroup:
         """Create the object for its folder."""
         self.path = path
 
-    def take(self, pid: int) -> None:
+    def add(self, pid: int) -> None:
         """Move a process into the group, which its later children inherit. No effect without permission.
 
         This may take tens of ms, during which no process on this computer can fork: the kernel waits for all

@@ -9,7 +9,7 @@ import os
 from ur.run.host.descendants import PR_SET_PDEATHSIG
 from ur.run.host.protocol import FOREGROUND, SESSION
 from ur.run.host.signals import IGNORED, signal
-from ur.run.host.terminal import take_foreground
+from ur.run.host.terminal import set_foreground
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ class ProcessCreator:
             else:
                 os.setpgid(0, 0)
             if session_mode == FOREGROUND:
-                take_foreground(stdio[0], os.getpid())
+                set_foreground(stdio[0], os.getpid())
             self._prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
             if os.getppid() != parent:
                 os._exit(NOT_EXECUTED)

@@ -25,7 +25,7 @@ def run_guarded(descriptor: int) -> NoReturn:
     if host == 0:
         _run_host(descriptor, writer)
     if cgroup is not None:
-        cgroup.take(host)  # s for its start, which may take as long
+        cgroup.add(host)  # s for its start, which may take as long
     for signum in IGNORED:
         signal.signal(signum, signal.SIG_IGN)
     os.close(descriptor)

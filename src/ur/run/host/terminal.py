@@ -19,7 +19,7 @@ RESET_TERMINAL = (
 )
 
 
-def take_foreground(descriptor: int, group: int) -> None:
+def set_foreground(descriptor: int, group: int) -> None:
     """Make a process group the terminal's foreground group, if this process may change it."""
     try:
         os.tcsetpgrp(descriptor, group)

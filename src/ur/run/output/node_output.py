@@ -52,7 +52,7 @@ class Allowance:
         self._left = most
         self._lost = 0
 
-    def take(self, count: int, now: float) -> tuple[int, int]:
+    def spend(self, count: int, now: float) -> tuple[int, int]:
         """Request a number of lines at a time (s); return the granted number, and the lines lost in the last period."""
         lost = 0
         if now >= self._end:
@@ -113,7 +113,7 @@ class Stream:
         if data:
             write_log(self._log, data)
         lines = self._lines.feed(data)
-        granted, lost = self._allowance.take(len(lines), now)
+        granted, lost = self._allowance.spend(len(lines), now)
         self._describe_lost(lost)
         for line in lines[:granted]:
             text = make_printable(line)
@@ -144,7 +144,7 @@ class Stream:
             write_log(self._log, view[:size])
         end = max(0, size - LONGEST_LINE)
         count, lines = self._lines.skip(bytes(self._buffer[end:size]), KEPT_LINES)
-        self._allowance.take(count + self._buffer.count(b"\n", 0, end), now)
+        self._allowance.spend(count + self._buffer.count(b"\n", 0, end), now)
         recent.extend(map(make_printable, lines))
         # Half of the pipe's capacity must be free, so that the node does not block.
         self.may_pause = MOST_READ < len(self._buffer) > 2 * size

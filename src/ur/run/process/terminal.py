@@ -6,7 +6,7 @@ import os
 import signal
 import termios
 
-from ur.run.host.terminal import restore_terminal, take_foreground
+from ur.run.host.terminal import restore_terminal, set_foreground
 
 
 class Terminal:
@@ -41,12 +41,12 @@ class Terminal:
     def lend(self, group: int) -> None:
         """Make a process group the foreground group."""
         self.mark_lent()
-        take_foreground(self.descriptor, group)
+        set_foreground(self.descriptor, group)
 
-    def take_back(self, *, reset: bool) -> None:
+    def reclaim(self, *, reset: bool) -> None:
         """Become the foreground group again and restore the modes; `reset` also clears output of a killed program."""
         if self._lent:
-            take_foreground(self.descriptor, os.getpgrp())
+            set_foreground(self.descriptor, os.getpgrp())
             self._lent = False
         restore_terminal(self.descriptor, self._attributes, reset=reset)
 
