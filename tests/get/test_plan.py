@@ -39,7 +39,7 @@ Filename: pool/j.deb
 def plan(*names: str, **tables: object) -> dict[str, tuple[str, tuple[str, ...]]]:
     given = Tables(**{"rosdep": {}, "candidates": {}, **tables})  # type: ignore[arg-type]
     steps = make_plan([Missing(name) for name in names], given, lambda name: name == "roscpp").steps
-    return {step.missing.package: (step.way, step.names) for step in steps}
+    return {step.missing.package: (step.method, step.names) for step in steps}
 
 
 def test_package_of_the_release_comes_from_it_and_one_that_only_has_its_name_does_not() -> None:
@@ -148,7 +148,7 @@ def test_missing_tables_are_reported_and_what_needs_none_is_still_planned() -> N
     tables, notes = load_tables(missing, Nothing())
     made = make_plan(missing, tables, lambda _: False, notes)
     assert made.notes == ("no table", "no index")
-    assert [step.way for step in made.steps] == ["unknown", "pypi"]
+    assert [step.method for step in made.steps] == ["unknown", "pypi"]
     assert "note: no index\n" in render_plan(made)
 
 

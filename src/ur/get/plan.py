@@ -106,11 +106,11 @@ def make_plan(
     wanted: dict[str, Missing] = {}
     for each in missing:
         wanted.setdefault(each.package, each)
-    steps = tuple(_find_way(wanted[name], tables, is_there) for name in sorted(wanted))
+    steps = tuple(_find_method(wanted[name], tables, is_there) for name in sorted(wanted))
     return GetPlan(steps, tuple(notes))
 
 
-def _find_way(missing: Missing, tables: Tables, is_there: Callable[[str], bool]) -> InstallStep:
+def _find_method(missing: Missing, tables: Tables, is_there: Callable[[str], bool]) -> InstallStep:
     package = missing.package
     if not PACKAGE_NAME.fullmatch(package):
         return InstallStep(missing, "unknown", reason="that is not the name of a package")

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-Way = Literal["debian", "other", "pypi", "source", "unknown"]
+Method = Literal["debian", "other", "pypi", "source", "unknown"]
 PACKAGE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,99}")  # REP 127, and the capitals that old packages have
 
 
@@ -49,16 +49,16 @@ class Needs:
 
 @dataclass(frozen=True, slots=True)
 class InstallStep:
-    """One missing package and its source (`way`).
+    """One missing package and its source (`method`).
 
-    The way is "other" for a Debian package outside of ROS, since an untrusted package.xml may name any. `names` are
+    The method is "other" for a Debian package outside of ROS, since an untrusted package.xml may name any. `names` are
     Debian packages, or the project on PyPI; `repository` is set for "source". `needs` are its missing dependencies;
     None while its package.xml is unknown. `reason` explains for "unknown" why there is no source, and for "source"
     peculiarities of its repository. `chosen`: the user has already agreed to it.
     """
 
     missing: Missing
-    way: Way
+    method: Method
     names: tuple[str, ...] = ()
     repository: SourceRepository | None = None
     needs: tuple[str, ...] | None = None
@@ -73,9 +73,9 @@ class GetPlan:
     steps: tuple[InstallStep, ...]
     notes: tuple[str, ...] = ()
 
-    def steps_by(self, way: Way) -> tuple[InstallStep, ...]:
-        """Return the steps of one way."""
-        return tuple(step for step in self.steps if step.way == way)
+    def steps_by(self, method: Method) -> tuple[InstallStep, ...]:
+        """Return the steps of one method."""
+        return tuple(step for step in self.steps if step.method == method)
 
     @property
     def debian(self) -> tuple[str, ...]:

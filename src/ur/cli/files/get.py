@@ -130,7 +130,7 @@ def _take_others(plan: GetPlan, choices: _Choices) -> GetPlan:
     others = plan.steps_by("other")
     if not others or not choices.may_install([name for step in others for name in step.names]):
         return plan
-    steps = (replace(step, way="debian", chosen=True) if step.way == "other" else step for step in plan.steps)
+    steps = (replace(step, method="debian", chosen=True) if step.method == "other" else step for step in plan.steps)
     return replace(plan, steps=tuple(steps))
 
 
