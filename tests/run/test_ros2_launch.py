@@ -164,15 +164,10 @@ def test_second_node_of_a_name_is_started_restarted_and_stopped(ros2: Ros2World)
 
 
 def test_parts_that_are_not_known_are_refused_before_anything_starts(ros2: Ros2World) -> None:
-    run = start(
-        ros2,
-        """
-    return [node('n'), RegisterEventHandler(OnProcessExit(on_exit=lambda event, context: [node('m')]))]
-""",
-    )
+    run = start(ros2, "    return [node('n'), node('m', LaunchLogDir())]\n")
     assert run.wait() == 1
-    assert "'ur launch' does not know this part of the launch file: a function decides" in run.text
-    assert "b.launch.py:14:45: error" in run.text
+    assert "'ur launch' does not know this part of the launch file: the folder of the log" in run.text
+    assert "b.launch.py:13:" in run.text
     assert "ur launch -- ros2 launch" in run.text
     assert ros2.found() == []
 
