@@ -183,3 +183,64 @@ def test_file_for_ros_1_that_includes_one_for_ros_2_is_refused() -> None:
 def test_broken_xml_of_a_file_for_ros_2_is_reported() -> None:
     report = check({"launch/a.launch.xml": '<launch><let name="a" value="1"/><group></launch>'})
     assert rules(report) == ["bad-xml"]
+
+
+ARGUMENT = "DeclareLaunchArgument('mode', default_value='slow'{})"
+USE = "Node(package='demo', executable=LaunchConfiguration('mode'))"
+IF = "Node(package='demo', executable='a', condition=IfCondition({}))"
+CHOICES = ", choices=['slow', 'fast']"
+TEXT = "['\"', LaunchConfiguration('mode'), '\" == \"{}\"']"
+
+
+@pytest.mark.parametrize(
+    ("entities", "found"),
+    [
+        ((ARGUMENT.format(""),), ["unused-argument"]),
+        ((ARGUMENT.format(""), USE), []),
+        ((ARGUMENT.format(""), IF.format("'false'").replace("'a'", "LaunchConfiguration('mode')")), []),
+        ((ARGUMENT.format(""), INCLUDE.format("part.launch.py", "")), []),
+        ((ARGUMENT.format(""), ARGUMENT.format("").replace("slow", "fast"), USE), ["duplicate-arg"]),
+        ((ARGUMENT.format(""), ARGUMENT.format(""), USE), []),
+        ((*(f"GroupAction([{ARGUMENT.format('').replace('slow', each)}, {USE}])" for each in "ab"),), []),
+        (
+            (ARGUMENT.format(CHOICES), IF.format(f"PythonExpression({TEXT.format('fats')})")),
+            ["useless-condition"],
+        ),
+        ((ARGUMENT.format(CHOICES), IF.format(f"PythonExpression({TEXT.format('fast')})")), []),
+        (
+            (ARGUMENT.format(CHOICES), IF.format("EqualsSubstitution(LaunchConfiguration('mode'), 'fats')")),
+            ["useless-condition"],
+        ),
+        ((ARGUMENT.format(""), IF.format("EqualsSubstitution(LaunchConfiguration('mode'), 'fats')")), []),
+    ],
+)
+def test_argument_that_cannot_have_an_effect_is_found(entities: tuple[str, ...], found: list[str]) -> None:
+    part = python("Node(package='demo', executable=LaunchConfiguration('mode', default='a'))")
+    imports = "from launch.substitutions import EqualsSubstitution, PythonExpression"
+    files = {"launch/a.launch.py": python(*entities, before=imports), "launch/part.launch.py": part}
+    assert [rule for rule in rules(check(files, "/w/demo/launch/a.launch.py")) if rule != "missing-executable"] == found
+
+
+@pytest.mark.parametrize(
+    ("build", "found"),
+    [
+        ("add_executable(talkr src/main.cpp)", ["missing-executable"]),
+        ("add_executable(talker src/talker.cpp)", []),
+        ("add_executable(${name} src/talker.cpp)", []),
+        ("project(demo)\nadd_executable(${PROJECT_NAME}_talker a.cpp)", ["missing-executable"]),
+        ("install(PROGRAMS scripts/talker DESTINATION lib/demo)", []),
+    ],
+)
+def test_executable_that_no_build_rule_makes_is_found(build: str, found: list[str]) -> None:
+    node = python("Node(package='demo', executable='talker')")
+    assert rules(check({"launch/a.launch.py": node, "CMakeLists.txt": build})) == found
+
+
+def test_executable_that_is_installed_is_found_by_its_folder() -> None:
+    files = {
+        "/o/share/demo/package.xml": "<package><name>demo</name></package>",
+        "/o/lib/demo/talker": "",
+        "/o/share/demo/launch/a.launch.py": python("Node(package='demo', executable='tolker')"),
+    }
+    (found,) = check_paths(["/o/share/demo"], MemoryWorld(files, {"demo": "/o/share/demo"})).findings
+    assert (found.rule, found.help) == ("missing-executable", "did you mean talker?")

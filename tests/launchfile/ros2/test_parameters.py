@@ -124,7 +124,9 @@ SECTIONS = [
 @pytest.mark.parametrize(("text", "expected"), SECTIONS)
 def test_section_of_a_file_is_for_the_nodes_that_it_names(text: str, expected: dict[str, object]) -> None:
     node = "Node(executable='n', name='n', namespace='ns', parameters=['/p.yaml'])"
-    found = parameters(load_clean(python(node), files={"/p.yaml": text}), "/ns/n")
+    plan = load(python(node), files={"/p.yaml": text})
+    assert rules(plan) == (["parameter-file"] if text and "ros__parameters" not in text else [])
+    found = parameters(plan, "/ns/n")
     assert found == (expected if not text.startswith("n: {ros__") else {})
 
 

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable
 
 from ur.check.example_parts import make_launch, speed_example
-from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup, launch_example, launch_examples
+from ur.check.rule import LaunchView, PlanView, Rule, RuleFinding, RuleGroup, launch_example, launch_examples
 from ur.check.survey import walk_elements
 from ur.launchfile.syntax import Element, SubstitutionProblem, is_eval, parse_substitutions
 from ur.source.diagnostic import Severity
@@ -58,6 +58,13 @@ def _find_unused_argument(view: LaunchView) -> Iterable[RuleFinding]:
             message = f"argument '{name}' is declared and not used, expected a place that uses it"
             help_ = "remove it, or use it where it was meant to be"
             yield RuleFinding(elements[0].value_span("name"), message, help_, subject=name)
+
+
+def _find_unused_declared(view: PlanView) -> Iterable[RuleFinding]:
+    for place in view.plan.unused:
+        name = place.text.strip("'\"")
+        message = f"argument '{name}' is declared and not used, expected a place that uses it"
+        yield RuleFinding(place, message, "remove it, or use it where it was meant to be", subject=name)
 
 
 def _uses_all(view: LaunchView) -> bool:
@@ -121,5 +128,6 @@ passes: roslaunch refuses a file that does not declare what it is passed.
 </launch>
 """),
         launch_file=_find_unused_argument,
+        plan=_find_unused_declared,
     ),
 )

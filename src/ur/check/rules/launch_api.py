@@ -22,6 +22,12 @@ def _describing(entity: str) -> Example:
     return _file(f"return LaunchDescription([{entity}])")
 
 
+def _with_file(place: str, text: str) -> Example:
+    files = place.replace("HERE", '["/etc/talker.yaml"]')
+    node = f'Node(package="demo_nodes", executable="talker", name="talker", parameters={files})'
+    return Example({**_describing(node).files, "/etc/talker.yaml": text})
+
+
 def _components(component: str, *others: str) -> Example:
     return _file(
         *others,
@@ -84,6 +90,29 @@ is none, and the like: the launch fails when it gets to this place.
 """,
         bad=(_describing('Node(package="demo_nodes", executable="talker", remappings=«[("chatter",)]»)'),),
         good=(_describing('Node(package="demo_nodes", executable="talker", remappings=[("chatter", "news")])'),),
+    ),
+    Rule(
+        id="parameter-file",
+        group=RuleGroup.LAUNCH_API,
+        severity=Severity.WARNING,
+        summary="A parameter file has no `ros__parameters`.",
+        explanation="""
+The values of a node stand below its name and `ros__parameters`. A node that gets another file ends when it starts.
+""",
+        bad=(_with_file("«HERE»", "talker:\n  rate: 5\n"),),
+        good=(_with_file("HERE", "talker:\n  ros__parameters:\n    rate: 5\n"),),
+    ),
+    Rule(
+        id="parameter-section",
+        group=RuleGroup.LAUNCH_API,
+        severity=Severity.WARNING,
+        summary="The only parameter file of a node has no section for it, and one with nearly its name.",
+        explanation="""
+The node starts with its defaults: sections for others are skipped without a word. Files with sections for many nodes
+are left alone.
+""",
+        bad=(_with_file("«HERE»", "talkr:\n  ros__parameters:\n    rate: 5\n"),),
+        good=(_with_file("HERE", "/**/talker:\n  ros__parameters:\n    rate: 5\n"),),
     ),
     Rule(
         id="python-syntax",

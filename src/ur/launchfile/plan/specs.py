@@ -294,6 +294,7 @@ class Plan:
     includes: tuple[IncludeSpec, ...] = field(default=())  # in document order, each time one is included
     gaps: tuple[Gap, ...] = field(default=())
     launcher: Literal["roslaunch", "ros2 launch", "other"] = "roslaunch"  # whose file it is
+    unused: tuple[Span, ...] = field(default=())  # names of arguments that nothing read so far can use
     environment: tuple[tuple[str, str], ...] = field(default=())  # set for all that follows, beyond that of the start
     actions: tuple[ActionSpec, ...] = field(default=())
     written: tuple[tuple[str, str], ...] = field(default=())  # texts of files that the launcher writes, by their paths

@@ -84,6 +84,7 @@ class Context:
         """Their texts."""
         self.run_command: RunWith | None = None
         """Runs what `Command` names; without it the output is not known."""
+        self.used: set[str] = set()  # names of configurations that were asked for
         self.temporary = 0  # how many temporary files have a name
 
     @property
@@ -122,6 +123,11 @@ class Context:
         """Return whether a path leads to a file, charged to the budget."""
         self.budget.charge(PER_SYSTEM_CALL)
         return self.world.is_file(path)
+
+    @property
+    def is_scoped(self) -> bool:
+        """True inside of a group at whose end configurations are forgotten."""
+        return bool(self._scopes)
 
     def push_scope(self) -> None:
         """Begin a scope of configurations."""
@@ -211,12 +217,19 @@ class Context:
             return path
         wanted = path[len(folder) + 1 :].split("/")
         names = (wanted[-1], f"{wanted[-1]}.in")
-        found = [parts for parts in self._files_of(folder) if parts[-1] in names]
+        found = [parts for parts in self.files_of(folder) if parts[-1] in names]
         if not found:
             return path
         return "/".join((folder, *max(found, key=lambda parts: len(set(parts) & set(wanted)))))
 
-    def _files_of(self, folder: str) -> list[tuple[str, ...]]:
+    def text_of(self, path: str) -> str:
+        """Return the text of a file; an empty one if it cannot be read."""
+        with suppress(OSError):
+            return self.world.read_bytes(path).decode(errors="replace")
+        return ""
+
+    def files_of(self, folder: str) -> list[tuple[str, ...]]:
+        """Return the files below a folder, at most MOST_FILES, as the parts of their paths."""
         if folder not in self._listed:
             self._listed[folder] = []
             waiting: list[tuple[str, ...]] = [()]

@@ -20,6 +20,7 @@ from ur.launchfile.plan.specs import (
 )
 from ur.launchfile.ros2.collector import Collector
 from ur.launchfile.ros2.context import Context
+from ur.launchfile.ros2.findings import find_executable
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.nav2 import fill_file, read_sections
 from ur.launchfile.ros2.parameters import ParameterSections, TypedList, read_value, read_values
@@ -42,6 +43,7 @@ class Nodes(Collector):
         self._literal: set[str] = set()  # containers whose names no argument changes
         self._components: list[tuple[NodeSpec, Span]] = []
         self._sections: dict[str, ParameterSections | None] = {}
+        self._programs: set[tuple[str, str]] = set()
         self._made: dict[int, NodeSpec] = {}  # by the id of what made them, which `_kept` keeps
         self._kept: list[Made] = []
         self._numbers: dict[str, int] = {}  # nodes by name
@@ -66,6 +68,7 @@ class Nodes(Collector):
     def _make_node(self, made: Made) -> NodeSpec:
         package = self._text(made.get("package"), made.span) if made.get("package") is not None else ""
         executable = self._text(made.get("executable", ""), made.span)
+        self._check_executable(package, executable, made)
         given = self._text(made.get("name"), made.span) if made.get("name") is not None else ""
         if given and "<" not in given and not _NODE_NAME.fullmatch(given):
             raise DescriptionProblem(
@@ -120,6 +123,16 @@ class Nodes(Collector):
                 wanted |= {self._text(key, made.span): self._text(value, made.span) for key, value in given.items()}
         changes = {key: value for key, value in wanted.items() if start.get(key) != value}
         return changes, tuple(sorted(key for key in start if key not in wanted))
+
+    def _check_executable(self, package: str, name: str, made: Made) -> None:
+        if (package, name) in self._programs or "<" in package + name or not package or not name:
+            return
+        self._programs.add((package, name))
+        is_missing, near = find_executable(package, name, self._context)
+        if is_missing:
+            message = f"package '{package}' has no executable '{name}', expected one that its build installs"
+            help_ = f"did you mean {near}?" if near else "install it: install(TARGETS ...), or console_scripts"
+            self._warn(message, "missing-executable", made.place("executable"), help_, name)
 
     def _words(self, given: object, made: Made) -> tuple[str, ...]:
         if given is None:

@@ -196,6 +196,7 @@ class ParameterSections:
     """The sections of one parameter file: for each, the nodes that it names, and its parameters."""
 
     def __init__(self, content: object) -> None:
+        self.is_mapping = isinstance(content, Mapping) and bool(content)
         self.sections: list[tuple[str, Mapping[str, object]]] = list(_find_sections(content, ""))
         """Patterns of full node names, `*` for one part and `**` for any, with the values below `ros__parameters`."""
 

@@ -130,6 +130,7 @@ def _configuration(made: Made, context: Context) -> str | Unknown:
     name = perform(made.get("variable_name", ""), context)
     if isinstance(name, Unknown):
         return name
+    context.used.add(name)
     if name in context.configurations:
         value = context.configurations[name]
         return value if isinstance(value, str | Unknown) else str(value)

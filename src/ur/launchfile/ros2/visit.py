@@ -10,9 +10,8 @@ from dataclasses import replace
 from typing import Any, cast
 
 from ur.launchfile.plan.draft import Draft, TooMuch
-from ur.launchfile.plan.problems import NOT_GIVEN, TOLERATED
+from ur.launchfile.plan.problems import TOLERATED
 from ur.launchfile.plan.specs import (
-    ArgumentStep,
     IncludeSpec,
     ParameterValues,
     Plan,
@@ -20,7 +19,7 @@ from ur.launchfile.plan.specs import (
 from ur.launchfile.plan.values.budget import TooLong
 from ur.launchfile.ros2.collector import find_declared, find_written
 from ur.launchfile.ros2.context import ANY_NAME, DEEPEST, MOST_INCLUDES, Context
-from ur.launchfile.ros2.events import Events
+from ur.launchfile.ros2.declarations import Declarations
 from ur.launchfile.ros2.model import Description, DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.parameters import read_value
 from ur.launchfile.ros2.substitutions import is_wanted, perform
@@ -32,18 +31,12 @@ MOST_ROUNDS = 1_000  # of a loop
 ReadFile = Callable[[str, Context], Description]
 
 
-class Visitor(Events):
+class Visitor(Declarations):
     """Visits the entities of launch files. `read` reads a launch file in any language; it raises OSError."""
 
     def __init__(self, context: Context, draft: Draft, read: ReadFile) -> None:
         super().__init__(context, draft)
         self._read = read
-        self._declared: set[str] = set()
-
-    @property
-    def declared(self) -> frozenset[str]:
-        """The arguments that the first file declares."""
-        return frozenset(self._declared)
 
     def start(self, description: Description) -> None:
         """Visit the file that is started, then what events start."""
@@ -62,12 +55,15 @@ class Visitor(Events):
                 help_ = f"did you mean {near}?" if near else "start a ComposableNodeContainer of this name"
                 self._warn(message, "unknown-container", span, help_, node.container)
 
+        self.report_lost()
+
     def finish(self) -> Plan:
         """Return the plan."""
         return replace(
             self._draft.finish(),
             gaps=tuple(self._gaps),
             launcher="ros2 launch",
+            unused=self.find_unused(),
             actions=tuple(self._actions),
             written=tuple(self._context.written.items()),
         )
@@ -119,6 +115,7 @@ class Visitor(Events):
             self._on_gap(wanted.then(f"whether {made.kind} takes part", made.span), self._context.chain)
             return
         if not wanted:
+            self._check_condition(made)
             return
         method = _ACTIONS.get(made.kind, "")
         if not method:
@@ -127,57 +124,6 @@ class Visitor(Events):
                 raise DescriptionProblem(message + ", expected an action", "launch-value", made.span, None, made.kind)
             return
         getattr(self, method)(made)
-
-    def _declare(self, made: Made) -> None:
-        context = self._context
-        name = self._text(made.get("name", ""), made.span)
-        if not context.chain:
-            self._declared.add(name)
-        handed_over = name in context.configurations
-        if not handed_over:
-            default = made.get("default_value")
-            if default is None:
-                context.configurations[name] = Unknown(f"argument '{name}' has no value", made.span, "argument")
-                self._trace_argument(made, name, handed_over=False)
-                message = f"argument '{name}' has no value, expected one: it has no default"
-                raise DescriptionProblem(
-                    message,
-                    "missing-argument",
-                    made.place("name"),
-                    f"give it: {name}:=VALUE",
-                    name,
-                    "" if context.chain else NOT_GIVEN,
-                )
-            context.configurations[name] = perform(default, context)
-        self._trace_argument(made, name, handed_over=handed_over)
-        value, choices = context.configurations[name], made.get("choices")
-        if isinstance(choices, (list, tuple)) and isinstance(value, str) and value not in choices:
-            near = did_you_mean(value, [str(each) for each in choices])
-            known = ", ".join(map(str, choices))
-            message = f"argument '{name}' is '{value}', expected one of {known}"
-            is_required = not value  # such a default is a habit: none of the choices is right for all
-            if is_required:
-                context.configurations[name] = Unknown(f"argument '{name}' has no value", made.span, "argument")
-            place = made.place("choices" if handed_over else "default_value")
-            help_ = f"did you mean {near}?" if near else f"choose one of {known}"
-            raise DescriptionProblem(message, "bad-choice", place, help_, name, NOT_GIVEN if is_required else "")
-
-    def _trace_argument(self, made: Made, name: str, *, handed_over: bool) -> None:
-        if self._draft.trace is None:
-            return
-        default, value, choices = made.get("default_value"), self._context.configurations[name], made.get("choices")
-        doc = perform(made.get("description") or "", self._context)
-        step = ArgumentStep(
-            name,
-            "required" if default is None else "default",
-            default if isinstance(default, str) else " ".join(made.place("default_value").text.split()),
-            value if isinstance(value, str) else None,
-            self._origin(made.places.get("name", made.span)),
-            handed_over=handed_over,
-            doc=" ".join(doc.split()) if isinstance(doc, str) else "",
-            choices=tuple(map(str, choices)) if isinstance(choices, (list, tuple)) else (),
-        )
-        self._draft.trace.append(step)
 
     def _set_configuration(self, made: Made) -> None:
         name = self._text(made.get("name", ""), made.span)

@@ -80,7 +80,7 @@ class _Reader:
         self._problems: list[DescriptionProblem] = []
         self._gaps: dict[Unknown, None] = {}
         self._library = Library(context, source.path, self._report)
-        self._context = context
+        self._context, self._library.standard.text = context, source.text
         outermost = Frame(names={name: value for name, value in self._library.builtins().items() if value is not None})
         self._expressions = Expressions(source, context.budget, Frame(outermost))
         self._expressions.find_method = self._library.find_method

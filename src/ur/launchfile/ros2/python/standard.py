@@ -6,6 +6,7 @@ A file that is written is kept in memory, where the same launch reads it again; 
 import copy
 import json
 import posixpath
+import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from fnmatch import fnmatchcase
@@ -20,6 +21,7 @@ from ur.source.file import Span
 from ur.source.foreign.xml_text import parse_xml
 
 _MOST_FOUND = 2_000  # files of a pattern
+_EXPORT = re.compile(rb"<export>(?:(?!</export>).)*?<(?!build_type|/|!|architecture|deprecated)", re.DOTALL)
 _PER_FOLDER = 1_000  # units of work
 _PROGRAMS = ("run", "call", "check_call", "check_output", "Popen", "getoutput")
 _DECORATORS = ("cache", "lru_cache", "total_ordering", "wraps")
@@ -34,6 +36,7 @@ class Standard:
 
     def __init__(self, context: Context) -> None:
         self._context, self._world = context, context.world
+        self.text = ""  # of the file that is read
         self.at: Span | None = None  # the place of the statement that is read
         self.paths: list[object] = []  # sys.path
         self.modules: Mapping[str, Callable[[], Module]] = {
@@ -89,7 +92,17 @@ class Standard:
         return taking_unknown(call)
 
     def _package_names(self) -> list[str]:
-        return sorted(self._world.package_names())
+        names = sorted(self._world.package_names())
+        self._context.budget.charge(_PER_FOLDER + 20 * len(names))
+        if "parse_package" not in self.text:
+            return names
+        return [name for name in names if self._exports(name)]  # the others are skipped: there are hundreds
+
+    def _exports(self, name: str) -> bool:
+        with suppress(PackageNotFound, OSError, ValueError):
+            data = self._world.read_bytes(f"{self._world.find_package(name)}/package.xml")
+            return bool(_EXPORT.search(data))
+        return False
 
     def prefixes(self) -> dict[str, str]:
         """Return the folders into which packages are installed, by the names of the packages."""
