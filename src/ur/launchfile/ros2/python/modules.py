@@ -5,7 +5,8 @@ Files are read through the World, with its limits; nothing is written, started o
 
 import posixpath
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import cache
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -74,23 +75,29 @@ class Library:
                 "launch_ros.events", {"lifecycle": self.find("launch_ros.events.lifecycle")}
             ),
         }
+        self._found: dict[str, Module | None] = {}
         self._at: Span | None = None
         self.is_tried: Callable[[], bool] = lambda: False
         """True where a `try` of the file is around the present place."""
 
     def find(self, name: str) -> Module | None:
         """Return a module; None if it is none of those here."""
+        if name not in self._found:
+            self._found[name] = self._make(name)
+        return self._found[name]
+
+    def _make(self, name: str) -> Module | None:
         if name in self._own:
             return self._own[name]()
         found = modules().get(name)
-        if found is None and not any(known.startswith(name + ".") for known in (*modules(), *self._own)):
+        inner_names = _inner_modules(tuple(self._own)).get(name, ())
+        if found is None and not inner_names:
             return Module(name, {}) if name.partition(".")[0] in _IGNORED else None
         members: dict[str, object] = {
             each: ApiClass(signature, self._report) for each, signature in (found or {}).items()
         }
-        for known in (*modules(), *self._own):
-            parent, _, last = known.rpartition(".")
-            if parent == name and (inner := self.find(known)) is not None:
+        for last in inner_names:
+            if (inner := self.find(f"{name}.{last}")) is not None:
                 members.setdefault(last, inner)
         if name in ("launch", "launch.launch_context"):
             members["LaunchContext"] = lambda *_, **__: ContextObject(Context(self._world, self._context.budget, {}))
@@ -302,6 +309,18 @@ def _is_instance(value: object, kind: object) -> object:
         ):
             return True
     return False
+
+
+@cache
+def _inner_modules(others: tuple[str, ...]) -> Mapping[str, tuple[str, ...]]:
+    """Return the modules in each module, by the last parts of their names."""
+    found: dict[str, dict[str, None]] = {}
+    for known in (*modules(), *others):
+        while "." in known:
+            parent, _, last = known.rpartition(".")
+            found.setdefault(parent, {})[last] = None
+            known = parent
+    return {name: tuple(inner) for name, inner in found.items()}
 
 
 def _do_nothing(*_: object, **__: object) -> None:
