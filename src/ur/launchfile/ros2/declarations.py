@@ -4,9 +4,9 @@ from ur.launchfile.plan.draft import Draft
 from ur.launchfile.plan.problems import NOT_GIVEN, TOLERATED
 from ur.launchfile.plan.specs import ArgumentStep
 from ur.launchfile.ros2.context import Context
+from ur.launchfile.ros2.events import Events
 from ur.launchfile.ros2.findings import Found, find_impossible, find_lost_parameters, find_unused
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
-from ur.launchfile.ros2.events import Events
 from ur.launchfile.ros2.substitutions import perform
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
