@@ -129,6 +129,9 @@ HOSTILE = {
     "folder that is read again": "import os\nwhile True:\n    x = os.listdir('.')\n    y = os.path.exists('.')",
     "statement given up again": "import re\nwhile True:\n    for a in range(9999):\n        if re.x:\n"
     + "".join(f"            b{number} = a\n" for number in range(800)),
+    "text that evaluates itself": "x = 'eval(x)'\ny = eval(x)",
+    "file that grows": "x = open('MARK', 'w')\nwhile True:\n    x.write('a' * 10000)\n    y = open('MARK').read()",
+    "copies of copies": "import copy\nx = [1]\nfor a in range(40):\n    x = [copy.deepcopy(x), copy.deepcopy(x)]",
     "values in values": "x = [LaunchDescription([])]\nfor a in range(40):\n    x = [LaunchDescription(x), *x]",
 }
 BUDGET = 1_000_000  # units of work, a part of what a file has
@@ -264,6 +267,17 @@ def test_description_that_grows_is_visited_within_the_budget(actions: str) -> No
     assert time.process_time() - start < LIMIT
     assert getrusage(RUSAGE_SELF).ru_maxrss - memory < MOST_MEMORY
     assert any(" too long to " in text for text in (*map(str, plan.gaps), *map(str, plan.diagnostics)))
+
+
+def test_poses_of_many_robots_are_read_within_the_budget() -> None:
+    text = (
+        "from nav2_common.launch import ParseMultiRobotPose\nfor a in range(10000):\n"
+        "    x = ParseMultiRobotPose('robots').value()\n"
+    )
+    start = time.process_time()
+    robots = f"robots:={'a={x: 1.0};' * 5000}"
+    load_ros2("/a.launch.py", [robots], MemoryWorld({"/a.launch.py": text}), budget=Budget(BUDGET))
+    assert time.process_time() - start < LIMIT
 
 
 @pytest.mark.parametrize("name", NAMES[::2])

@@ -256,7 +256,7 @@ class Context:
             share = self.world.find_package(first)
             folders.append(share)
             library = f"{share.removesuffix(f'/share/{first}')}/lib"
-            for python in self.world.list_folder(library):
+            for python in self.list_folder(library):
                 folders += [f"{library}/{python}/{each}" for each in ("site-packages", "dist-packages")]
         paths = []
         for folder in folders:

@@ -15,7 +15,6 @@ from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.parameters import ParameterSections
 from ur.launchfile.ros2.substitutions import PERFORM, is_wanted, perform
 from ur.source.file import Span
-from ur.source.foreign.yaml_text import load_yaml
 
 REWRITTEN = "/rewritten/"
 _SECTION = re.compile(r"^([^\s#][^:\n]*):", re.MULTILINE)
@@ -208,12 +207,12 @@ def _parse_poses(made: Made, _: Context) -> str | Unknown:
     return Unknown("the poses of several robots come from the command line", made.span)
 
 
-def read_poses(text: str) -> dict[str, dict[str, float]]:
+def read_poses(text: str, context: Context) -> dict[str, dict[str, float]]:
     """Return the poses of robots by name, written as `name={x: 1.0, yaw: 0.5}; other={...}`. Raises ValueError."""
     found = {}
     for part in filter(str.strip, text.split(";")):
         name, _, pose = part.partition("=")
-        given = load_yaml(pose)
+        given = context.load_yaml(pose)
         if isinstance(given, dict):
             found[name.strip()] = {each: float(given.get(each, 0.0)) for each in _POSE}
     return found

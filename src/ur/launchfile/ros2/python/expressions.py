@@ -15,8 +15,8 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from ur.launchfile.plan.values import expression_functions as functions
-from ur.launchfile.plan.values.budget import Budget, ExpressionProblem
-from ur.launchfile.plan.values.expression import Evaluator
+from ur.launchfile.plan.values.budget import PER_YAML_CHARACTER, Budget, ExpressionProblem
+from ur.launchfile.plan.values.expression import MAX_LENGTH, Evaluator
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.python.objects import (
     ApiClass,
@@ -105,9 +105,10 @@ class Expressions(Evaluator):
 
     def _evaluate(self, text: object, *_: object) -> object:
         """Return the value of a text, as `eval`."""
-        self.budget.weigh(text)
-        self.budget.spend(_PER_EVAL)
-        return self.visit(ast.parse(str(text).strip(), mode="eval").body)
+        if not isinstance(text, str) or len(text) > MAX_LENGTH:
+            raise ValueError(f"expected a text of at most {MAX_LENGTH:,} characters")
+        self.budget.spend(_PER_EVAL + PER_YAML_CHARACTER * len(text))
+        return self.visit(ast.parse(text.strip(), mode="eval").body)
 
     def visit_Lambda(self, node: ast.Lambda) -> object:
         defaults = tuple(self.visit(each) for each in node.args.defaults)

@@ -155,7 +155,7 @@ class Library:
             return self.find_share if value.kind.endswith("Share") else self.find_prefix
         if name == "value" and value.kind == "ParseMultiRobotPose":
             text = self._context.configurations.get(str(value.get("target_argument")), "")
-            return lambda: read_poses(text) if isinstance(text, str) else text
+            return lambda: read_poses(text, self._context) if isinstance(text, str) else text
         return None
 
     def _method_of_path(self, path: str, name: str) -> object:

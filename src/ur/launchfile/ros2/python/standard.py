@@ -23,6 +23,7 @@ from ur.source.foreign.xml_text import parse_xml
 _MOST_FOUND = 2_000  # files of a pattern
 _EXPORT = re.compile(rb"<export>(?:(?!</export>).)*?<(?!build_type|/|!|architecture|deprecated)", re.DOTALL)
 _PER_FOLDER = 1_000  # units of work
+_PER_DUMP = 100  # times as much as to weigh a value
 _PROGRAMS = ("run", "call", "check_call", "check_output", "Popen", "getoutput")
 _DECORATORS = ("cache", "lru_cache", "total_ordering", "wraps")
 
@@ -190,7 +191,7 @@ class Standard:
         return Module("yaml", {**loads, **dict.fromkeys(("dump", "safe_dump"), self._dump), "YAMLError": ValueError})
 
     def _dump(self, value: object, stream: object = None, *_: object, **__: object) -> object:
-        self._context.budget.weigh(value)
+        self._context.budget.weigh([value] * _PER_DUMP)
         text = yaml.safe_dump(value)
         return stream.write(text) if isinstance(stream, Written) else text
 
