@@ -43,6 +43,7 @@ class Expressions(Evaluator):
     def __init__(self, source: SourceFile, budget: Budget, frame: Frame) -> None:
         super().__init__(source.text, 0, {}, self._find_name, (), budget)
         self.source, self.frame = source, frame
+        self._is_ascii = source.text.isascii()
         self.tries = 0  # how many `try` of the file are around this place
         self.call_function: CallFunction = _not_called
         self.find_method: Callable[[object, str], object] = lambda *_: None
@@ -56,9 +57,9 @@ class Expressions(Evaluator):
         return Span(self.source, start, max(start, end))
 
     def _offset(self, line: int, column: int) -> int:
-        text = self.source.line(line)
-        shift = column if text.isascii() else len(text.encode()[:column].decode(errors="replace"))
-        return self.source.offset_of_line(line) + shift
+        if not self._is_ascii:
+            column = len(self.source.line(line).encode()[:column].decode(errors="replace"))
+        return self.source.offset_of_line(line) + column
 
     def problem(self, message: str, node: ast.expr, *_: object) -> Any:
         """Return a problem at the position of a node."""
