@@ -177,7 +177,7 @@ def test_function_that_asks_an_event_is_a_gap() -> None:
 
 def test_program_that_the_file_runs_is_named_with_its_line() -> None:
     plan = load(python("Node(executable='a')", before="import subprocess\nsubprocess.run(['date'])"))
-    assert [(gap.reason, gap.kind) for gap in plan.gaps] == [("a program is not run while reading: run()", "command")]
+    assert [(gap.reason, gap.kind) for gap in plan.gaps] == [("a program is not run while reading: run()", "")]
     assert plan.gaps[0].origin is not None
     assert "subprocess.run" in plan.gaps[0].origin.span.text
 

@@ -159,18 +159,19 @@ def _find_qualities(view: PlanView) -> Iterable[RuleFinding]:
 
 
 def _file(*nodes: str) -> Example:
-    body = "".join(f"        {node},\n" for node in nodes)
+    names = ("first", "second")[: len(nodes)]
+    body = "".join(f"    {name} = {node}\n" for name, node in zip(names, nodes, strict=True))
     return launch_example(
         "from launch import LaunchDescription\nfrom launch_ros.actions import Node\n\n\n"
-        f"def generate_launch_description():\n    return LaunchDescription([\n{body}    ])",
+        f"def generate_launch_description():\n{body}    return LaunchDescription([{', '.join(names)}])",
         name="launch/example.launch.py",
     )
 
 
-def _node(package: str, executable: str, more: str, *, bad: bool = False) -> str:
-    opening = "«" if bad else ""
-    closing = "»" if bad else ""
-    return f'{opening}Node{closing}(package="{package}", executable="{executable}", name="{executable}", {more})'
+def _node(package: str, executable: str, *more: str, bad: bool = False) -> str:
+    words = (f'package="{package}"', f'executable="{executable}"', f'name="{executable}"', *more)
+    lines = "".join(f"        {word},\n" for word in words)
+    return f"{'«Node»' if bad else 'Node'}(\n{lines}    )"
 
 
 _SIMULATED = _node("robot_state_publisher", "robot_state_publisher", 'parameters=[{"use_sim_time": True}]')
@@ -247,7 +248,7 @@ A namespace does not reach `/tf`: its name begins with a slash. Two robots need 
         good=(
             _file(
                 _LEFT,
-                _node("robot_state_publisher", "robot_state_publisher", f'{_RIGHT}, remappings=[("/tf", "tf")]'),
+                _node("robot_state_publisher", "robot_state_publisher", _RIGHT, 'remappings=[("/tf", "tf")]'),
             ),
         ),
         plan=_find_mixed_trees,

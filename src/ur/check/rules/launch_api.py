@@ -24,8 +24,8 @@ def _describing(entity: str) -> Example:
 
 def _with_file(place: str, text: str) -> Example:
     files = place.replace("HERE", '["/etc/talker.yaml"]')
-    node = f'Node(package="demo_nodes", executable="talker", name="talker", parameters={files})'
-    return Example({**_describing(node).files, "/etc/talker.yaml": text})
+    talker = f'talker = Node(package="demo_nodes", executable="talker", name="talker", parameters={files})'
+    return Example({**_file(talker, "return LaunchDescription([talker])").files, "/etc/talker.yaml": text})
 
 
 def _components(component: str, *others: str) -> Example:

@@ -14,7 +14,7 @@ from ur.tools.convert.nodes import convert_node, remap_tag
 from ur.tools.convert.parameters import convert_param
 from ur.tools.convert.state import Findings, PlaceInFile, conditions_of, convert_attribute
 from ur.tools.convert.texts import convert_text
-from ur.tools.convert.xml_out import XmlTag
+from ur.tools.convert.xml_out import XmlTag, write_xml
 
 _DOCUMENTED = re.compile(r"\s*([A-Za-z_]\w*)\s*:\s*(.*\S)\s*\Z", re.DOTALL)
 _DIRECTIVE = re.compile(r"\s*(ur|terminal|ready)\s*:")
@@ -210,7 +210,18 @@ def convert_launch(launch: Element, before: tuple[Comment, ...], findings: Findi
     for name, written in scope.defaults.items():
         if "'" in written:
             _quote_thrice(root, name)
+    if not any(element.name == "include" for element in launch.elements):
+        text = write_xml(root)
+        root.children = [tag for child in root.children for tag in (*_excuse(child, text), child)]
     return root
+
+
+def _excuse(tag: XmlTag, text: str) -> tuple[XmlTag, ...]:
+    """What precedes an argument that only parts without a counterpart had used; files that include this one pass it."""
+    name = tag.attributes.get("name", "")
+    if tag.name != "arg" or len(re.findall(rf"(?<!\w){re.escape(name)}(?!\w)", text)) > 1:
+        return ()
+    return (XmlTag("", comment="ur: ignore unused-argument: what used it has no counterpart in ROS 2"),)
 
 
 def _quote_thrice(tag: XmlTag, argument: str) -> None:

@@ -14,6 +14,7 @@ from ur.launchfile.syntax.tree import WRONG_LAUNCHER
 from ur.launchfile.world import World
 from ur.launchfile.world.overlay import OverlayWorld
 from ur.source.diagnostic import Diagnostic, UserError, error, error_about
+from ur.source.file import Span
 from ur.source.foreign.yaml_text import load_yaml
 from ur.tools.format.layout import lay_out, lay_out_yaml
 from ur.tools.format.order import is_title, sort_pieces
@@ -147,8 +148,10 @@ def describe_plan(plan: Plan) -> object:
 
 def _plain(value: object) -> object:
     """Return a value of a plan without the positions of its origin."""
-    if is_dataclass(value) and not isinstance(value, type):
+    if is_dataclass(value) and not isinstance(value, (type, Span)):
         return [_plain(getattr(value, f.name)) for f in fields(value) if not isinstance(getattr(value, f.name), Origin)]
+    if isinstance(value, Span):
+        return value.text
     if isinstance(value, tuple | list):
         return [_plain(each) for each in value]
     return repr(value) if isinstance(value, float) else value

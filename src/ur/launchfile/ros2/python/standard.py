@@ -86,7 +86,7 @@ class Standard:
         """Return a function that would run a program: it is named, and its result is not known."""
 
         def call(*_: object, **__: object) -> Unknown:
-            refused = Unknown(f"a program is not run while reading: {name}()", self.at, "command")
+            refused = Unknown(f"a program is not run while reading: {name}()", self.at)
             self._context.add_gap(refused)
             return refused
 
