@@ -217,7 +217,7 @@ def convert_launch(launch: Element, before: tuple[Comment, ...], findings: Findi
 
 
 def _excuse(tag: XmlTag, text: str) -> tuple[XmlTag, ...]:
-    """What precedes an argument that only parts without a counterpart had used; files that include this one pass it."""
+    """Return a comment before an argument that only parts without a counterpart used: other files may pass it."""
     name = tag.attributes.get("name", "")
     if tag.name != "arg" or len(re.findall(rf"(?<!\w){re.escape(name)}(?!\w)", text)) > 1:
         return ()

@@ -5,9 +5,8 @@ that depends on what is not certain is Unknown from there on. Nothing of the fil
 """
 
 import ast
-import copy
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from typing import cast
 
@@ -28,6 +27,16 @@ from ur.launchfile.ros2.python.objects import (
     UserClass,
     Written,
     bind,
+)
+from ur.launchfile.ros2.python.statements import (
+    LoopEnd,
+    Returned,
+    assigned_names,
+    assigns_names,
+    decorator_name,
+    reading_of,
+    walk_here,
+    word_of,
 )
 from ur.source.file import SourceFile, Span
 
@@ -61,18 +70,6 @@ def _syntax_problem(source: SourceFile, problem: BaseException) -> DescriptionPr
         Span(source, start, min(start + 1, len(source.text))),
         "correct this line",
     )
-
-
-class _Returned(Exception):  # noqa: N818 - ends a function
-    def __init__(self, value: object) -> None:
-        super().__init__()
-        self.value = value
-
-
-class _LoopEnd(Exception):  # noqa: N818 - ends a loop, or a round of it
-    def __init__(self, *, again: bool) -> None:
-        super().__init__()
-        self.again = again
 
 
 class _Reader:
@@ -161,10 +158,10 @@ class _Reader:
             try:
                 if method is None:
                     raise NotRead(
-                        f"'{_name_of(statement)}' is not followed while reading", self._expressions.span(statement)
+                        f"'{word_of(statement)}' is not followed while reading", self._expressions.span(statement)
                     )
                 method(statement)
-            except (_Returned, _LoopEnd, TooLong, RecursionError, DescriptionProblem):
+            except (Returned, LoopEnd, TooLong, RecursionError, DescriptionProblem):
                 raise
             except NotRead as problem:
                 if self._expressions.tries:  # it could have raised: nothing of the `try` is certain
@@ -179,12 +176,12 @@ class _Reader:
 
     def _give_up(self, statement: ast.stmt, unknown: Unknown) -> None:
         """Make all names Unknown that a statement assigns; a function that could return there returns Unknown."""
-        self._context.budget.spend(_PER_GAP + PER_STEP * sum(1 for _ in _walk_here(statement)))
-        for name in _assigned(statement):
+        self._context.budget.spend(_PER_GAP + PER_STEP * sum(1 for _ in walk_here(statement)))
+        for name in assigned_names(statement):
             self._expressions.frame.names_here[name] = unknown
-        if any(isinstance(each, ast.Return) for each in _walk_here(statement)):
-            raise _Returned(unknown)
-        if not isinstance(statement, (ast.Import, ast.ImportFrom)) and not _assigns_names(statement):
+        if any(isinstance(each, ast.Return) for each in walk_here(statement)):
+            raise Returned(unknown)
+        if not isinstance(statement, (ast.Import, ast.ImportFrom)) and not assigns_names(statement):
             self._gap(unknown)
 
     def _run_Import(self, node: ast.Import) -> None:  # noqa: N802
@@ -265,7 +262,7 @@ class _Reader:
         }
         function = Function(node.name, node, self._call, here.frame, defaults, named)
         value: object = function
-        kinds = [_decorator(each) for each in node.decorator_list]
+        kinds = [decorator_name(each) for each in node.decorator_list]
         if kinds == ["staticmethod"]:
             value = StaticFunction(function)
         elif kinds == ["property"]:
@@ -276,7 +273,7 @@ class _Reader:
 
     def _run_ClassDef(self, node: ast.ClassDef) -> None:  # noqa: N802
         here = self._expressions
-        kinds = {_decorator(each) for each in node.decorator_list}
+        kinds = {decorator_name(each) for each in node.decorator_list}
         if node.keywords or not kinds <= {"dataclass", *_NEUTRAL}:
             raise NotRead(f"the class {node.name} is not followed while reading", here.span(node))
         bases = [base for base in map(here.visit, node.bases) if isinstance(base, UserClass)]
@@ -308,7 +305,7 @@ class _Reader:
             if isinstance(function.node, ast.Lambda):
                 return here.visit(function.node.body)
             self._run(function.node.body)
-        except _Returned as returned:
+        except Returned as returned:
             return returned.value
         finally:
             here.frame, here.variables, self._expressions.tries = outer, variables, tries
@@ -318,7 +315,7 @@ class _Reader:
     def _run_Return(self, node: ast.Return) -> None:  # noqa: N802
         if not self._depth:
             raise self._outside(node, "return", "a function")
-        raise _Returned(self._expressions.visit(node.value) if node.value is not None else None)
+        raise Returned(self._expressions.visit(node.value) if node.value is not None else None)
 
     def _run_Assign(self, node: ast.Assign) -> None:  # noqa: N802
         value = self._expressions.visit(node.value)
@@ -331,7 +328,7 @@ class _Reader:
 
     def _run_AugAssign(self, node: ast.AugAssign) -> None:  # noqa: N802
         here = self._expressions
-        load = _read_again(node.target)
+        load = reading_of(node.target)
         known, added = here.visit(load), node.value
         if isinstance(known, list) and isinstance(node.op, ast.Add):
             values = here.visit(added)
@@ -409,17 +406,17 @@ class _Reader:
         self._loops += 1
         try:
             self._run(body)
-        except _LoopEnd as end:
+        except LoopEnd as end:
             return end.again
         finally:
             self._loops -= 1
         return True
 
     def _run_Break(self, node: ast.Break) -> None:  # noqa: N802
-        raise _LoopEnd(again=False) if self._loops else self._outside(node, "break", "a loop")
+        raise LoopEnd(again=False) if self._loops else self._outside(node, "break", "a loop")
 
     def _run_Continue(self, node: ast.Continue) -> None:  # noqa: N802
-        raise _LoopEnd(again=True) if self._loops else self._outside(node, "continue", "a loop")
+        raise LoopEnd(again=True) if self._loops else self._outside(node, "continue", "a loop")
 
     def _outside(self, node: ast.stmt, word: str, place: str) -> DescriptionProblem:
         message = f"not Python: '{word}' outside of {place}"
@@ -438,7 +435,7 @@ class _Reader:
         self._expressions.tries += 1
         try:
             self._run(node.body)
-        except (_Returned, _LoopEnd, TooLong, RecursionError, DescriptionProblem, NotRead):
+        except (Returned, LoopEnd, TooLong, RecursionError, DescriptionProblem, NotRead):
             self._expressions.tries -= 1
             self._run(node.finalbody)
             raise
@@ -477,51 +474,3 @@ class _Reader:
         for target in node.targets:
             if isinstance(target, ast.Name):
                 self._expressions.frame.names_here.pop(target.id, None)
-
-
-def _assigns_names(statement: ast.stmt) -> bool:
-    """Return whether a statement assigns names only: those are not known, and all the rest is."""
-    targets = statement.targets if isinstance(statement, ast.Assign) else [getattr(statement, "target", None)]
-    is_assignment = isinstance(statement, ast.Assign | ast.AnnAssign | ast.AugAssign)
-    return is_assignment and all(isinstance(each, ast.Name | ast.Tuple | ast.List) for each in targets)
-
-
-def _read_again(target: ast.expr) -> ast.expr:
-    """Return the expression that reads what a target assigns."""
-    copied = copy.copy(target)
-    copied.ctx = ast.Load()  # type: ignore[attr-defined]
-    return copied
-
-
-def _decorator(node: ast.expr) -> str:
-    """Return the last name of a decorator."""
-    node = node.func if isinstance(node, ast.Call) else node
-    return node.attr if isinstance(node, ast.Attribute) else getattr(node, "id", "")
-
-
-def _walk_here(statement: ast.stmt) -> Iterator[ast.AST]:
-    """All parts of a statement, without those of functions and classes inside."""
-    waiting: list[ast.AST] = [statement]
-    while waiting:
-        node = waiting.pop()
-        yield node
-        inner = isinstance(node, (ast.FunctionDef, ast.ClassDef, ast.Lambda, ast.AsyncFunctionDef))
-        if not inner or node is statement:
-            waiting.extend(ast.iter_child_nodes(node) if not inner else [])
-
-
-def _assigned(statement: ast.stmt) -> Iterator[str]:
-    if isinstance(statement, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
-        yield statement.name
-        return
-    for node in _walk_here(statement):
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-            yield node.id
-        elif isinstance(node, ast.alias):
-            yield node.asname or node.name.partition(".")[0]
-
-
-def _name_of(statement: ast.stmt) -> str:
-    return {"ClassDef": "class", "AsyncFunctionDef": "async def", "Match": "match"}.get(
-        type(statement).__name__, type(statement).__name__.lower()
-    )

@@ -1,0 +1,71 @@
+"""Statements of Python: what the syntax tree says of them, and the exceptions by which they end functions and loops."""
+
+import ast
+import copy
+from collections.abc import Iterator
+
+
+class Returned(Exception):  # noqa: N818 - ends a function
+    """The value of a function."""
+
+    def __init__(self, value: object) -> None:
+        super().__init__()
+        self.value = value
+
+
+class LoopEnd(Exception):  # noqa: N818 - ends a loop, or a round of it
+    """The end of a loop, or of a round of it: `again`."""
+
+    def __init__(self, *, again: bool) -> None:
+        super().__init__()
+        self.again = again
+
+
+def assigns_names(statement: ast.stmt) -> bool:
+    """Return whether a statement assigns names only: those are not known, and all the rest is."""
+    targets = statement.targets if isinstance(statement, ast.Assign) else [getattr(statement, "target", None)]
+    is_assignment = isinstance(statement, ast.Assign | ast.AnnAssign | ast.AugAssign)
+    return is_assignment and all(isinstance(each, ast.Name | ast.Tuple | ast.List) for each in targets)
+
+
+def reading_of(target: ast.expr) -> ast.expr:
+    """Return the expression that reads what a target assigns."""
+    copied = copy.copy(target)
+    copied.ctx = ast.Load()  # type: ignore[attr-defined]
+    return copied
+
+
+def decorator_name(node: ast.expr) -> str:
+    """Return the last name of a decorator."""
+    node = node.func if isinstance(node, ast.Call) else node
+    return node.attr if isinstance(node, ast.Attribute) else getattr(node, "id", "")
+
+
+def walk_here(statement: ast.stmt) -> Iterator[ast.AST]:
+    """Yield all parts of a statement, without those of functions and classes inside."""
+    waiting: list[ast.AST] = [statement]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        inner = isinstance(node, (ast.FunctionDef, ast.ClassDef, ast.Lambda, ast.AsyncFunctionDef))
+        if not inner or node is statement:
+            waiting.extend(ast.iter_child_nodes(node) if not inner else [])
+
+
+def assigned_names(statement: ast.stmt) -> Iterator[str]:
+    """Yield the names that a statement gives a value, also those of a class, a function or an import."""
+    if isinstance(statement, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
+        yield statement.name
+        return
+    for node in walk_here(statement):
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            yield node.id
+        elif isinstance(node, ast.alias):
+            yield node.asname or node.name.partition(".")[0]
+
+
+def word_of(statement: ast.stmt) -> str:
+    """Return the word with which a statement begins, for messages."""
+    return {"ClassDef": "class", "AsyncFunctionDef": "async def", "Match": "match"}.get(
+        type(statement).__name__, type(statement).__name__.lower()
+    )
