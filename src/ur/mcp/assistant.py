@@ -198,7 +198,8 @@ class Assistant:
         elif isinstance(request, TimeGiven):
             message = {"do": "explore", "seconds": request.seconds}
         else:
-            message = {"do": "drive", "forward": request.speed, "turn": request.turn, "seconds": request.seconds}
+            message = {"do": "drive", "forward": request.speed, "turn": request.turn, "left": request.left}
+            message["seconds"] = request.seconds
         over = asyncio.Event()
         beats = asyncio.create_task(self._beat(alive, over))
         try:

@@ -81,10 +81,14 @@ class PlaceGiven(ToolArguments, frozen=True):
 
 
 class VelocityGiven(ToolArguments, frozen=True):
-    """A velocity, m/s (negative: backward) and rad/s to the left, for so many seconds."""
+    """A velocity, m/s (negative: backward) and rad/s to the left, for so many seconds.
+
+    `left` (m/s) is for a base that drives sideways.
+    """
 
     speed: Annotated[float, Meta(ge=-2.0, le=2.0)]
     turn: Annotated[float, Meta(ge=-4.0, le=4.0)] = 0.0
+    left: Annotated[float, Meta(ge=-2.0, le=2.0)] = 0.0
     seconds: Annotated[float, Meta(gt=0.0, le=5.0)] = 1.0
 
 

@@ -30,12 +30,13 @@ class SetGrant(ForeignValue, frozen=True, tag_field="do", tag="grant"):
 
 
 class DriveCall(ForeignValue, frozen=True, tag_field="do", tag="drive"):
-    """Drive at a velocity, m/s and rad/s to the left, for so long."""
+    """Drive at a velocity, m/s ahead and to the left, rad/s to the left, for so long."""
 
     id: _Number
     forward: Annotated[float, Meta(ge=-2.0, le=2.0)]
     turn: Annotated[float, Meta(ge=-4.0, le=4.0)]
     seconds: Annotated[float, Meta(gt=0.0, le=LONGEST_DRIVE)]
+    left: Annotated[float, Meta(ge=-2.0, le=2.0)] = 0.0
 
 
 class GoCall(ForeignValue, frozen=True, tag_field="do", tag="go"):

@@ -1,15 +1,18 @@
 """The node `velocity_smoother`: limits accelerations, in place of yujin's velocity smoother, as a mux of one source.
 
+A base that drives sideways has `~speed_lim_y`, and the accelerations of `v` to the side, too.
+
 Commands have to arrive at a steady rate, as before a mux: commands that a network has delayed must not pass as new.
 """
 
 import sys
+from dataclasses import replace
 
 from ur_nodes.motion.admission.probation import Probation, step_probation
 from ur_nodes.motion.mux import start_mux
 from ur_nodes.motion.mux_events import MuxSettings, Source, Velocity, VelocityCommand
 from ur_nodes.motion.mux_runner import MuxRunner
-from ur_nodes.motion.ramp import Axis
+from ur_nodes.motion.ramp import NO_AXIS, Axis
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
@@ -32,7 +35,7 @@ def start(node: Node) -> None:
 
     def on_twist(twist: Twist) -> None:
         nonlocal rhythm
-        velocity = Velocity(twist.forward, twist.turn)
+        velocity = Velocity(twist.forward, twist.turn, twist.left)
         rhythm = step_probation(rhythm, node.steady(), motion=not velocity.still)
         if rhythm.accepted or velocity.still:
             runner.handle(VelocityCommand(0, velocity))
@@ -43,8 +46,12 @@ def start(node: Node) -> None:
 def _read_settings(own: Parameters) -> MuxSettings:
     braking = own.number("decel_factor", 1.0, minimum=0.01)
     forward, turn = _read_axis(own, "v", "m/s", braking), _read_axis(own, "w", "rad/s", braking)
+    aside = own.limit("speed_lim_y", 0.0, minimum=0.0, live="greatest velocity to either side, m/s")
+    left = replace(forward, speed=aside) if aside else NO_AXIS
     period = 1.0 / own.number("frequency", 20.0, minimum=1.0, maximum=200.0)
-    return MuxSettings((_SOURCE,), forward, turn, period=period, brake_period=period, stop_time=_NEVER, lag=0.0)
+    return MuxSettings(
+        (_SOURCE,), forward, turn, period=period, brake_period=period, stop_time=_NEVER, lag=0.0, left=left
+    )
 
 
 def _read_axis(own: Parameters, letter: str, unit: str, braking: float) -> Axis:

@@ -27,10 +27,12 @@ class RobotFacts:
         self._name = printable(str(name))[:40]
 
     @property
-    def limits(self) -> tuple[float, float]:
-        """The highest velocities, m/s and rad/s."""
+    def limits(self) -> tuple[float, float, float]:
+        """The highest velocities: m/s, rad/s, and m/s to either side."""
         limits = self._base.limits if self._base else None
-        return (limits.velocity, limits.angular_velocity) if limits else (_FORWARD, _TURN)
+        if limits is None:
+            return _FORWARD, _TURN, 0.0
+        return limits.velocity, limits.angular_velocity, limits.lateral_velocity
 
     def describe(self) -> dict[str, object]:
         """The facts for the page: base, outline (corners in m, in the frame of the base), limits and stop."""

@@ -27,12 +27,13 @@ def test_parameters_of_a_base_that_drives_sideways_permit_it(omni: Base) -> None
     assert planner["vy_samples"] > 1
     amcl = yaml.safe_load(fit_parameters(read("n_amcl"), "stage", omni))
     assert (amcl["odom_model_type"], amcl["odom_alpha5"]) == ("omni-corrected", amcl["odom_alpha4"])
+    assert yaml.safe_load(fit_parameters(read("n_velocity_smoother"), "stage", omni))["speed_lim_y"] == 0.4
     joystick = yaml.safe_load(fit_parameters(read("n_teleop_twist_joy"), "stage", omni))
     assert joystick["scale_linear"] == {"x": 0.3, "y": 0.24}
     assert joystick["scale_linear_turbo"] == {"x": 0.5, "y": 0.4}
 
 
-@pytest.mark.parametrize("node", ["n_move_base", "n_amcl", "n_teleop_twist_joy"])
+@pytest.mark.parametrize("node", ["n_move_base", "n_amcl", "n_teleop_twist_joy", "n_velocity_smoother"])
 def test_parameters_of_a_wheeled_base_are_the_same_when_made_from_those_of_one_that_drives_sideways(
     omni: Base, node: str
 ) -> None:

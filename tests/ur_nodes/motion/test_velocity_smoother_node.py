@@ -39,6 +39,21 @@ def test_commands_that_a_network_held_back_do_not_leave_as_new_ones() -> None:
     assert not any(smoothed(Bus(), [0.0] * 50))
 
 
+@pytest.mark.parametrize(("limit", "fastest"), [(0.1, 0.1), (0.0, 0.0)])
+def test_velocity_to_the_side_is_that_of_a_base_that_drives_sideways(limit: float, fastest: float) -> None:
+    bus = Bus()
+    bus.parameters |= {f"/smoother/{name}": value for name, value in (LIMITS | {"speed_lim_y": limit}).items()}
+    got: list[float] = []
+    client = bus.node("client")
+    client.subscribe("smoother/smooth_cmd_vel", Twist, lambda twist: got.append(twist.left), Quality.EVERY)
+    start(bus.node("smoother"))
+    raw = client.publish("smoother/raw_cmd_vel", Twist, Quality.EVERY)
+    for _ in range(60):
+        raw.send(Twist(0.1, 0.0, 0.5))
+        bus.run(1.0 / 30.0)
+    assert max(got) == fastest
+
+
 def test_missing_limit_is_named() -> None:
     with pytest.raises(UserError, match="parameter /smoother/accel_lim_v is not set"):
         start(Bus().node("smoother"))

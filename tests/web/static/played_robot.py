@@ -25,7 +25,7 @@ from ur.web.wire.frames import Kind, Layer, PoseSample, json_frame, pose_frame
 
 PLOT = "/odom:twist.twist.linear.x"
 STATE: dict[str, Any] = {
-    "robot": {"base": "magni", "outline": [[0.2, 0.1], [-0.2, 0.1], [0.0, -0.1]], "limits": [0.5, 1.0]},
+    "robot": {"base": "magni", "outline": [[0.2, 0.1], [-0.2, 0.1], [0.0, -0.1]], "limits": [0.5, 1.0, 0.0]},
     "missing": [],
     "goal": {"number": 0, "place": None, "state": "none", "text": "", "left": None},
     "mux": {"stopped": False, "active": "", "asked": False, "problem": ""},

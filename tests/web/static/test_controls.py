@@ -193,3 +193,26 @@ def test_names_of_topics_and_types_break_between_words_only(browser: Chromium) -
     assert first == [[name, []] for name in names]
     assert second == [["/base_pose_ground_truth", []], ["nav_msgs/Odometry", []]]
     browser.run("page.panels.show([]); 0")
+
+
+def test_base_that_drives_sideways_does_so_by_shift_or_its_button(robot: PlayedRobot, browser: Chromium) -> None:
+    shown = "document.getElementById('sideways').checkVisibility()"
+    browser.run("page.setMode('drive'); 0")
+    assert not browser.holds(shown), "its wheels do not roll sideways"
+    robot.show(Kind.STATE, STATE | {"robot": STATE["robot"] | {"limits": [0.5, 1.0, 0.4]}})
+    wait(lambda: browser.holds(shown))
+
+    def push(shift: bool) -> tuple[float, float]:
+        keys = f"code: 'ArrowLeft', key: 'ArrowLeft', shiftKey: {str(shift).lower()}"
+        browser.run(f"dispatchEvent(new KeyboardEvent('keydown', {{{keys}}})); 0")
+        moved = browser.run("[page.drive.turn, page.drive.left]")
+        browser.run(f"dispatchEvent(new KeyboardEvent('keyup', {{{keys}}})); 0")
+        return moved[0], moved[1]
+
+    assert push(shift=False) == (1.0, 0.0)
+    assert push(shift=True) == (0.0, 0.4)
+    browser.run("document.getElementById('sideways').click(); 0")
+    assert push(shift=False) == (0.0, 0.4)
+    browser.run("document.getElementById('sideways').click(); page.setMode('look'); 0")
+    assert not browser.holds(shown)
+    robot.show(Kind.STATE, STATE)

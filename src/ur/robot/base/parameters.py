@@ -39,6 +39,9 @@ def _fit_sideways(text: str, base: Base) -> str:
         ahead, left = _round(share * limits.velocity), _round(share * aside)
         scale = f"{{x: {ahead:g}, y: {left:g}}}" if aside else f"{ahead:g}"
         text = re.sub(rf"^{key}: (?:\{{.*?\}}|[.\de]+)", f"{key}: {scale}", text, flags=re.MULTILINE)
+    text = re.sub(r"^speed_lim_y: .*\n", "", text, flags=re.MULTILINE)
+    if aside:
+        text = re.sub(r"^speed_lim_v: .*\n", rf"\g<0>speed_lim_y: {aside:g}\n", text, flags=re.MULTILINE)
     if aside and "odom_alpha5" not in text:
         text = re.sub(r"^(odom_alpha)4(: .*)", r"\g<0>\n\g<1>5\2", text, flags=re.MULTILINE)
     return text

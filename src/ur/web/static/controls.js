@@ -23,6 +23,7 @@ export function labelControls(page, robot) {
   const buttons = [
     ["zoom-in", TEXTS.zoomIn, () => page.gestures.step(true)],
     ["zoom-out", TEXTS.zoomOut, () => page.gestures.step(false)],
+    ["sideways", TEXTS.sideways, () => element("sideways").setAttribute("aria-pressed", String(element("sideways").ariaPressed !== "true"))],
     ["follow", TEXTS.follow, () => page.setFollow(!page.map.follow)],
     ["fit", TEXTS.fit, () => (page.setFollow(false), page.map.fit())],
   ];

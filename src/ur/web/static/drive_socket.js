@@ -31,6 +31,7 @@ export class DriveSocket {
     this.hold = 0;
     this.forward = 0;
     this.turn = 0;
+    this.left = 0;
     this.pause = FIRST_PAUSE;
     /** @type {WebSocket | null} */
     this.socket = null;
@@ -73,10 +74,14 @@ export class DriveSocket {
     this.onAnswer(message);
   }
 
-  /** Move the stick: m/s and rad/s. The first call after `letGo` begins a press. @param {number} forward @param {number} turn */
-  move(forward, turn) {
+  /**
+   * Move the stick: m/s ahead, rad/s, m/s to the left. The first call after `letGo` begins a press.
+   * @param {number} forward @param {number} turn @param {number} left
+   */
+  move(forward, turn, left = 0) {
     this.forward = forward;
     this.turn = turn;
+    this.left = left;
     if (this.press !== "idle") return;
     this.hold += 1;
     this.press = "held";
@@ -88,7 +93,7 @@ export class DriveSocket {
   letGo() {
     if (this.press === "idle") return;
     this.press = "idle";
-    this.forward = this.turn = 0;
+    this.forward = this.turn = this.left = 0;
     this.send({ t: "let_go", hold: this.hold });
     this.onChange();
   }
@@ -116,7 +121,7 @@ export class DriveSocket {
   }
 
   sendStick() {
-    this.send({ t: "stick", n: this.newest, hold: this.hold, forward: this.forward, turn: this.turn });
+    this.send({ t: "stick", n: this.newest, hold: this.hold, forward: this.forward, turn: this.turn, left: this.left });
   }
 
   check() {

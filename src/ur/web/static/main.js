@@ -140,6 +140,7 @@ export class Page {
   showState(state) {
     this.state = state;
     this.map.outline = state.robot.outline;
+    element("sideways").hidden = this.mode !== "drive" || !state.robot.limits[2];
     this.status.show(state);
     this.map.request();
   }
@@ -152,6 +153,7 @@ export class Page {
     if (mode === "goal" || mode === "pose") this.gestures.loseTaps(); // a press on the map points at a place
     showMode(mode, this.mayDrive);
     this.stick.enable(mode === "drive");
+    element("sideways").hidden = mode !== "drive" || !this.state?.robot.limits[2];
   }
 
   /** Send a request about a place. @param {Record<string, unknown>} message */
@@ -189,8 +191,9 @@ export class Page {
 
   /** @param {number} forward @param {number} turn shares of the limits */
   push(forward, turn) {
-    const [speed, rate] = this.state?.robot.limits ?? [0, 0];
-    this.drive?.move(forward * speed, turn * rate);
+    const [speed, rate, aside] = this.state?.robot.limits ?? [0, 0, 0];
+    const left = aside > 0 && (this.stick.shifted || element("sideways").ariaPressed === "true");
+    this.drive?.move(forward * speed, left ? 0 : turn * rate, left ? turn * aside : 0);
     element("hint").textContent = ""; // it was understood
   }
 

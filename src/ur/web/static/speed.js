@@ -41,7 +41,8 @@ export const SPEED_PANEL = {
       sources.hidden = !names?.length;
       slider.disabled = !page.mayDrive || typeof limit !== "number";
       const help = TEXTS.speedLimit[limit === null ? "none" : limit === undefined ? "unknown" : "help"];
-      note.textContent = `${help} ${sentence(page.state?.robot.stop ?? "")}`.trim();
+      const { stop } = page.state?.robot ?? {};
+      note.textContent = stop ? `${help} ${sentence(stop)}.` : help;
       if (document.activeElement !== slider || slider.disabled) slider.value = String(limit ?? 100);
       if (document.activeElement !== slider) show(limit ?? 100);
     }, {});

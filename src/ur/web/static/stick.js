@@ -25,6 +25,7 @@ export class Stick {
     /** @type {Set<string>} */
     this.keys = new Set();
     this.enabled = false;
+    this.shifted = false; // the Shift key is held
     pad.addEventListener("pointerdown", (event) => this.down(event));
     pad.addEventListener("pointermove", (event) => this.moved(event));
     for (const name of ["pointerup", "pointercancel", "lostpointercapture"]) {
@@ -83,17 +84,23 @@ export class Stick {
 
   /** @param {KeyboardEvent} event @param {boolean} pressed */
   key(event, pressed) {
+    this.shifted = event.shiftKey;
     const known = event.code in KEYS && !takesKeys(event.target);
+    if (event.key === "Shift" && this.keys.size) this.moveByKeys();
     if (!known || !this.enabled || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
     if (event.repeat) return;
     if (pressed) this.keys.add(event.code);
     else if (!this.keys.delete(event.code)) return;
-    if (this.keys.size === 0) {
-      this.place(0, 0);
-      this.onLetGo();
+    if (this.keys.size) {
+      this.moveByKeys();
       return;
     }
+    this.place(0, 0);
+    this.onLetGo();
+  }
+
+  moveByKeys() {
     let [forward, turn] = [0, 0];
     for (const code of this.keys) {
       forward += KEYS[code][0];

@@ -23,6 +23,7 @@ export const TEXTS = {
   zoomIn: "Zoom in",
   zoomOut: "Zoom out",
   follow: "Follow the robot",
+  sideways: "Drive sideways in place of turning",
   fit: "Show the whole map",
   panels: "Panels",
   groups: { drive: "Drive", map: "Map", sensors: "Sensors", programs: "Programs", diagnostics: "Diagnostics" },

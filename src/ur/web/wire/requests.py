@@ -46,6 +46,7 @@ class Stick(_Stamped, frozen=True, tag="stick"):
     hold: _Hold
     forward: _Velocity
     turn: _Velocity
+    left: _Velocity = 0.0
 
 
 class LetGo(PageRequest, frozen=True, tag="let_go"):

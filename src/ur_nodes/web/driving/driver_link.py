@@ -41,10 +41,10 @@ def age_of_answer(received: ChallengeTimes, answer: Stamp, now: float) -> float 
 
 
 class DriverLink:
-    """Sends velocities and lease requests of pages to the mux; `limits` are the highest velocities, m/s and rad/s."""
+    """Sends velocities and lease requests of pages to the mux, within the `limits`: m/s, rad/s, m/s to the side."""
 
     def __init__(
-        self, node: Node, mux: str, limits: tuple[float, float], on_challenge: Callable[[Stamp], None]
+        self, node: Node, mux: str, limits: tuple[float, float, float], on_challenge: Callable[[Stamp], None]
     ) -> None:
         """`on_challenge` is called with each challenge."""
         self.lease: Lease | None = None
@@ -82,16 +82,16 @@ class DriverLink:
         reported = self.lease is not None or self.newest is not None
         return reported and (age is None or age > REQUEST_FRESHNESS)
 
-    def drive(self, page: PageLease, answer: Stamp, forward: float, turn: float) -> None:
-        """Pass a velocity on, m/s and rad/s."""
-        fastest, sharpest = self._limits
-        twist = Twist(max(-fastest, min(fastest, forward)), max(-sharpest, min(sharpest, turn)))
+    def drive(self, page: PageLease, answer: Stamp, twist: Twist) -> None:
+        """Pass a velocity on, within the limits."""
+        wanted = (twist.forward, twist.turn, twist.left)
+        twist = Twist(*(max(-most, min(most, each)) for most, each in zip(self._limits, wanted, strict=True)))
         self._velocities.send(StampedTwist(number_of(answer), page.client, twist))
 
     def stop(self, page: PageLease) -> None:
         """Pass a velocity of zero on at once; the mux would stop a moment later by itself."""
         if self.newest is not None:
-            self.drive(page, self.newest, 0.0, 0.0)
+            self.drive(page, self.newest, Twist(0.0, 0.0))
 
     def request(self, page: PageLease, name: str, action: Action, answer: Stamp) -> None:
         """Ask for the lease, in the name of a page."""

@@ -27,7 +27,7 @@ from ur_nodes.client.saving import request_recording
 from ur_nodes.motion.challenge.freshness import Stamp
 from ur_nodes.motion.lease.text import clean_computer, clean_name, is_client
 from ur_nodes.ports.node import Node
-from ur_nodes.ports.values import Result
+from ur_nodes.ports.values import Result, Twist
 from ur_nodes.web.driving.driver_link import DriverLink
 from ur_nodes.web.driving.page_goals import GoalPage, PageGoals
 from ur_nodes.web.driving.page_lease import PageLease, may_drive, participates, request_action, step_page
@@ -175,7 +175,7 @@ class DriverSession:
             page = replace(page, lease=replace(page.lease, ended_at=None))
             if command.hold != page.stick.hold:
                 page = self._robot.goals.acquire(page, command.answers)
-            self._link.drive(page.lease, command.answers, command.forward, command.turn)
+            self._link.drive(page.lease, command.answers, Twist(command.forward, command.turn, command.left))
         self._step(client, page, (stick, verdict), why)
 
     def _step(self, client: str, page: GoalPage, step: tuple[StickState, Verdict], why: str) -> None:

@@ -86,10 +86,10 @@ def test_speeds_beyond_those_of_the_base_are_bounded(world: RobotWorld) -> None:
     sent: list[Twist] = []
     world.robot.subscribe("web_vel_stamped", StampedTwist, lambda value: sent.append(value.twist))
     page = DrivingPage(world)
-    page.ask("stick", hold=1, forward=99.0, turn=-99.0)
+    page.ask("stick", hold=1, forward=99.0, turn=-99.0, left=99.0)
     world.bus.run(0.1)
     limits = world.state()["robot"]["limits"]
-    assert sent[0] == Twist(limits[0], -limits[1])
+    assert sent[0] == Twist(limits[0], -limits[1], limits[2])
 
 
 def test_page_of_another_browser_cannot_drive_until_it_takes_the_lease(world: RobotWorld) -> None:
