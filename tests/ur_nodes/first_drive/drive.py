@@ -8,6 +8,7 @@ from typing import Any
 from tests.ur_nodes.first_drive.stage import DrivenStage
 
 from ur.launchfile import Plan, SystemWorld, load_plan
+from ur.request.environment import add_own_package
 from ur.source.project import launch_library
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.localisation import amcl_node
@@ -29,7 +30,7 @@ STARTS: dict[str, Callable[[Node], object]] = {
 def read_launch_files(world: str | Path, base: str = "stage", variant: str = "") -> Plan:
     """The nodes and parameters of `m_robot_base` and `m_move_base` for a base; `world` as `DrivenStage` takes it."""
     library = launch_library()
-    system = SystemWorld({**os.environ, "ROS_PACKAGE_PATH": str(library)})
+    system = SystemWorld({**add_own_package(os.environ), "ROS_PACKAGE_PATH": str(library)})
     files = [str(library / f"{name}/launch/{name}.launch.xml") for name in ("m_robot_base", "m_move_base")]
     arguments = [
         f"robot_base:={base}",
