@@ -221,7 +221,9 @@ class AssistedDriving:
             if self._node.steady() - since >= call.seconds:
                 self._finish("driven", done=True)
             else:
-                self._velocities.send(StampedTwist(answer, self._identity.client, Twist(call.forward, call.turn, call.left)))
+                self._velocities.send(
+                    StampedTwist(answer, self._identity.client, Twist(call.forward, call.turn, call.left))
+                )
             return
         goal = self._topics.goal()
         if motion.goal and goal.number != motion.goal:

@@ -276,6 +276,14 @@ def test_lidar_is_asked_for_with_yes_or_no(
     assert read_base(package / "bases" / "small" / "base.yaml", "small").lidar is not None
 
 
+def test_robot_without_a_lidar_is_told_how_to_drive(
+    package: Path, small: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    small.write_text(SMALL.replace("base_scan", "plate").replace("<max>3.5</max>", "<max>0.3</max>"), encoding="utf-8")
+    assert main(["new", "base", "small", "--from", str(small)]) == 0
+    assert "--lidar adds a typical one, and without it: ur run keyboard_drive" in capsys.readouterr().err
+
+
 def test_speed_that_no_base_may_have_is_refused(package: Path, small: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["new", "base", "small", "--from", str(small), "--velocity", "4"]) == 2
     told = capsys.readouterr().err

@@ -356,7 +356,8 @@ def _ask_for_lidar(reading: DescriptionReading) -> bool | None:
             return answer[0] == "y"
         click.echo(f"error: '{answer}' is no answer, expected y or n", err=True)
     if not reading.open:
-        click.echo("note: the file has no lidar, which navigation requires; --lidar adds a typical one", err=True)
+        note = "note: the file has no lidar, which navigation requires; --lidar adds a typical one"
+        click.echo(f"{note}, and without it: ur run keyboard_drive", err=True)
     return None
 
 
