@@ -282,6 +282,7 @@ def test_robot_without_a_lidar_is_told_how_to_drive(
     small.write_text(SMALL.replace("base_scan", "plate").replace("<max>3.5</max>", "<max>0.3</max>"), encoding="utf-8")
     assert main(["new", "base", "small", "--from", str(small)]) == 0
     assert "--lidar adds a typical one, and without it: ur run keyboard_drive" in capsys.readouterr().err
+    assert (package / "bases" / "small" / "base.yaml").exists()
 
 
 def test_speed_that_no_base_may_have_is_refused(package: Path, small: Path, capsys: pytest.CaptureFixture[str]) -> None:
