@@ -35,8 +35,6 @@ INPUTS = {
     ("new world", "--picture"),
     ("replay", "recording"),
     ("robot setup", "--from"),
-    ("robot wheels", "--device"),
-    ("robot wheels", "--package"),
     ("sync", "paths"),
 }
 FOLDERS = {  # of files with new names

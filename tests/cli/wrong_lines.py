@@ -194,10 +194,6 @@ robot wifi --ssid home --forget home carrot
 robot wifi --band 5 carrot
 robot wifi --hidden carrot
 robot setup --no-master --from nothing.yaml
-robot wheels 'a b'
-robot wheels --here carrot
-robot wheels --base create2 carrot
-robot wheels --here --base create3
 robot network 'a b'
 robot network --address 300.1.1.1/24 carrot
 robot network --address 192.168.1.7 carrot

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from ur.robot.base import Base, UpstreamDriver, load_base
 from ur.robot.base.own_drivers import OWN_DRIVERS
-from ur.robot.base.wiring import Wiring
+from ur.robot.base.properties import Wiring
 from ur.source.project import launch_library
 from ur_nodes.drivers.boards.board import MotorBoard, RewiredBoard
 from ur_nodes.drivers.lines.line import Connect, DeviceLine, LineSettings, LineUser

@@ -18,7 +18,6 @@ from ur.cli.robot_setup.contact import confirm_host_key, decide_robot_login, rea
 from ur.cli.robot_setup.network import network, wifi
 from ur.cli.robot_setup.questions import PLAIN, ask_task, check_names, list_known_tasks, read_passwords, read_tasks
 from ur.cli.robot_setup.rename import rename
-from ur.cli.robot_setup.wheels import offer_wheel_test, wheels
 from ur.cli.robots.fleet import ALL, run_for_each
 from ur.devices.needs import examine
 from ur.request.environment import PACKAGE, current_selection
@@ -149,8 +148,7 @@ def setup(
     if undo or dry_run:
         look = partial(revert_ros2 if undo else _preview, viewer=viewer)
         return max(refused, *(_guard(task, look) for task in tasks))
-    ask = sys.stdin.isatty() and sys.stdout.isatty() and passwords_from is None and not (yes or one_of_several)
-    work = partial(_set_up, here=here, viewer=viewer, alone=not one_of_several, between=between, ask=ask)
+    work = partial(_set_up, here=here, viewer=viewer, alone=not one_of_several, between=between)
     return max(refused, _guard(tasks[0], work))
 
 
@@ -201,7 +199,7 @@ def _check_robots(
         raise click.UsageError("--host-key is for one HOST, expected host_key in --from FILE for several")
 
 
-def _set_up(task: Task, here: LocalShell, viewer: ViewerFacts, *, alone: bool, between: bool, ask: bool) -> int:
+def _set_up(task: Task, here: LocalShell, viewer: ViewerFacts, *, alone: bool, between: bool) -> int:
     report = ChangeReporter(task.robot.name if alone else "", live=alone and sys.stdout.isatty())
     task = find_ros2(task, report)
     count = set_up(task, here, viewer, report, report.show_progress)
@@ -223,8 +221,6 @@ def _set_up(task: Task, here: LocalShell, viewer: ViewerFacts, *, alone: bool, b
     chosen = alone and select_robot(task)
     use = "it is selected" if chosen else f"select it: ur use {task.robot.name}"
     report(f"ready after {changes}; {use}" if count else "nothing to do: it is ready")
-    if count:
-        offer_wheel_test(task, ask=ask)
     return 0
 
 
@@ -287,7 +283,7 @@ def _print_checks(task: Task, checks: Sequence[Check]) -> None:
     Console(soft_wrap=not sys.stdout.isatty()).print(table)
 
 
-for _change in (rename, wifi, network, wheels):
+for _change in (rename, wifi, network):
     command.add_command(_change)
 
 

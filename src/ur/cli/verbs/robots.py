@@ -76,19 +76,6 @@ ROBOTS = (
                     ("ur robot network bob --address 192.168.1.7/24", "Give it a fixed address."),
                 ),
             ),
-            "wheels": Below(
-                descriptions=(_ROBOT,),
-                examples=(
-                    ("ur robot wheels bob", "Test the wheels of a robot that stands off the ground."),
-                    ("ur robot wheels --here --base create2", "Test a base that is plugged into this computer."),
-                ),
-                trust=Trust(
-                    "answers of the robot and of its board",
-                    starts="the test, on the robot",
-                    sends="commands to its motors, after a question",
-                    writes="the wiring, into the base file there and here",
-                ),
-            ),
         },
     ),
     Verb(

@@ -1,14 +1,48 @@
 """A base as data: body, wheels, motion limits, sensors and drivers."""
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 
 from ur.robot.base.sensors import Sensors
-from ur.robot.base.wiring import Wiring
 
 BRAKE_AFTER = 0.2
 """s after the last command that arrived, after which the wheels of a `fast` base brake at the latest."""
 _SHORT = 0.15  # s: a stop of this length, and what passes until it begins, are within 0.3 s
+
+
+@dataclass(frozen=True, slots=True)
+class Wiring:
+    """Swapped and reversed wires between a board and the wheels, left and right of the robot; by default none.
+
+    `motors_swapped`: the board's left motor output turns the right wheel, and the reverse; `counters_swapped` likewise.
+    A reversed motor turns its wheel backward for a positive speed; a reversed counter counts down forward.
+    """
+
+    motors_swapped: bool = False
+    left_motor_reversed: bool = False
+    right_motor_reversed: bool = False
+    counters_swapped: bool = False
+    left_counter_reversed: bool = False
+    right_counter_reversed: bool = False
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of what differs."""
+        return tuple(name for name in WIRING_NAMES if getattr(self, name))
+
+    def command(self, left: float, right: float) -> tuple[float, float]:
+        """Return the speeds that the board gets, for those of the wheels."""
+        left = -left if self.left_motor_reversed else left
+        right = -right if self.right_motor_reversed else right
+        return (right, left) if self.motors_swapped else (left, right)
+
+    def counted(self, left: int, right: int) -> tuple[int, int]:
+        """Return the counts of the wheels, for those that the board reports."""
+        left, right = (right, left) if self.counters_swapped else (left, right)
+        return -left if self.left_counter_reversed else left, -right if self.right_counter_reversed else right
+
+
+WIRING_NAMES = tuple(field.name for field in fields(Wiring))
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,9 +7,17 @@ from dataclasses import replace
 from ur.devices.known import find_rows, load_known
 from ur.robot.base.outline import Point, find_crossing, is_inside, measure_area
 from ur.robot.base.own_drivers import OWN_DRIVERS
-from ur.robot.base.properties import Base, Caster, MotionLimits, OdometryErrors, UpstreamDriver, Wheels
+from ur.robot.base.properties import (
+    WIRING_NAMES,
+    Base,
+    Caster,
+    MotionLimits,
+    OdometryErrors,
+    UpstreamDriver,
+    Wheels,
+    Wiring,
+)
 from ur.robot.base.sensors import Sensor, read_sensors
-from ur.robot.base.wiring import WIRING_NAMES, Wiring
 from ur.source.section import Section
 from ur.source.suggest import did_you_mean
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from ur.robot.base import Base
-from ur.robot.base.wiring import Wiring
+from ur.robot.base.properties import Wiring
 from ur_nodes.drivers.readings import Counts, Reading
 
 

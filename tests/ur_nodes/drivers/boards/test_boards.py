@@ -8,7 +8,7 @@ from tests.base_contract import load
 from tests.ur_nodes.drivers.mutations import StillPlant
 
 from ur.robot.base.own_drivers import OWN_DRIVERS
-from ur.robot.base.wiring import Wiring
+from ur.robot.base.properties import Wiring
 from ur_nodes.drivers.boards.arduino import make_line
 from ur_nodes.drivers.boards.board import RewiredBoard
 from ur_nodes.drivers.boards.create2 import check
@@ -216,6 +216,19 @@ def test_neato_scan_is_a_turn_whose_errors_measured_nothing() -> None:
 def test_magni_reads_only_responses_of_registers_that_it_knows() -> None:
     written, unknown = make_packet(0x3B, 0x30, 3 << 16 | 4), make_packet(0x3C, 0x7F, 1)
     assert list(make("magni").receive(written + unknown + make_packet(0x3C, 0x30, 3 << 16 | 4))) == [Counts(3, 4, 64)]
+
+
+@pytest.mark.parametrize(
+    ("wiring", "speeds"),
+    [
+        (Wiring(motors_swapped=True), (0.2, 0.1)),
+        (Wiring(left_motor_reversed=True), (-0.1, 0.2)),
+        (Wiring(motors_swapped=True, right_motor_reversed=True), (-0.2, 0.1)),
+    ],
+    ids=lambda each: "-".join(each.names) if isinstance(each, Wiring) else "",
+)
+def test_board_gets_the_speeds_of_the_motors_that_turn_its_wheels(wiring: Wiring, speeds: tuple[float, float]) -> None:
+    assert RewiredBoard(make("arduino"), wiring).drive(0.1, 0.2) == make("arduino").drive(*speeds)
 
 
 def test_board_with_a_wiring_counts_damaged_frames_and_passes_on_what_is_no_count() -> None:

@@ -1,1 +1,0 @@
-"""The test of wheels off the ground: `ur robot wheels`."""
