@@ -13,10 +13,8 @@ from rosbags.typesys import Stores, get_typestore
 from ur.recordings.mcap_channels import register_channel
 from ur.recordings.mcap_file import RecordingTopic, open_recording
 from ur.recordings.message_types import MessageTypes
-from ur.recordings.place import find_place
 from ur.report.archive import copy_recording
 from ur.report.secrets import SecretFilter
-from ur.source.diagnostic import UserError
 
 STORE = get_typestore(Stores.ROS1_NOETIC)
 SECOND = 10**9
@@ -120,15 +118,3 @@ def test_report_of_ros1_is_opened_by_rosbags_and_has_right_checksums(tmp_path: P
         assert checked.get_header().profile == "ros2"
         assert len(list(checked.iter_messages())) == 4
     assert open_recording(copy).topics["/tf"].sender == "/robot"
-
-
-def test_place_of_the_robot_is_found_at_any_time(tmp_path: Path) -> None:
-    recording = open_recording(write(tmp_path / "one.mcap", DRIVE))
-    last = find_place(recording, None)
-    assert (last.x, last.y, abs(last.yaw)) == pytest.approx((1.0, 6.0, 3.14159265), abs=1e-6)
-    assert (last.map.width, last.map.height, last.map.origin[:2]) == (3, 2, (-1.0, -2.0))
-    assert find_place(recording, 2.5).y == pytest.approx(5.0)
-    with pytest.raises(UserError, match="no pose of the robot"):
-        find_place(recording, 1.5)
-    with pytest.raises(UserError, match="no map"):
-        find_place(open_recording(write(tmp_path / "two.mcap", DRIVE[1:])), None)

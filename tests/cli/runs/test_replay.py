@@ -32,7 +32,6 @@ def test_recording_is_described_without_a_replay(recording: Path, capsys: pytest
     ("words", "message"),
     [
         ([], "expected the file of a recording"),
-        (["FILE", "--to-simulator"], "starts the nodes of a program, expected its name"),
         (["nothing.mcap"], "no such file, expected a recording"),
         (["FILE", "keyboard_navigate", "base"], "'base' is no argument, expected NAME:=VALUE"),
         (["/etc/passwd"], "/etc/passwd: not an MCAP file that can be read (it does not begin as one)"),

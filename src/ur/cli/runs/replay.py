@@ -10,7 +10,7 @@ import click
 
 from ur.recordings.replays import ReplayCommand, ask_replay, describe_state
 from ur.source.ansi import is_plain
-from ur.source.arguments import Argument, CommandLine, split_argv
+from ur.source.arguments import Argument, split_argv
 from ur.source.diagnostic import UserError, error, error_about
 
 
@@ -20,7 +20,6 @@ from ur.source.diagnostic import UserError, error, error_about
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
 @click.option("--speed", type=float, metavar="FACTOR", help="Play so many times as fast as it was recorded.")
 @click.option("--from", "start", type=float, metavar="SECONDS", help="Begin so many seconds after its start.")
-@click.option("--to-simulator", is_flag=True, help="Start the simulated robot where the robot was at --from, or last.")
 @click.option("--info", is_flag=True, help="Print what the recording holds, and play nothing.")
 def command(
     recording: str | None,
@@ -28,7 +27,6 @@ def command(
     arguments: tuple[str, ...],
     speed: float | None,
     start: float | None,
-    to_simulator: bool,
     info: bool,
 ) -> int:
     """Play a recording, into a program if one is named.
@@ -43,13 +41,8 @@ def command(
     if info:
         check_recording(Path(recording))
         return _describe(Path(recording))
-    if to_simulator and program is None:
-        message = "--to-simulator starts the nodes of a program, expected its name"
-        raise UserError(error(message, rule="bad-options", help="ur replay FILE keyboard_navigate --to-simulator"))
     played = _read_request(recording, program or "", arguments)
     check_recording(played.path)
-    if to_simulator:
-        return _start_simulator(played, start)
     return _play(played, 1.0 if speed is None else speed, start or 0.0)
 
 
@@ -121,32 +114,3 @@ def _play(played: _Played, speed: float, start: float) -> int:
     launch = plan_replay(played.path, played.launch_file, played.arguments, selection, world, playback=(speed, start))
     options = LaunchOptions(except_=launch.left_out, watch=True, program="replay")
     return run_launch(launch.line, selection, options, StartReporter(), None)
-
-
-def _start_simulator(played: _Played, seconds: float | None) -> int:
-    """Run the program with a simulated robot, at the place and on the map of the recording."""
-    import tempfile
-
-    import numpy as np
-
-    from ur.cli.launch.launch import run_launch
-    from ur.maps.picture_file import write_picture
-    from ur.recordings.mcap_file import open_recording
-    from ur.recordings.place import find_place
-    from ur.request.environment import apply_selection, current_selection
-    from ur.request.launch_request import LaunchOptions, StartReporter
-    from ur.robot.selection import Selection
-
-    place = find_place(open_recording(played.path), seconds)
-    stored = current_selection(os.environ)
-    selection = stored if stored.simulated else Selection(ros=stored.ros)
-    apply_selection(selection)
-    with tempfile.TemporaryDirectory(prefix="ur_replay_") as folder:
-        cells = np.frombuffer(place.map.cells, np.int8).reshape(place.map.height, place.map.width)
-        world = write_picture(Path(folder, "map"), cells, place.map.resolution, place.map.origin)
-        own = {"world": str(world), "x": f"{place.x:.3f}", "y": f"{place.y:.3f}", "yaw": f"{place.yaw:.4f}"}
-        given = {each.name for each in played.arguments}
-        added = (Argument(name, value) for name, value in own.items() if name not in given)
-        sys.stderr.write(f"the simulated robot starts at {place.x:.2f}, {place.y:.2f}, {place.yaw:.2f} rad\n")
-        line = CommandLine((played.launch_file,), (*added, *played.arguments))
-        return run_launch(line, selection, LaunchOptions(program="replay"), StartReporter(), None)

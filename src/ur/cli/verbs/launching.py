@@ -132,7 +132,6 @@ LAUNCHING = (
                 "ur replay black_box.mcap --speed 4 --from 60",
                 "Publish its messages four times as fast, from a minute on.",
             ),
-            ("ur replay black_box.mcap keyboard_navigate --to-simulator", "Go on in the simulator, from where it was."),
             ("ur replay", "Show the replay that runs, with keys to pause it, jump, and change its speed."),
         ),
         trust=Trust(
