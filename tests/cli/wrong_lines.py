@@ -169,7 +169,6 @@ doctor --watch carrot
 get
 get 'a b'
 get speed:=1
-get --undo rviz
 get --missing nowhere/at/all
 devices bob
 devices --robot 'a b'

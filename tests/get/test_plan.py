@@ -11,7 +11,7 @@ from ur.get.index import load_sources, merge_indexes, parse_index, parse_sources
 from ur.get.missing import named_packages
 from ur.get.plan import Tables, make_plan, render_plan
 from ur.get.steps import Missing
-from ur.get.tables import DebianPackage, parse_candidates, parse_simulation, parse_table
+from ur.get.tables import DebianPackage, parse_candidates, parse_table
 
 INDEX = """\
 repositories:
@@ -121,10 +121,6 @@ def test_launch_file_names_packages_outside_of_comments() -> None:
     text = """<launch><!-- $(find old) --><node name="a" type="b" pkg="one"/><param command="$(find xacro)/xacro"/>
     <include file="$(eval find('two') + '/x')"/><node pkg="$(arg pkg)" name="c" type="d"/></launch>"""
     assert named_packages(text) == {"one", "xacro", "two"}
-
-
-def test_simulation_of_apt_names_what_changes() -> None:
-    assert parse_simulation("NOTE: x\nInst rviz (1) [a]\nInst libb:amd64 (2)\nConf rviz\n", "Inst") == ("rviz", "libb")
 
 
 class Nothing:

@@ -78,12 +78,6 @@ def parse_candidates(text: str) -> dict[str, DebianPackage]:
     return found
 
 
-def parse_simulation(text: str, verb: str) -> tuple[str, ...]:
-    """Return the packages that `apt-get --simulate` would install (`verb` "Inst") or remove ("Remv")."""
-    lines = (line.split() for line in text.splitlines())
-    return tuple(words[1].partition(":")[0] for words in lines if len(words) > 1 and words[0] == verb)
-
-
 def all_names(packages: Iterable[str], table: Mapping[str, tuple[str, ...]], distribution: str) -> tuple[str, ...]:
     """Return every possible Debian name of the packages, for a single query to apt."""
     names: dict[str, None] = {}

@@ -48,7 +48,6 @@ class _Choices:
 @click.option("--yes", is_flag=True, help="Do not ask before packages of ROS are installed.")
 @click.option("--others", is_flag=True, help="Also install Debian packages that are not of ROS.")
 @click.option("--dry-run", is_flag=True, help="Print the plan, and install nothing.")
-@click.option("--undo", is_flag=True, help="Remove what 'ur get' has installed, and nothing else.")
 @click.option("--index", multiple=True, metavar="FILE", help="A distribution.yaml of ROS, in place of fetching it.")
 def command(
     words: tuple[str, ...],
@@ -56,7 +55,6 @@ def command(
     robot: str | None,
     yes: bool,
     dry_run: bool,
-    undo: bool,
     index: tuple[str, ...],
     others: bool,
 ) -> int:
@@ -65,17 +63,13 @@ def command(
     Prints the plan first: packages of Debian or Ubuntu, packages of PyPI, and for the others the location of their
     source and the commands that build it. Then it asks. The exit code is 1 if something is still missing.
     """
-    if undo and (words or missing or index):
-        raise UserError(error("--undo takes no names, it removes all that 'ur get' has installed", rule="usage"))
-    if not undo and not missing and not words:
+    if not missing and not words:
         raise UserError(
             error("nothing to get, expected a launch file or a package", rule="usage", help="ur get --missing")
         )
     if robot is not None:
-        flags = [("--missing", missing), ("--yes", yes), ("--dry-run", dry_run), ("--undo", undo), ("--others", others)]
+        flags = [("--missing", missing), ("--yes", yes), ("--dry-run", dry_run), ("--others", others)]
         return _run_on_robot(robot, words, flags)
-    if undo:
-        return _undo(yes=yes, dry_run=dry_run)
     choices = _Choices(missing=missing, yes=yes, dry_run=dry_run, others=others or None)
     return _get(words, index, choices)
 
@@ -88,7 +82,6 @@ def get_packages(names: Sequence[str]) -> int:
 def _get(words: Sequence[str], index: Sequence[str], choices: _Choices) -> int:
     from ur.get.install import install
     from ur.get.plan import render_plan
-    from ur.get.record import record_path
     from ur.request.environment import own_packages
 
     tried: set[str] = set()
@@ -107,7 +100,7 @@ def _get(words: Sequence[str], index: Sequence[str], choices: _Choices) -> int:
             return 1
         if not all(step.chosen for step in (*plan.steps_by("debian"), *plan.steps_by("pypi"))):
             _ask("install these packages?", yes=choices.yes)
-        install(plan, record_path(os.environ), Path(own_packages(os.environ)))
+        install(plan, Path(own_packages(os.environ)))
         tried |= new
     return 1
 
@@ -148,25 +141,6 @@ def _find_needs(words: Sequence[str], *, missing: bool, progress: object) -> Nee
 def _distribution() -> str:
     name = os.environ.get("ROS_DISTRO", "")
     return name if name.isalnum() and Path("/opt/ros", name).is_dir() else ""
-
-
-def _undo(*, yes: bool, dry_run: bool) -> int:
-    from ur.get.install import undo
-    from ur.get.record import load_record, record_path
-    from ur.request.environment import own_packages
-
-    path = record_path(os.environ)
-    record = load_record(path)
-    names = (*record.debian, *(f"{name} (from PyPI)" for name in record.pypi))
-    if not names:
-        click.echo("'ur get' has installed nothing")
-        return 0
-    click.echo(f"to be removed: {', '.join(names)}")
-    if dry_run:
-        return 0
-    _ask("remove these packages?", yes=yes)
-    undo(path, Path(own_packages(os.environ)))
-    return 0
 
 
 def _ask(question: str, *, yes: bool) -> None:

@@ -273,10 +273,13 @@ def _describe_finding(finding: Diagnostic) -> tuple[EventSeverity, str]:
 
 def make_xacro() -> None:
     """Build the ROS package xacro. Raises UserError."""
-    from ur.get.install import install_xacro_package
+    from pathlib import Path
+
+    from ur.get.install import install_xacro
+    from ur.request.environment import own_packages
 
     sys.stderr.write("installing xacro, once ...\n")
-    install_xacro_package(os.environ)
+    install_xacro(Path(own_packages(os.environ)))
 
 
 def offer(options: LaunchOptions, names: Iterable[str]) -> bool:

@@ -54,13 +54,12 @@ COMPUTER = (
             ("ur get my_robot bringup.launch", "Install what a launch file needs."),
             ("ur get xacro --yes", "Install a package without a question."),
             ("ur get --missing --dry-run", "Show what the workspace needs."),
-            ("ur get --undo", "Remove what was installed."),
         ),
         trust=Trust(
             "launch files and manifests of a folder, as text; the indexes of ROS",
             starts="`apt-get` and pip, after a question each",
             sends="requests for indexes and packages, to their servers",
-            writes="packages, and a record for `--undo`",
+            writes="packages",
         ),
     ),
     Verb(

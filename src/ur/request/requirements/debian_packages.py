@@ -56,14 +56,6 @@ def install_debian(
         run_installer(install, " ".join(missing), settings)
 
 
-def remove_debian(names: Sequence[str]) -> None:
-    """Remove Debian packages, and no others. Raises UserError."""
-    command = "apt-get remove " + " ".join(names)
-    root = _root_prefix(names, command, ask=True, state="could not be removed")
-    settings = f"apt's sources, or try it by hand: sudo {command}"
-    run_installer([*root, *_APT, "remove", "-y", *names], " ".join(names), settings, "remove")
-
-
 def list_missing(names: Sequence[str]) -> list[str]:
     """Return the Debian packages, of these, that are not installed."""
     import subprocess  # only where a program needs packages
@@ -79,31 +71,28 @@ def _root_prefix(
     command: str,
     *,
     ask: bool,
-    state: str = "are missing and could not be installed",
     account: Account = _ACCOUNT,
 ) -> list[str]:
     """Return the arguments in front of a command that needs root. Raises UserError if the user cannot become root."""
     import subprocess
 
     if account.root(os.environ) is not None:
-        installs = "install" in command.split()
-        outside = install_command(missing) if installs else f"ur setup debian shell, and there: {command}"
-        raise _refusal(missing, "this Debian root is changed from outside only", outside, state)
+        raise _refusal(missing, "this Debian root is changed from outside only", install_command(missing))
     environment = ["env", "DEBIAN_FRONTEND=noninteractive"]
     if account.uid() == 0:
         return environment
     sudo = account.sudo()
     if sudo is None:
-        raise _refusal(missing, "sudo is not installed", f"as root: {command}", state)
+        raise _refusal(missing, "sudo is not installed", f"as root: {command}")
     if subprocess.run([sudo, "-n", "true"], stdin=subprocess.DEVNULL, capture_output=True, check=False).returncode:
         if not ask or not sys.stdin.isatty():
-            raise _refusal(missing, "sudo asks for a password and there is no terminal", f"sudo {command}", state)
+            raise _refusal(missing, "sudo asks for a password and there is no terminal", f"sudo {command}")
         sys.stderr.write(f"Debian packages are missing ({' '.join(missing)}): sudo asks for your password\n")
         if subprocess.run([sudo, "-v"], check=False).returncode:
-            raise _refusal(missing, "sudo was refused", f"ask an administrator to run: {command}", state)
+            raise _refusal(missing, "sudo was refused", f"ask an administrator to run: {command}")
     return [sudo, *environment]
 
 
-def _refusal(missing: Sequence[str], reason: str, help_: str, state: str) -> UserError:
-    message = f"Debian packages {' '.join(missing)} {state}: {reason}"
+def _refusal(missing: Sequence[str], reason: str, help_: str) -> UserError:
+    message = f"Debian packages {' '.join(missing)} are missing and could not be installed: {reason}"
     return UserError(error(message, rule="no-package", help=help_))
