@@ -31,7 +31,6 @@ INPUTS = {
     ("launch", "argv"),
     ("maps import", "file"),
     ("new base", "--from"),
-    ("new program", "--launch"),
     ("new world", "--picture"),
     ("replay", "recording"),
     ("robot setup", "--from"),

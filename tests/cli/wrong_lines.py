@@ -232,12 +232,6 @@ new node talker --package src/demo --no-look
 new multi all --package src/demo
 new multi all --package src/demo --include nothing
 new multi 1st --include talker
-new rviz map --package src/demo --topic scan
-new rviz 1st
-new program drive
-new program drive --package src/demo
-new program drive --package nothing --launch talker.launch
-new program drive --package src/demo --launch nothing.launch
 new base mangi --package src/demo --like nothing
 new base 1st
 new base small --package src/demo --mass -1

@@ -32,7 +32,7 @@ _VERBS = (
     ("status top htop running runs jobs", "list the runs: ur ps"),
     ("log tail journal output", "print what a node has printed: ur logs NODE"),
     ("update upgrade self-update pull fetch", "to update a clone: git pull; a wheel: pipx upgrade ubiquity-launches"),
-    ("remove uninstall purge", "docs/how-to/uninstall.md has the steps; 'ur get --undo' removes packages"),
+    ("remove uninstall purge", "docs/how-to/uninstall.md has the steps"),
     ("push commit checkout diff", "that is a command of git"),
     ("clone search", "find a package: ur get PACKAGE"),
     ("rename hostname", "rename a robot: ur robot rename NAME NEW"),

@@ -67,13 +67,10 @@ def finds_nothing(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["format", "--check", "."]) == 0
 
 
-def test_package_with_group_view_and_program_passes_the_check(
-    package: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_package_with_group_and_program_passes_the_check(package: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert (
         main(["new", "multi", "drive", "--summary", "Drive.", "--include", "m_robot_base", "--include", "n_joy"]) == 0
     )
-    assert main(["new", "rviz", "scan", "--summary", "See.", "--topic", "scan:sensor_msgs/LaserScan"]) == 0
     assert (package / "bin" / "ur_drive").stat().st_mode & 0o111
     assert "A &amp; B" in (package / "package.xml").read_text()
     finds_nothing(capsys)
@@ -103,8 +100,7 @@ def test_base_is_there_at_once(capsys: pytest.CaptureFixture[str]) -> None:
             "did you mean joy_node?",
         ),
         (["node", "x", "--from-package", "ubiquity_launch", "--type", "joy"], "--summary is required"),
-        (["rviz", "Bad-Name", "--summary", "s"], "expected lower-case letters, digits and _"),
-        (["program", "x"], "--summary is required"),
+        (["multi", "Bad-Name", "--summary", "s"], "expected lower-case letters, digits and _"),
         (["base", "x", "--summary", "s", "--mass", "-1"], "invalid --mass '-1', expected a number from 0.01 to 100000"),
         (["base", "x", "--summary", "s", "--mass", "nan"], "invalid --mass 'nan'"),
         (["base", "x", "--summary", "s", "--velocity", "inf"], "invalid --velocity 'inf'"),
@@ -113,14 +109,7 @@ def test_base_is_there_at_once(capsys: pytest.CaptureFixture[str]) -> None:
             "invalid --wheel-radius '0', expected a number from 0.005",
         ),
         (["base", "x", "--summary", "s", "--like", "nothing"], "package 'my_robot' has no bases yet"),
-        (["program", "x", "--summary", "s", "--launch", "nothing.launch"], "which has no launch file"),
-        (["rviz", "x", "--summary", "s", "--topic", "scan"], "--topic scan:sensor_msgs/LaserScan"),
-        (["rviz", "x", "--summary", "s", "--topic", ":nav_msgs/Path"], "expected NAME:TYPE"),
-        (
-            ["rviz", "x", "--summary", "s", "--topic", "scan:sensor_msgs/LaserScans"],
-            "did you mean scan:sensor_msgs/LaserScan?",
-        ),
-        (["rviz", "x", "--summary", "s", "--package", "nowhere"], "no folder or package named 'nowhere'"),
+        (["multi", "x", "--summary", "s", "--package", "nowhere"], "no folder or package named 'nowhere'"),
     ],
 )
 def test_wrong_words_are_explained_and_nothing_is_written(
@@ -130,19 +119,6 @@ def test_wrong_words_are_explained_and_nothing_is_written(
     assert main(["new", *words]) == 2
     assert told in capsys.readouterr().err
     assert sorted(package.rglob("*")) == before
-
-
-def test_program_for_a_missing_launch_file_lists_the_files_and_the_nearest(
-    package: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["new", "multi", "drive", "--summary", "Drive.", "--include", "n_joy", "--no-program"]) == 0
-    assert main(["new", "program", "x", "--summary", "s", "--launch", "m_driv.launch.xml"]) == 2
-    told = capsys.readouterr().err
-    assert "no file 'm_driv.launch.xml' in package 'my_robot', expected one of m_drive.launch.xml" in told
-    assert "help: did you mean m_drive.launch.xml?" in told
-    assert not (package / "bin" / "ur_x").exists()
-    assert main(["new", "program", "x", "--summary", "s", "--launch", "m_drive.launch.xml"]) == 0
-    assert "m_drive.launch.xml" in (package / "bin" / "ur_x").read_text()
 
 
 def test_base_like_a_missing_one_lists_the_bases_and_the_nearest(
@@ -187,12 +163,12 @@ def test_base_with_mecanum_wheels_drives_sideways_and_has_no_driver_for_two_whee
 
 
 def test_nothing_is_written_twice(package: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["new", "rviz", "scan", "--summary", "See."]
+    words = ["new", "multi", "drive", "--summary", "Drive.", "--include", "n_joy"]
     assert main(words) == 0
-    text = (package / "rviz_scan" / "launch" / "rviz_scan.launch.xml").read_text()
+    text = (package / "m_drive" / "launch" / "m_drive.launch.xml").read_text()
     assert main(words) == 2
     assert "is there already" in capsys.readouterr().err
-    assert (package / "rviz_scan" / "launch" / "rviz_scan.launch.xml").read_text() == text
+    assert (package / "m_drive" / "launch" / "m_drive.launch.xml").read_text() == text
 
 
 def test_the_launch_library_is_a_package_that_is_found_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,7 +9,7 @@ import yaml
 
 from ur.robot.base import read_base
 from ur.source.diagnostic import UserError
-from ur.tools.new.group import plan_multi, plan_program, plan_rviz
+from ur.tools.new.group import plan_multi, plan_program
 from ur.tools.new.launch_text import as_comment
 from ur.tools.new.node import plan_node
 from ur.tools.new.package import write_base
@@ -57,13 +57,6 @@ def test_group_asks_for_what_its_parts_require_and_hands_it_on() -> None:
     assert '<arg name="file"/>' in text
     assert "gain" not in text
     assert '<include file="$(find p)/n_c/launch/n_c.launch.xml"/>' in text
-
-
-def test_view_is_yaml_and_shows_its_topics() -> None:
-    files = plan_rviz("scan", "See.", "p", [("scan", "sensor_msgs/LaserScan"), ("odd", "x/Y")])
-    config = yaml.safe_load(files[1].text)["Visualization Manager"]
-    assert [each["Name"] for each in config["Displays"]] == ["Grid", "RobotModel", "scan"]
-    assert config["Global Options"]["Fixed Frame"] == "odom"
 
 
 def test_program_is_documented_and_executable() -> None:

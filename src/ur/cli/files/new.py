@@ -12,13 +12,11 @@ from ur.cli.files.new_things import (
     SUMMARY,
     ask,
     base_request,
-    check_launch_file,
     check_like,
     find_parts,
     in_package,
     know_person,
     node_request,
-    read_topics,
     show_done,
     urdf_files,
 )
@@ -41,7 +39,7 @@ _name = click.argument("name", required=False, callback=_check_name)
 @click.group("new", invoke_without_command=True)
 @click.pass_context
 def command(context: click.Context) -> int:
-    """Write a node, group, view, program, script, base, package or world.
+    """Write a node, group, script, base, package or world.
 
     Asks for what is not given; without a terminal, everything has to be given. It never overwrites a file. The new
     files pass `ur check` and appear in `ur docs`.
@@ -111,43 +109,6 @@ def new_multi(
     if program:
         files += plan_program(name, summary, target.name, f"m_{name}.launch.xml")
     return show_done(target, files, f"ur launch {target.name} m_{name}.launch.xml")
-
-
-@command.command("rviz")
-@_name
-@SUMMARY
-@in_package
-@click.option("--topic", "topics", multiple=True, metavar="NAME:TYPE", help="scan:sensor_msgs/LaserScan; repeatable.")
-@click.option("--program/--no-program", default=True, help="With a program that starts it, bin/ur_rviz_NAME.")
-def new_rviz(name: str | None, summary: str | None, package: str | None, topics: tuple[str, ...], program: bool) -> int:
-    """Write a view rviz_NAME: a launch file, a configuration of RViz, and a program that starts it."""
-    from ur.tools.new.group import plan_program, plan_rviz
-
-    target = show_done.target(package)
-    shown = read_topics(topics)
-    name = ask(name, "NAME", "Name of the view, without rviz_")
-    summary = ask(summary, "--summary", "What it shows, in one line")
-    files = plan_rviz(name, summary, target.name, shown)
-    if program:
-        files += plan_program(f"rviz_{name}", summary, target.name, f"rviz_{name}.launch.xml")
-    return show_done(target, files, f"ur launch {target.name} rviz_{name}.launch.xml")
-
-
-@command.command("program")
-@_name
-@SUMMARY
-@in_package
-@click.option("--launch", metavar="FILE", help="The launch file of this package that it starts.")
-def new_program(name: str | None, summary: str | None, package: str | None, launch: str | None) -> int:
-    """Write a program bin/ur_NAME that starts a launch file."""
-    from ur.tools.new.group import plan_program
-
-    target = show_done.target(package)
-    name = ask(name, "NAME", "Name of the program, without ur_")
-    summary = ask(summary, "--summary", "What it is for, in one line")
-    launch = ask(launch, "--launch", "Launch file that it starts", f"m_{name}.launch.xml")
-    check_launch_file(target, launch)
-    return show_done(target, plan_program(name, summary, target.name, launch), f"ur run {name}")
 
 
 @command.command("base")

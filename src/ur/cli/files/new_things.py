@@ -180,33 +180,6 @@ def check_like(library: Path, name: str, like: str | None) -> str | None:
     )
 
 
-def check_launch_file(target: TargetPackage, launch: str) -> None:
-    """Raise UserError for a launch file that the package does not have, with a suggestion of a similar name."""
-    from ur.launchfile.address import find_launch_file
-
-    find_launch_file(target.name, launch, _world_of(target))
-
-
-def read_topics(topics: Sequence[str]) -> list[tuple[str, str]]:
-    """Parse names and message types from `NAME:TYPE`. Raises UserError for a type that no display of RViz supports."""
-    from ur.tools.new.group import DISPLAYS
-
-    read = []
-    for each in topics:
-        name, _, kind = each.partition(":")
-        if not name or not kind:
-            help_ = f"for example --topic {name or 'scan'}:sensor_msgs/LaserScan"
-            raise UserError(
-                error(f"invalid --topic '{each}', expected NAME:TYPE", rule="bad-value", help=help_, subject=each)
-            )
-        if kind not in DISPLAYS:
-            near = did_you_mean(kind, DISPLAYS)
-            message = f"unknown type '{kind}' for --topic {name}, expected one of {', '.join(sorted(DISPLAYS))}"
-            raise UserError(error(message, rule="bad-value", help=f"did you mean {name}:{near}?" if near else None))
-        read.append((name, kind))
-    return read
-
-
 def _world_of(target: TargetPackage) -> World:
     """Return the packages of this computer, after the target package of the new files."""
     from ur.launchfile.world.system import SystemWorld

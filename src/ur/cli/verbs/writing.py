@@ -26,7 +26,7 @@ WRITING = (
     Verb(
         "new",
         "ur.cli.files.new",
-        "Write a node, group, view, program, script, base, package or world.",
+        "Write a node, group, script, base, package or world.",
         _SECTION,
         arguments=("new command",),
         examples=(
@@ -58,20 +58,6 @@ WRITING = (
                 examples=(
                     ("ur new multi wander --include m_robot_base --include n_wander", "Include two launch files."),
                     ("ur new multi wander --include n_wander --no-program", "Write no program that starts it."),
-                ),
-            ),
-            "rviz": Below(
-                descriptions=(f"{_NEW} Without rviz_.",),
-                examples=(
-                    ("ur new rviz wander --topic scan:sensor_msgs/LaserScan", "Show a lidar."),
-                    ("ur new rviz wander --no-program", "Write no program that starts it."),
-                ),
-            ),
-            "program": Below(
-                descriptions=(f"{_NEW} Without ur_.",),
-                examples=(
-                    ("ur new program wander", "Write bin/ur_wander, which starts m_wander.launch.xml."),
-                    ("ur new program tour --launch m_wander.launch.xml", "Start another launch file."),
                 ),
             ),
             "base": Below(

@@ -27,7 +27,7 @@ _BIN = """\
 
 Nodes and programs of this package, each executable (`chmod +x`).
 `ur run NAME` starts the program `ur_NAME`, and `ur list` describes it by its line `##Summary: ...`.
-`ur new multi` and `ur new program` write such programs.
+`ur new multi` writes such programs.
 """
 
 
