@@ -117,19 +117,6 @@ def test_robot_that_is_away_is_listed_with_where_it_was(pair: Bench) -> None:
     until_listed(pair, "address", pair["robot"].address)
 
 
-def test_live_list_notices_who_goes_and_comes_and_ends_with_control_c(pair: Bench, terminal: TmuxTerminal) -> None:
-    terminal.type(f"clear; {UR} robots --watch; echo en''ded", "Enter")
-    terminal.until("here", SECONDS)
-    pair["robot"].cut()
-    try:
-        terminal.until("away", SECONDS)
-    finally:
-        pair["robot"].restore()
-    terminal.until("here", SECONDS)
-    terminal.type("C-c")
-    assert "Traceback" not in terminal.until("ended", SECONDS)
-
-
 def test_link_is_measured_and_what_cannot_be_seen_is_said(pair: Bench) -> None:
     done = pair["laptop"].run(f"{UR} doctor --wireless bob --seconds 3", user="pat").check()
     assert "latency" in done.out

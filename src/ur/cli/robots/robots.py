@@ -26,19 +26,17 @@ from ur.source.progress_line import show_progress
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-REFRESH = 1.0  # s between checks for changes, with --watch
 SETTLE_SECONDS = 6.0  # the longest wait for starting robots, beyond the requested time
 Look = Callable[[], list[RobotRow]]
 
 
 @click.command("robots")
 @click.argument("names", nargs=-1, metavar="[ROBOT ...]")
-@click.option("--watch", is_flag=True, help="Update the list until Ctrl-C.")
 @click.option(
     "--seconds", type=click.FloatRange(min=0.1), default=2.0, show_default=True, help="How long to listen, in s."
 )
-@click.option("--json", "as_json", is_flag=True, help="Print JSON; with --watch, a line whenever something changed.")
-def command(names: tuple[str, ...], watch: bool, seconds: float, as_json: bool) -> int:
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def command(names: tuple[str, ...], seconds: float, as_json: bool) -> int:
     """List the robots on the network, and those known but away.
 
     Robots announce themselves once `ur robot setup` has set them up. `runs` lists what runs at the robot's ROS master
@@ -73,19 +71,13 @@ def command(names: tuple[str, ...], watch: bool, seconds: float, as_json: bool) 
             return bool(wanted) and there.issuperset(wanted) and settled()
 
         try:
-            if watch:
-                rows = _watch(look, changed, as_json)
-            else:
-                with show_progress("listening for robots"):
-                    rows = _listen(look, changed, seconds, settled, complete)
+            with show_progress("listening for robots"):
+                rows = _listen(look, changed, seconds, settled, complete)
         finally:
             here = [one for one in browser.sightings if asked.answers.get(one.host, RobotAnswer()).answers]
             note_seen(seen_path(os.environ), [SeenRobot(one.name, one.address, time.time()) for one in here])
-        if not watch:
-            _show(rows, as_json)
-            _print_left_out(*browser.left_out)
-    if watch:
-        return 0
+        _show(rows, as_json)
+        _print_left_out(*browser.left_out)
     found = all(row.address for row in rows) if wanted else any(row.address for row in rows)
     return 1 if any(row.problem for row in rows) or not found else 0
 
@@ -130,40 +122,6 @@ def _listen(
         changed.clear()
         rows = look()
     return rows
-
-
-def _watch(look: Look, changed: threading.Event, as_json: bool) -> list[RobotRow]:
-    show = _show_lines if as_json or not sys.stdout.isatty() else _show_live
-    rows: list[RobotRow] = []
-    try:
-        show(look, changed, as_json)
-    except KeyboardInterrupt:
-        rows = look()  # Ctrl-C ends it
-    return rows
-
-
-def _show_live(look: Look, changed: threading.Event, _: bool) -> None:
-    from rich.live import Live
-
-    with Live(_picture(look()), auto_refresh=False) as live:
-        while True:
-            changed.wait(REFRESH)
-            changed.clear()
-            live.update(_picture(look()), refresh=True)
-
-
-def _show_lines(look: Look, changed: threading.Event, as_json: bool) -> None:
-    before: list[RobotRow] | None = None
-    while True:
-        rows = look()
-        if rows != before:
-            before = rows
-            if as_json:
-                click.echo(json.dumps([_as_dict(row) for row in rows]))
-            else:
-                _print(rows)
-        changed.wait(REFRESH)
-        changed.clear()
 
 
 def _print(rows: Sequence[RobotRow]) -> None:
