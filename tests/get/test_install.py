@@ -19,10 +19,9 @@ def pip(command: Sequence[str], _missing: str, _settings: str) -> None:
     (library / "bin/xacro").write_text("")
 
 
-def test_packages_of_debian_and_of_pypi_are_installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_packages_of_debian_and_of_pypi_are_installed(tmp_path: Path) -> None:
     asked: list[object] = []
-    monkeypatch.setattr("ur.get.install.install_debian", lambda sets, _title: asked.append(sets))
-    install(PLAN, tmp_path, lambda folder: install_xacro(folder, pip))
+    install(PLAN, tmp_path, lambda sets, _title: asked.append(sets), lambda folder: install_xacro(folder, pip))
     assert asked == [[("rviz",)]]
     assert sorted(each.name for each in (tmp_path / "xacro").iterdir()) == [
         "lib", "main.py", "package.xml", "xacro", "xacro.py",
@@ -30,15 +29,12 @@ def test_packages_of_debian_and_of_pypi_are_installed(tmp_path: Path, monkeypatc
     assert not (tmp_path / "xacro/lib/bin").exists()
 
 
-def test_nothing_of_pypi_is_installed_after_a_failure_of_debian(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_nothing_of_pypi_is_installed_after_a_failure_of_debian(tmp_path: Path) -> None:
     def fail(_sets: object, _title: str) -> None:
         raise UserError(error("no network", rule="no-package"))
 
-    monkeypatch.setattr("ur.get.install.install_debian", fail)
     with pytest.raises(UserError, match="no network"):
-        install(PLAN, tmp_path, lambda folder: install_xacro(folder, pip))
+        install(PLAN, tmp_path, fail, lambda folder: install_xacro(folder, pip))
     assert not list(tmp_path.iterdir())
 
 

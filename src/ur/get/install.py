@@ -103,10 +103,15 @@ def _fill(new: Path, target: Path, run: Run) -> None:
     replace_file(new / "package.xml", _PACKAGE_XML)
 
 
-def install(plan: GetPlan, packages: Path, make_package: Callable[[Path], None] = install_xacro) -> None:
+def install(
+    plan: GetPlan,
+    packages: Path,
+    debian: Callable[[Sequence[Sequence[str]], str], None] = install_debian,
+    make_package: Callable[[Path], None] = install_xacro,
+) -> None:
     """Install the Debian packages of a plan, and those of PyPI in the folder `packages`. Raises UserError."""
     if plan.debian:
-        install_debian([plan.debian], "what the launch files need")
+        debian([plan.debian], "what the launch files need")
     if any(plan.steps_by("pypi")):
         make_package(packages)
 
