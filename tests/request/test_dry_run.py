@@ -70,9 +70,10 @@ def test_arguments_have_their_descriptions_and_choices(file: str, capsys: pytest
     )
 
 
-def test_start_without_ros2_is_refused_with_the_command_that_installs_it(
-    file: str, capsys: pytest.CaptureFixture[str]
+def test_start_with_ros1_selected_is_refused_with_the_command_that_installs_ros2(
+    file: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setenv("UR_ROBOT", "sim --ros 1")
     assert main(["launch", "--plain", file, "map:=office"]) != 0
     printed = capsys.readouterr().err
     assert "this is a launch file for ROS 2, and ROS 1 is selected" in printed

@@ -4,7 +4,7 @@ import signal
 from typing import Any
 
 import pytest
-from tests.ros2_session import ROOT
+from tests.ros2_session import PYTHON, ROOT
 from tests.run.ros2_world import Ros2World
 
 HEAD = """
@@ -238,3 +238,13 @@ def test_file_for_ros2_is_refused_where_ros1_is_selected(ros2: Ros2World) -> Non
     assert run.wait() == 1
     assert "this is a launch file for ROS 2" in run.text
     assert "ur use sim --ros 2" in run.text
+
+
+@pytest.mark.skipif(not PYTHON.exists(), reason="no wheels of ROS 2 for this processor")
+def test_file_for_ros2_starts_with_it_where_ros1_is_only_the_default(ros2: Ros2World) -> None:
+    ros2.world.environment |= {"UR_ROBOT": "sim", "ROS_VERSION": "1"}
+    path = ros2.write("a.launch.py", HEAD + "    return [node('one', 'exit:0')]\n")
+    run = ros2.world.ur("launch", "--plain", path)
+    assert run.wait() == 0, run.text
+    assert f"{path} is a launch file for ROS 2: starting it with ROS 2" in run.text
+    assert ros2.argv() == [["exit:0", "--ros-args", "-r", "__node:=one"]]

@@ -274,6 +274,30 @@ def make_request(
     return LaunchRequest(files, line.arguments, selection, options, line.names)
 
 
+def follow_file(line: CommandLine, selection: Selection, report: Report) -> Selection:
+    """Return the selection for a launch file: with ROS 2 for one of ROS 2 that is installed. A chosen version stays."""
+    from ur.launchfile.world.system import SystemWorld
+    from ur.request.environment import choose_ros, environment_changes
+
+    if selection.ros or not line.names or STANDARD_INPUT in line.names:
+        return selection
+    present, chosen = choose_ros(selection, os.environ), replace(selection, ros="2")
+    other = choose_ros(chosen, os.environ)
+    if present is None or present.version == 2 or other is None:
+        return selection
+    for each in (selection, chosen):
+        world = SystemWorld({**os.environ, **environment_changes(each, os.environ)})
+        try:
+            paths = resolve_addresses(line.names, world)
+        except UserError:  # only the other one may have the package
+            continue
+        if len(paths) != 1 or not is_for_ros2(paths[0], world):
+            return selection
+        report("info", f"{' '.join(line.names)} is a launch file for ROS 2: starting it with {other}, not {present}")
+        return chosen
+    return selection
+
+
 def refuse_stray_names(files: LaunchFiles) -> None:
     """Raise UserError for a name after the launch file that is neither another file nor NAME:=VALUE."""
     for name in files.paths[1:]:

@@ -14,7 +14,7 @@ from contextlib import ExitStack, closing, contextmanager, suppress
 from typing import TYPE_CHECKING
 
 from ur.request.environment import apply_selection, current_selection
-from ur.request.launch_request import LaunchOptions, StartReporter, check_options, choose_query
+from ur.request.launch_request import LaunchOptions, StartReporter, check_options, choose_query, follow_file
 from ur.robot.selection import Selection
 from ur.source.diagnostic import Diagnostic, Severity, UserError, error
 
@@ -110,6 +110,8 @@ def launch_line(line: CommandLine, options: LaunchOptions) -> int:
         from ur.request.questions import answer
 
         return answer(line, selection, query, shell)
+    if query is None and options.part is None:
+        selection = follow_file(line, selection, reporter.report)
     apply_selection(selection)
     if query is not None:
         return _dry_run(line, selection, options, reporter, shell)
