@@ -280,7 +280,7 @@ class Expressions(Evaluator):
             places = {str(keyword.arg): self.span(keyword.value) for keyword in written}
             names = {str(keyword.arg): self._name_span(keyword) for keyword in written}
             spans = [self.span(argument) for argument in node.args]
-            return function.make(arguments, keywords, self.span(node.func), spans, places, names)
+            return function.make(arguments, keywords, self.span(node.func), spans, places, names, self.report)
         if isinstance(function, Function):
             return function.run(arguments, keywords)
         if isinstance(function, UserClass):

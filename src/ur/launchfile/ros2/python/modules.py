@@ -48,10 +48,10 @@ class PackageNotFoundError(KeyError):
 
 
 class Library:
-    """The modules of one launch file in its context. `report` is called with what is wrong about a call."""
+    """The modules of one launch file in its context."""
 
-    def __init__(self, context: Context, path: str, report: Callable[[DescriptionProblem], None]) -> None:
-        self._context, self._world, self._path, self._report = context, context.world, path, report
+    def __init__(self, context: Context, path: str) -> None:
+        self._context, self._world, self._path = context, context.world, path
         self.standard = Standard(context)
         self._own: dict[str, Callable[[], Module]] = {
             **self.standard.modules,
@@ -75,6 +75,7 @@ class Library:
                 "launch_ros.events", {"lifecycle": self.find("launch_ros.events.lifecycle")}
             ),
         }
+        self._inner = _inner_modules(tuple(self._own))
         self._found: dict[str, Module | None] = {}
         self._at: Span | None = None
         self.is_tried: Callable[[], bool] = lambda: False
@@ -90,12 +91,10 @@ class Library:
         if name in self._own:
             return self._own[name]()
         found = modules().get(name)
-        inner_names = _inner_modules(tuple(self._own)).get(name, ())
+        inner_names = self._inner.get(name, ())
         if found is None and not inner_names:
             return Module(name, {}) if name.partition(".")[0] in _IGNORED else None
-        members: dict[str, object] = {
-            each: ApiClass(signature, self._report) for each, signature in (found or {}).items()
-        }
+        members: dict[str, object] = dict(_api_classes(name))
         for last in inner_names:
             if (inner := self.find(f"{name}.{last}")) is not None:
                 members.setdefault(last, inner)
@@ -309,6 +308,11 @@ def _is_instance(value: object, kind: object) -> object:
         ):
             return True
     return False
+
+
+@cache
+def _api_classes(module: str) -> Mapping[str, ApiClass]:
+    return {name: ApiClass(signature) for name, signature in modules().get(module, {}).items()}
 
 
 @cache

@@ -208,7 +208,6 @@ class ApiClass:
     """A class of the launch API."""
 
     signature: Signature
-    report: Callable[[DescriptionProblem], None]
 
     def make(
         self,
@@ -218,6 +217,7 @@ class ApiClass:
         spans: list[Span],
         places: dict[str, Span],
         names: dict[str, Span],
+        report: Callable[[DescriptionProblem], None],
     ) -> Made:
         """Return an object; wrong arguments are reported, and left out."""
         signature = self.signature
@@ -228,42 +228,33 @@ class ApiClass:
         for index, value in enumerate(arguments):
             if index >= len(positional):
                 few = f"at most {len(positional)}" if positional else "none"
-                self._report(
-                    f"{kind} has {len(arguments)} arguments without a name, expected {few}", spans[index], kind
-                )
+                message = f"{kind} has {len(arguments)} arguments without a name, expected {few}"
+                report(DescriptionProblem(message, "launch-argument", spans[index], None, kind))
                 break
             values[positional[index]] = value
             places[positional[index]] = spans[index]
         for name in keywords:
             if name not in signature.keywords:
-                self._report_keyword(name, names[name])
+                report(self._wrong_keyword(name, names[name]))
                 present = signature.removed.get(name)
                 value = values.pop(name)
                 if present:
                     values.setdefault(present, value)
         missing = sorted(signature.required - set(values))
         if missing:
-            self._report(
-                f"{kind} has no {' and no '.join(missing)}, expected {'it' if len(missing) == 1 else 'them'}",
-                span,
-                kind,
-            )
+            expected = "it" if len(missing) == 1 else "them"
+            message = f"{kind} has no {' and no '.join(missing)}, expected {expected}"
+            report(DescriptionProblem(message, "launch-argument", span, None, kind))
         return Made(kind, values, span, places)
 
-    def _report_keyword(self, name: str, span: Span) -> None:
+    def _wrong_keyword(self, name: str, span: Span) -> DescriptionProblem:
         signature = self.signature
         present = signature.removed.get(name) or did_you_mean(name, signature.keywords)
         was = "was removed from" if name in signature.removed else "is not an argument of"
         known = ", ".join(sorted(signature.keywords)) or "none"
         help_ = f"write {present}=" if present else f"it has: {known}"
-        self.report(
-            DescriptionProblem(
-                f"'{name}' {was} {signature.kind}, expected one that it has", "launch-argument", span, help_, name
-            )
-        )
-
-    def _report(self, message: str, span: Span, subject: str) -> None:
-        self.report(DescriptionProblem(message, "launch-argument", span, None, subject))
+        message = f"'{name}' {was} {signature.kind}, expected one that it has"
+        return DescriptionProblem(message, "launch-argument", span, help_, name)
 
 
 def attribute_of(value: object, name: str, span: Span, budget: Budget) -> tuple[bool, object]:

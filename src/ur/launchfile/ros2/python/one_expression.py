@@ -44,7 +44,7 @@ def evaluate(text: str, modules: Sequence[str], context: Context) -> str | Unkno
         tree = ast.parse(text.strip(), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError) as problem:
         raise ExpressionProblem(f"it is no Python expression: {getattr(problem, 'msg', problem)}") from None
-    library = Library(context, "<expression>", lambda _: None)
+    library = Library(context, "<expression>")
     names: dict[str, object] = dict(functions.MATH) if "math" in modules else {}
     for name in modules:
         found = library.find(name)

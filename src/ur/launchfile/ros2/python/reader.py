@@ -76,7 +76,7 @@ class _Reader:
     def __init__(self, source: SourceFile, context: Context) -> None:
         self._problems: list[DescriptionProblem] = []
         self._gaps: dict[Unknown, None] = {}
-        self._library = Library(context, source.path, self._report)
+        self._library = Library(context, source.path)
         self._context, self._library.standard.text = context, source.text
         outermost = Frame(names={name: value for name, value in self._library.builtins().items() if value is not None})
         self._expressions = Expressions(source, context.budget, Frame(outermost))

@@ -154,7 +154,7 @@ class Standard:
     def read(self, path: object) -> str:
         """Return the text of a file. Raises OSError."""
         known = self._context.written.get(str(path))
-        return self._context.read(str(path)).decode(errors="replace") if known is None else known
+        return self._context.read(str(path)).decode(errors="replace") if known is None else str(known)
 
     def write(self, path: object) -> Written:
         """Return a file whose text is kept."""
