@@ -297,7 +297,7 @@ class Plan:
     unused: tuple[Span, ...] = field(default=())  # names of arguments that nothing read so far can use
     environment: tuple[tuple[str, str], ...] = field(default=())  # set for all that follows, beyond that of the start
     actions: tuple[ActionSpec, ...] = field(default=())
-    written: tuple[tuple[str, str], ...] = field(default=())  # texts of files that the launcher writes, by their paths
+    written: tuple[tuple[str, object], ...] = field(default=())  # files that the launcher writes: paths, texts by `str`
 
     def all_nodes(self) -> tuple[NodeSpec, ...]:
         """Return the nodes, then those of the tests."""

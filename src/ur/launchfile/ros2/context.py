@@ -80,8 +80,9 @@ class Context:
         self._shares: dict[str, str] = {}  # folders of packages, and their names
         self.rewritten: dict[str, object] = {}
         """The contents of parameter files that are rewritten when the launch starts, by their paths here."""
-        self.written: dict[str, str] = {}
-        """Their texts."""
+        self.written: dict[str, object] = {}
+        """Their texts, or what `str` makes a text of."""
+        self.rewrites: dict[object, tuple[object, object, object]] = {}  # contents with changes: before, after, text
         self.run_command: RunWith | None = None
         """Runs what `Command` names; without it the output is not known."""
         self.used: set[str] = set()  # names of configurations that were asked for
@@ -106,12 +107,15 @@ class Context:
         self.budget.charge(len(data))
         return data
 
-    def load_yaml(self, text: str) -> Any:
-        """Return the value of a text in YAML, charged to the budget. Raises ValueError."""
-        self.budget.charge(PER_YAML_CHARACTER * len(text))
-        from ur.source.foreign.yaml_text import load_yaml  # many files have no YAML, and a start has to be fast
+    def load_yaml(self, text: str, *, shared: bool = False) -> Any:
+        """Return the value of a text in YAML, charged to the budget. Raises ValueError.
 
-        return load_yaml(text)
+        A `shared` value must not be changed.
+        """
+        self.budget.charge(PER_YAML_CHARACTER * len(text))
+        from ur.source.foreign import yaml_text  # many files have no YAML, and a start has to be fast
+
+        return yaml_text.load_shared_yaml(text) if shared else yaml_text.load_yaml(text)
 
     def list_folder(self, path: str) -> tuple[str, ...]:
         """Return the names in a folder, charged to the budget."""
@@ -193,7 +197,7 @@ class Context:
             return share
         return share.removesuffix(f"/share/{package}")
 
-    def keep_rewritten(self, path: str, content: object, text: str) -> str:
+    def keep_rewritten(self, path: str, content: object, text: object) -> str:
         """Keep the content of a rewritten file, and return its path. The launcher writes `text` into it."""
         self.rewritten[path], self.written[path] = content, text
         return path

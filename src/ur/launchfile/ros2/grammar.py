@@ -10,6 +10,7 @@ from ur.source.suggest import did_you_mean
 
 _IDENTIFIER = re.compile(r"[A-Za-z][\w-]*", re.ASCII)
 _ESCAPE = re.compile(r"\\(.)", re.DOTALL)
+_STOPS = {quote: re.compile(rf"\\|\$\({'|' if quote else ''}{quote}") for quote in ("", "'", '"')}
 _DEEPEST = 40
 
 # Command: kind, arguments in their order (a `*` takes all that are left), the least number of them.
@@ -89,17 +90,18 @@ class _Parser:
         """Read up to the end, or up to a quotation mark that is not escaped."""
         parts: list[str | Made] = []
         start = self._at
-        while self._at < len(self._text):
-            if self._text[self._at] == "\\":
+        while (stop := _STOPS[quote].search(self._text, self._at)) is not None:
+            self._at = stop.start()
+            if stop[0] == "\\":
                 self._at += 2
-            elif quote and self._text[self._at] == quote:
+            elif stop[0] == quote:
                 break
-            elif self._text.startswith("$(", self._at):
+            else:
                 self._add(parts, start)
                 parts.append(self._read_substitution())
                 start = self._at
-            else:
-                self._at += 1
+        else:
+            self._at = max(self._at, len(self._text))
         self._add(parts, start)
         return parts or [""]
 

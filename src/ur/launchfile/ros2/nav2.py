@@ -18,6 +18,7 @@ from ur.source.file import Span
 
 REWRITTEN = "/rewritten/"
 _SECTION = re.compile(r"^([^\s#][^:\n]*):", re.MULTILINE)
+_LARGE = 10**15
 _POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
@@ -29,6 +30,8 @@ def read_content(path: str, context: Context, span: Span) -> object:
 
 def read_sections(path: str, context: Context, span: Span) -> ParameterSections:
     """Return the sections of a parameter file as rcl reads them: it adds up those of one name. Raises as above."""
+    if _is_unwritten(path, context):
+        return ParameterSections(context.rewritten[path])
     text = _read_text(path, context, span)
     names = _SECTION.findall(text)
     if len(names) == len(set(names)):
@@ -52,20 +55,22 @@ def fill_file(path: str, context: Context, span: Span) -> str | Unknown:
     """Return the path of a parameter file in which substitutions are performed, as ParameterFile(allow_substs=True)."""
     if path not in context.written and not context.is_file(path):
         return path
+    if _is_unwritten(path, context):
+        return _keep(path, context, context.rewritten[path], context.written[path])
     text = _read_text(path, context, span)
     is_plain = "$(" not in text and "\\" not in text
     filled = text if is_plain else perform(cast("list[object]", parse_text(text, span)), context)
-    return filled if isinstance(filled, Unknown) else _keep(path, _load(filled, path, span, context), context, filled)
+    return filled if isinstance(filled, Unknown) else _keep(path, context, _load(filled, path, span, context), filled)
 
 
-def _keep(path: str, content: object, context: Context, text: str) -> str:
+def _keep(path: str, context: Context, content: object, text: object) -> str:
     return context.keep_rewritten(f"{REWRITTEN}{len(context.rewritten)}{original_path(path)}", content, text)
 
 
 def _read_text(path: str, context: Context, span: Span) -> str:
     known = context.written.get(path)
     if known is not None:
-        return known
+        return str(known)
     try:
         data = context.read(path)
     except OSError as problem:
@@ -77,7 +82,7 @@ def _read_text(path: str, context: Context, span: Span) -> str:
 
 def _load(text: str, path: str, span: Span, context: Context) -> object:
     try:
-        return context.load_yaml(text)
+        return context.load_yaml(text, shared=True)
     except ValueError as problem:
         raise DescriptionProblem(f"{path}: {problem}, expected YAML", "bad-yaml", span, None, path) from None
 
@@ -95,7 +100,7 @@ def _rewrite(made: Made, context: Context) -> str | Unknown:
     path = perform(made.get("source_file"), context)
     if isinstance(path, Unknown):
         return path
-    content = _copy(read_content(path, context, made.place("source_file")))
+    original = read_content(path, context, made.place("source_file"))
     changes: dict[str, dict[str, str]] = {}
     for name in ("param_rewrites", "key_rewrites", "value_rewrites"):
         given: Any = made.get(name) or {}
@@ -109,19 +114,56 @@ def _rewrite(made: Made, context: Context) -> str | Unknown:
                 if isinstance(each, Unknown):
                     return each
             changes[name][str(known)] = str(text)
-    convert = partial(_convert, types=made.get("convert_types", False) is True)
+    root = perform(made.get("root_key") or "", context)
+    if isinstance(root, Unknown):
+        return root
+    types = made.get("convert_types", False) is True
+    known_key = (id(original), repr(changes), root, types)
+    if known_key not in context.rewrites:  # each node of a file may ask for the same
+        context.rewrites[known_key] = (original, *_rewrite_content(original, changes, root, types=types))
+    return _keep(path, context, *context.rewrites[known_key][1:])
+
+
+def _rewrite_content(
+    original: object, changes: Mapping[str, Mapping[str, str]], root: str, *, types: bool
+) -> tuple[object, object]:
+    """Return a content with changes, and its text or what makes it."""
+    content = _copy(original)
+    convert = partial(_convert, types=types)
     _replace_values(content, changes["param_rewrites"], convert)
     _replace_paths(content, changes["param_rewrites"], convert)
     content = _replace_texts(content, changes["value_rewrites"], convert)
     content = _rename_keys(content, changes["key_rewrites"])
-    if made.get("root_key"):
-        root = perform(made.get("root_key"), context)
-        if isinstance(root, Unknown):
-            return root
-        content = {root: content} if root else content
-    import yaml
+    content = {root: content} if root else content
+    from ur.source.foreign.yaml_text import DumpedYaml
 
-    return _keep(path, content, context, yaml.dump(content))
+    try:
+        read_again = _read_again(content)
+        return read_again, DumpedYaml(read_again)
+    except (TypeError, ValueError):
+        return content, str(DumpedYaml(content))
+
+
+def _is_unwritten(path: str, context: Context) -> bool:
+    """Return whether the text of a file has not been made, as its content says all."""
+    return path in context.rewritten and not isinstance(context.written[path], str)
+
+
+def _read_again(value: object) -> object:
+    """Return a content as its text in YAML would be read. Raises TypeError and ValueError if only that text shows it.
+
+    That text has no substitutions and no escapes.
+    """
+    if isinstance(value, dict):
+        return {_read_again(key): _read_again(each) for key, each in sorted(value.items())}
+    if isinstance(value, list):
+        return [_read_again(each) for each in value]
+    if isinstance(value, str):
+        if not value.isascii() or not value.isprintable() or "\\" in value or "$(" in value:
+            raise ValueError("its text has escapes")
+    elif not (value is None or isinstance(value, float) or (isinstance(value, int) and abs(value) < _LARGE)):
+        raise TypeError("a value of another type")
+    return value
 
 
 def _copy(value: object) -> object:
@@ -200,7 +242,7 @@ def _replace_string(made: Made, context: Context) -> str | Unknown:
         content = context.load_yaml(text)
     except ValueError:
         return Unknown(f"{path} is rewritten when the launch starts", made.span)
-    return _keep(path, content, context, text)
+    return _keep(path, context, content, text)
 
 
 def _parse_poses(made: Made, _: Context) -> str | Unknown:

@@ -55,7 +55,7 @@ def describe_programs(
     return tuple(programs), tuple(problems)
 
 
-def describe_program(node: NodeSpec, world: World, number: int, written: Mapping[str, str]) -> UnitProgram:
+def describe_program(node: NodeSpec, world: World, number: int, written: Mapping[str, object]) -> UnitProgram:
     """Return the program of a node. Raises UserError: no such package or executable, or a prefix that is no command."""
     command = _find_command(node, world)
     name = f"{node.key.lstrip('/').replace('/', '-')}-{number}"
@@ -102,7 +102,7 @@ def _find_command(node: NodeSpec, world: World) -> tuple[str, ...]:
         return found
 
 
-def _ros_arguments(node: NodeSpec, stem: str, files: dict[str, str], written: Mapping[str, str]) -> tuple[str, ...]:
+def _ros_arguments(node: NodeSpec, stem: str, files: dict[str, str], written: Mapping[str, object]) -> tuple[str, ...]:
     words = ["--ros-args"]
     words += ["-r", f"__node:={node.name}"] if node.is_named else []
     words += ["-r", f"__ns:={node.namespace.rstrip('/') or '/'}"] if node.is_placed else []
@@ -110,7 +110,7 @@ def _ros_arguments(node: NodeSpec, stem: str, files: dict[str, str], written: Ma
         if isinstance(source, ParameterFile):
             path = source.argument or source.path
             if source.path in written:
-                path = _add(files, stem, written[source.path])
+                path = _add(files, stem, str(written[source.path]))
             words += ["--params-file", path]
         elif source.is_global:
             words += [word for each in source.values for word in ("-p", f"{each[0]}:={_python(each[1])}")]

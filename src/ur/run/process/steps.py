@@ -97,7 +97,7 @@ def _program(unit: str, calls: Sequence[Fields], world: World) -> UnitProgram:
     )
 
 
-def _load(node: NodeSpec, container: str, written: Mapping[str, str], world: World) -> Fields:
+def _load(node: NodeSpec, container: str, written: Mapping[str, object], world: World) -> Fields:
     fields: Fields = {"package_name": node.package, "plugin_name": node.type}
     fields |= {"node_name": node.name} if node.is_named else {}
     fields |= {"node_namespace": node.namespace.rstrip("/") or "/"} if node.is_placed else {}
@@ -107,12 +107,12 @@ def _load(node: NodeSpec, container: str, written: Mapping[str, str], world: Wor
     return {"service": f"{container}/_container/load_node", "fields": fields, "about": f"loading {node.full_name}"}
 
 
-def _parameters(node: NodeSpec, written: Mapping[str, str], world: World) -> Iterator[tuple[str, object]]:
+def _parameters(node: NodeSpec, written: Mapping[str, object], world: World) -> Iterator[tuple[str, object]]:
     known: list[tuple[str, object]] = []
     for source in node.sources:
         if isinstance(source, ParameterFile):
             text = written.get(source.path)
-            sections = _read_sections(world.read_bytes(source.path).decode() if text is None else text)
+            sections = _read_sections(world.read_bytes(source.path).decode() if text is None else str(text))
             found = {
                 name: value
                 for wanted in ("/**", node.full_name)

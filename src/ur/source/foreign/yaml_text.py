@@ -1,5 +1,7 @@
 """Untrusted YAML, with limits on its nesting (before parsing), its numbers, and the expansion of its aliases."""
 
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import yaml
@@ -14,6 +16,16 @@ _NUMBERS = frozenset({"tag:yaml.org,2002:int", "tag:yaml.org,2002:float"})
 _Loader: type[yaml.SafeLoader] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
+@dataclass(frozen=True, slots=True)
+class DumpedYaml:
+    """The content of a file whose text is made where it is needed, by `str`: PyYAML takes long for it."""
+
+    content: object
+
+    def __str__(self) -> str:
+        return yaml.dump(self.content)
+
+
 def load_yaml(text: str, values: int = MAX_VALUES) -> Any:
     """Return the value of a text of at most `values` values, including aliases; None for an empty text.
 
@@ -24,6 +36,12 @@ def load_yaml(text: str, values: int = MAX_VALUES) -> Any:
         return None if node is None else construct_yaml(node, values)
     except yaml.YAMLError as problem:
         raise ValueError(describe_problem(problem)) from None
+
+
+@lru_cache(maxsize=16)
+def load_shared_yaml(text: str) -> Any:
+    """Return the value of a text, likewise. It may be shared: do not change it."""
+    return load_yaml(text)
 
 
 def compose_yaml(text: str) -> yaml.Node | None:
