@@ -244,3 +244,12 @@ def test_executable_that_is_installed_is_found_by_its_folder() -> None:
     }
     (found,) = check_paths(["/o/share/demo"], MemoryWorld(files, {"demo": "/o/share/demo"})).findings
     assert (found.rule, found.help) == ("missing-executable", "did you mean talker?")
+
+
+def test_section_below_a_namespace_that_is_not_known_is_not_reported() -> None:
+    rewritten = "RewrittenYaml(source_file='/w/demo/p.yaml', root_key=EnvironmentVariable('ROBOT'), param_rewrites={})"
+    text = python(
+        f"Node(package='demo', executable='talker', name='talker', parameters=[{rewritten}])",
+        before="from nav2_common.launch import RewrittenYaml",
+    )
+    assert not check({"a.launch.py": text, "p.yaml": "talker:\n  ros__parameters: {a: 1}\n"}).findings

@@ -238,7 +238,8 @@ def _is_path_of_user(found: Diagnostic, world: CachedWorld) -> bool:
 
 
 def _is_sure(found: Diagnostic, case: StartCase, unknowns: Unknowns, world: CachedWorld) -> bool:
-    if has_marker(found.message) or any(has_marker(note.message) for note in found.notes):
+    texts = (found.message, found.help or "", *(note.message for note in found.notes))
+    if any(map(has_marker, texts)):
         return False
     if found.span is not None and found.span.file.path == "<command line>":
         return False

@@ -182,6 +182,19 @@ def test_program_that_the_file_runs_is_named_with_its_line() -> None:
     assert "subprocess.run" in plan.gaps[0].origin.span.text
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "import subprocess, sys\nsys.exit(subprocess.call(['teleop']))\n",
+        "import launch_testing\ndef generate_launch_description(node_type):\n    return None\n",
+    ],
+)
+def test_file_that_is_no_description_on_purpose_is_a_gap(text: str) -> None:
+    plan = load(text)
+    assert plan.gaps
+    assert not plan.diagnostics
+
+
 def test_value_that_a_build_sets_is_named_in_a_template() -> None:
     action = "Node(executable='@NAME@')"
     plan = load(python(action), "/ws/a.launch.py.in")

@@ -203,3 +203,18 @@ def test_sections_of_one_name_in_a_parameter_file_add_up() -> None:
     text = "/**:\n  ros__parameters: {a: 1, b: 1}\n/**:\n  ros__parameters: {b: 2}\nn: {ros__parameters: {c: 3}}\n"
     node = "Node(package='', executable='n', name='n', parameters=['/ws/p.yaml'])"
     assert parameters(load_clean(python(node), files={"/ws/p.yaml": text})) == {"a": 1, "b": 2, "c": 3}
+
+
+@pytest.mark.parametrize(
+    ("section", "rule"),
+    [
+        ("/robot1/talkr", ["parameter-section"]),
+        ("/robot/talker", ["parameter-section"]),
+        ("/robot1/map_saver", []),  # of one namespace, as all nodes of a robot
+        ("/robot1/talker", []),
+    ],
+)
+def test_section_is_near_a_node_by_its_last_name(section: str, rule: list[str]) -> None:
+    node = "Node(package='', executable='n', name='talker', namespace='robot1', parameters=['/ws/p.yaml'])"
+    files = {"/ws/p.yaml": f"{section}:\n  ros__parameters: {{a: 1}}\n"}
+    assert rules(load(python(node), files=files)) == rule

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from tests.launchfile.ros2.plans import IMPORTS, load, load_clean, python, rules
+from tests.launchfile.ros2.plans import IMPORTS, load, load_clean, parameters, python, rules
 
 _PARAMETER_FILES = "['/opt/demo/share/demo/config/p.yaml']"
 KNOWN = {  # statements that set `x`, the text of it
@@ -238,6 +238,40 @@ def test_class_may_be_a_substitution() -> None:
     )
     actions = ["DeclareLaunchArgument('a', default_value='b')", "Node(executable=Twice(LaunchConfiguration('a')))"]
     assert load_clean(python(*actions, before=before)).nodes[0].type == "bb"
+
+
+def test_class_may_be_an_action_with_other_arguments() -> None:
+    before = (
+        "class Flag(DeclareLaunchArgument):\n    def __init__(self, name, *, default_value=False, **more):\n"
+        "        super().__init__(name, default_value=str(default_value), choices=['True', 'False'], **more)"
+    )
+    actions = ["Flag('a', default_value=True, description='b')", "Node(executable=LaunchConfiguration('a'))"]
+    assert load_clean(python(*actions, before=before)).nodes[0].type == "True"
+    assert rules(load(python(*actions, before=before), arguments=["a:=1"])) == ["bad-choice"]
+
+
+def test_argument_of_an_include_may_use_those_before_it() -> None:
+    inner = python(
+        "DeclareLaunchArgument('a')", "DeclareLaunchArgument('b')", "Node(executable=LaunchConfiguration('b'))"
+    )
+    include = (
+        "IncludeLaunchDescription('/ws/b.launch.py', launch_arguments=[('a', 'x'), ('b', LaunchConfiguration('a'))])"
+    )
+    files = {"/ws/b.launch.py": inner}
+    assert load_clean(python(include), files=files).nodes[0].type == "x"
+
+
+def test_template_that_is_included_twice_declares_its_arguments_once() -> None:
+    files = {"/ws/b.launch.py.in": python("DeclareLaunchArgument('v', default_value='@VERSION@')")}
+    plan = load(python(*["IncludeLaunchDescription('/ws/b.launch.py.in')"] * 2), files=files)
+    assert not rules(plan)
+
+
+def test_file_that_is_rewritten_in_a_context_of_its_own_is_known() -> None:
+    before = "from launch import LaunchContext\nfrom nav2_common.launch import RewrittenYaml"
+    text = "RewrittenYaml(source_file='/opt/demo/share/demo/config/p.yaml', param_rewrites={'rate': '6'})"
+    node = f"Node(executable='e', name='n', parameters=[{text}.perform(LaunchContext())])"
+    assert parameters(load_clean(python(node, before=before)))["rate"] == "6"
 
 
 def test_opaque_function_reads_and_changes_the_context() -> None:

@@ -62,7 +62,7 @@ class Declarations(Events):
         place = made.place("name")
         if made.get("condition") is None and place.file.path == self._context.file and not self._context.is_scoped:
             first = self._places.setdefault((self._context.file, name), place)
-            if first != place and made.get("default_value") != self._defaults.get(first):
+            if first.start != place.start and made.get("default_value") != self._defaults.get(first):
                 message = f"argument '{name}' is declared a second time, expected it once: the first default is used"
                 self._warn(message, "duplicate-arg", place, "remove one of them, or rename it", name)
             self._defaults[place] = made.get("default_value")

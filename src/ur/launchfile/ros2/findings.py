@@ -5,7 +5,7 @@ reported.
 """
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ur.launchfile.plan.specs import NodeSpec, ParameterFile
@@ -53,13 +53,20 @@ def find_lost_parameters(
                 yield Found(message, "parameter-file", origin.span, help_, path, origin.includes)
             elif known.sections and len(files) == 1 and node.is_named and _is_lost(node, known):
                 free = [name for name, _ in known.sections if not any(matches(name, each) for each in full_names)]
-                near = did_you_mean(node.full_name, [name if name[0] == "/" else f"/{name}" for name in free])
+                near = _find_near(node.full_name, free)
                 if near is None or (path, node.full_name) in reported:
                     continue
                 reported.add((path, node.full_name))
                 message = f"{path} has no section for {node.full_name}, which gets no other file"
                 help_ = f"its section {near} names no node: rename it to {node.full_name}"
                 yield Found(message, "parameter-section", origin.span, help_, near.strip("/"), origin.includes)
+
+
+def _find_near(full_name: str, sections: Iterable[str]) -> str | None:
+    """Return the section whose whole and last names are near: all those of one robot have its namespace."""
+    known = {name.rpartition("/")[2]: name if name[0] == "/" else f"/{name}" for name in sections}
+    near = did_you_mean(full_name.rpartition("/")[2], known)
+    return did_you_mean(full_name, [known[near]]) if near is not None else None
 
 
 def _is_lost(node: NodeSpec, known: ParameterSections) -> bool:

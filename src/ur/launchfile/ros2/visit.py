@@ -190,7 +190,6 @@ class Visitor(Declarations):
             raise DescriptionProblem("files include one another too often", "include-cycle", span)
         self._draft.files[path] = None
         outer_file, outer_chain = context.file, context.chain
-        context.configurations.update(passed)
         context.file, context.chain = path, (*outer_chain, made.span)
         try:
             description = self._read(path, context)
@@ -210,7 +209,9 @@ class Visitor(Declarations):
             if isinstance(pair, Unknown):
                 self._on_gap(pair, self._context.chain)
             elif isinstance(pair, (list, tuple)) and len(pair) == 2:
-                found.append((self._text(pair[0], span), perform(pair[1], self._context)))
+                name, value = self._text(pair[0], span), perform(pair[1], self._context)
+                self._context.configurations[name] = value  # which those after it may use
+                found.append((name, value))
             else:
                 raise DescriptionProblem(
                     "launch_arguments has an item that is no pair, expected (name, value)", "launch-value",

@@ -19,10 +19,12 @@ from ur.launchfile.plan.values.budget import PER_YAML_CHARACTER, Budget, Express
 from ur.launchfile.plan.values.expression import MAX_LENGTH, Evaluator
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.python.objects import (
+    BASE,
     ApiClass,
     CallFunction,
     Frame,
     Function,
+    Instance,
     Module,
     Opened,
     UserClass,
@@ -275,17 +277,30 @@ class Expressions(Evaluator):
         if isinstance(keywords, Unknown):
             return keywords
         self.at = node
+        owner = self._initialised(node.func)
+        if owner is not None and owner.of.api is not None:
+            function = owner.of.api
         if isinstance(function, ApiClass):
             written = [keyword for keyword in node.keywords if keyword.arg is not None]
             places = {str(keyword.arg): self.span(keyword.value) for keyword in written}
             names = {str(keyword.arg): self._name_span(keyword) for keyword in written}
             spans = [self.span(argument) for argument in node.args]
-            return function.make(arguments, keywords, self.span(node.func), spans, places, names, self.report)
+            made = function.make(arguments, keywords, self.span(node.func), spans, places, names, self.report)
+            if owner is not None:
+                owner.attributes[BASE] = made
+            return made
         if isinstance(function, Function):
             return function.run(arguments, keywords)
         if isinstance(function, UserClass):
             return function.make(arguments, keywords)
         return self._call_native(function, arguments, keywords, node)
+
+    def _initialised(self, function: ast.expr) -> Instance | None:
+        """Return the object whose base `super().__init__()` is called for."""
+        if not isinstance(function, ast.Attribute) or ast.unparse(function) != "super().__init__":
+            return None
+        first = next(iter(self.frame.names_here.values()), None)
+        return first if isinstance(first, Instance) else None
 
     def _keywords(self, node: ast.Call) -> dict[str, object] | Unknown:
         found: dict[str, object] = {}

@@ -99,13 +99,18 @@ class Library:
             if (inner := self.find(f"{name}.{last}")) is not None:
                 members.setdefault(last, inner)
         if name in ("launch", "launch.launch_context"):
-            members["LaunchContext"] = lambda *_, **__: ContextObject(Context(self._world, self._context.budget, {}))
+            members["LaunchContext"] = self._new_context
         if name in ("launch.events", "launch.actions", "launch.event_handlers", "launch_ros.events"):
             for helper in ("matches_action", "matches_node_name", "matches_pid"):
                 members[helper] = taking_unknown(_matcher)
         if name == "launch_ros.events.lifecycle":
             members["matches_node_name"] = taking_unknown(_matcher)
         return Module(name, members)
+
+    def _new_context(self, *_: object, **__: object) -> ContextObject:
+        made = Context(self._world, self._context.budget, {})
+        made.rewritten, made.written = self._context.rewritten, self._context.written  # one file system
+        return ContextObject(made)
 
     def builtins(self) -> dict[str, object]:
         """Return the names that every file has."""

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
     from ur.launchfile.ros2.context import Context
 
+BASE = "super()"  # the attribute of an object that has what its base in the launch API got
+
 
 class Frame:
     """The names of a module or of a call, and those around it."""
@@ -95,19 +97,23 @@ class PropertyFunction:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class UserClass:
-    """A class of a file, with what it inherits from others of the file; `fields` are those of a dataclass."""
+    """A class of a file, with what it inherits from others of the file; `fields` are those of a dataclass.
+
+    `api` is the class of the launch API from which it is derived.
+    """
 
     name: str
     members: Mapping[str, object]
     fields: tuple[str, ...] = ()
+    api: ApiClass | None = None
 
     def find(self, name: str, span: Span | None) -> object:
         """Return a member; a method takes its object as an argument."""
         found = self.members.get(name, Unknown(f"{self.name}.{name} is not computed while reading", span))
         return found.function if isinstance(found, StaticFunction) else found
 
-    def make(self, arguments: list[object], keywords: dict[str, object]) -> Instance:
-        """Return an object."""
+    def make(self, arguments: list[object], keywords: dict[str, object]) -> object:
+        """Return an object. One that changes only the arguments of its base in the launch API is one of that base."""
         made = Instance(self, {})
         begin = self.members.get("__init__")
         if isinstance(begin, Function):
@@ -118,7 +124,7 @@ class UserClass:
             if missing or len(arguments) > len(self.fields) or not set(given) <= set(self.fields):
                 raise TypeError(f"{self.name}() has the arguments {_join(self.fields)}")
             made.attributes.update(given)
-        return made
+        return made if {"execute", "perform", "describe"} & set(self.members) else made.attributes.get(BASE, made)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

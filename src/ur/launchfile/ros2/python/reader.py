@@ -17,6 +17,7 @@ from ur.launchfile.ros2.model import Description, DescriptionProblem, Made, Unkn
 from ur.launchfile.ros2.python.expressions import BUILTINS, Expressions, NotRead
 from ur.launchfile.ros2.python.modules import Library, is_api, missing_member
 from ur.launchfile.ros2.python.objects import (
+    ApiClass,
     Frame,
     Function,
     Instance,
@@ -98,6 +99,8 @@ class _Reader:
                 launch = found.run([], {})
             except TypeError as problem:  # it has parameters
                 span = self._expressions.span(found.node)
+                if "launch_testing" in self._library.standard.text:
+                    raise NotRead(f"a test calls {ENTRY}() with arguments", span) from None
                 help_ = "ros2 launch calls it without arguments"
                 raise DescriptionProblem(str(problem), "launch-function", span, help_, ENTRY) from None
             except (DescriptionProblem, TooLong, RecursionError, NotRead):
@@ -128,6 +131,7 @@ class _Reader:
     def _no_entry(self, found: object) -> tuple[DescriptionProblem, ...]:
         if isinstance(found, Unknown):
             self._gaps[found] = None
+        if self._gaps:  # what is not followed may define it, or end the file
             return ()
         source = self._expressions.source
         return (
@@ -276,7 +280,13 @@ class _Reader:
         kinds = {decorator_name(each) for each in node.decorator_list}
         if node.keywords or not kinds <= {"dataclass", *_NEUTRAL}:
             raise NotRead(f"the class {node.name} is not followed while reading", here.span(node))
-        bases = [base for base in map(here.visit, node.bases) if isinstance(base, UserClass)]
+        visited = [here.visit(base) for base in node.bases]
+        bases = [base for base in visited if isinstance(base, UserClass)]
+        api = [
+            base if isinstance(base, ApiClass) else base.api
+            for base in visited
+            if isinstance(base, ApiClass | UserClass)
+        ]
         inherited = {name: value for base in reversed(bases) for name, value in base.members.items()}
         outer, here.frame = here.frame, Frame(here.frame)
         try:
@@ -288,7 +298,9 @@ class _Reader:
         if "dataclass" in kinds or any(ast.unparse(base).endswith("NamedTuple") for base in node.bases):
             written = (each.target for each in node.body if isinstance(each, ast.AnnAssign))
             fields += [each.id for each in written if isinstance(each, ast.Name) and each.id not in fields]
-        here.frame.names_here[node.name] = UserClass(node.name, {**inherited, **members}, tuple(fields))
+        here.frame.names_here[node.name] = UserClass(
+            node.name, {**inherited, **members}, tuple(fields), next(filter(None, api), None)
+        )
 
     def _call(self, function: Function, arguments: list[object], keywords: dict[str, object]) -> object:
         here = self._expressions

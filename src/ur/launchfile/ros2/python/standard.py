@@ -15,6 +15,7 @@ import yaml
 
 from ur.launchfile.ros2.context import Context
 from ur.launchfile.ros2.model import DescriptionProblem, Unknown
+from ur.launchfile.ros2.python.expressions import NotRead
 from ur.launchfile.ros2.python.objects import Module, Written, taking_unknown
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.source.file import Span
@@ -47,7 +48,10 @@ class Standard:
             "glob": lambda: self._module("glob", glob=lambda path, **_: list(self.find(str(path)))),
             "json": lambda: self._module("json", loads=self.load, load=self.load, dumps=self._dump_json),
             "datetime": lambda: self._module("datetime", datetime=self._at_start("datetime", "now", "today")),
-            "platform": lambda: Module("platform", {**self._at_start("platform", "node").members, "system": _linux}),
+            "platform": lambda: Module(
+                "platform",
+                {**self._at_start("platform", "node", "uname", "release", "machine").members, "system": _linux},
+            ),
             "socket": lambda: self._at_start("socket", "gethostname"),
             "time": lambda: self._at_start("time", "time", "strftime"),
             "ros2pkg.api": lambda: self._module("ros2pkg.api", get_package_names=self._package_names),
@@ -71,7 +75,7 @@ class Standard:
 
     def _sys(self) -> Module:
         members = {"path": self.paths, "argv": ["ros2", "launch"], "executable": "/usr/bin/python3"}
-        return Module("sys", {**members, "platform": "linux", "exit": taking_unknown(_exit)})
+        return Module("sys", {**members, "platform": "linux", "exit": taking_unknown(self._exit)})
 
     # -- packages
 
@@ -91,6 +95,12 @@ class Standard:
             return refused
 
         return taking_unknown(call)
+
+    def _exit(self, *reason: object) -> object:
+        if reason and isinstance(reason[0], Unknown) and self.at is not None:
+            raise NotRead(f"the file ends here: {reason[0].reason}", self.at)
+        text = f"the file ends the launch: {reason[0]}" if reason and isinstance(reason[0], str) else "the file ends"
+        raise DescriptionProblem(f"{text}, expected a description", "launch-function", None)
 
     def _package_names(self) -> list[str]:
         names = sorted(self._world.package_names())
@@ -204,8 +214,3 @@ def _copy_containers(value: object) -> object:
     if isinstance(value, dict):
         return {key: _copy_containers(each) for key, each in value.items()}
     return [_copy_containers(each) for each in value] if isinstance(value, list) else value
-
-
-def _exit(*reason: object) -> object:
-    text = f"the file ends the launch: {reason[0]}" if reason and isinstance(reason[0], str) else "the file ends"
-    raise DescriptionProblem(f"{text}, expected a description", "launch-function", None)
