@@ -336,7 +336,11 @@ def test_second_page_asks_for_the_drive_is_given_it_and_it_is_taken_back(
         other.wait(DRIVES)
         other.push_stick()
         page.press_banner("Take over")  # the other page holds its stick
-        other.wait("page.drive.press === 'dead' && page.drive.why === 'driver'")
+        other.wait("page.drive.press === 'dead'")
+        if other.run("page.drive.why") == "late":  # a busy computer had ended the press before
+            other.touch("End")
+            press_until_refused(other)
+        assert other.run("page.drive.why") == "driver"
         robot.ask("still", seconds=60)
         page.wait(DRIVES)
         other.touch("End")

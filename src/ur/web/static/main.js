@@ -98,6 +98,7 @@ export class Page {
 
   /** @param {import("./wire.js").Pose} pose */
   showPose(pose) {
+    if (this.server?.end === "no master") return; // it was under way when the robot ended
     this.pose = pose;
     this.poseAt = performance.now();
     this.map.setPose(pose);
