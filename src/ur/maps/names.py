@@ -8,7 +8,6 @@ from pathlib import Path
 from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable
 from ur.source.replace import replace_file
-from ur.source.section import read_section
 from ur.source.user_folders import user_folder
 
 Place = tuple[float, float, float]
@@ -30,6 +29,8 @@ def read_places(path: Path) -> dict[str, Place]:
     """Read the waypoints of a map, sorted by name; empty without a file. Raises UserError, with the line."""
     if not path.exists():
         return {}
+    from ur.source.section import read_section  # reads YAML, which a launch that checks a name does without
+
     section = read_section(path, "a waypoint file")
     found: dict[str, Place] = {}
     for name in sorted(section.keys):
