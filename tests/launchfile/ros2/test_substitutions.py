@@ -5,6 +5,9 @@ from __future__ import annotations
 import pytest
 from tests.launchfile.ros2.plans import load, load_clean, python, rules, xml
 
+from ur.launchfile.plan.specs import ParameterFile
+from ur.source.foreign.yaml_text import load_yaml
+
 SHARE = "/opt/demo/share/demo"
 CASES = {  # in Python, in XML, the value
     "text": ("TextSubstitution(text='t')", "t", "t"),
@@ -189,6 +192,20 @@ def _rewritten(call: str) -> dict[str, object]:
 )
 def test_parameter_file_is_rewritten_as_nav2_does(call: str, expected: dict[str, object]) -> None:
     assert _rewritten(call) == expected
+
+
+@pytest.mark.parametrize("word", ["WORD", "$(var w)", "é", "a\\\\b", "'7'", "2001-01-01"])
+def test_rewritten_text_is_read_as_the_plan_has_it_and_the_file_stays(word: str) -> None:
+    call = "ParameterFile(RewrittenYaml('/c.yaml', {'rate': 'true'}), allow_substs=True)"
+    nodes = [f"Node(executable='e', name='controller', parameters=[{each}])" for each in (call, call, "'/c.yaml'")]
+    text = python("DeclareLaunchArgument('w', default_value='x')", *nodes, before="from nav2_common.launch import *")
+    plan = load(text, files={"/c.yaml": CONFIG.replace("WORD", word)})
+    sources = [source for node in plan.nodes for source in node.sources]
+    assert [isinstance(each, ParameterFile) for each in sources] == [True] * 3
+    texts = [str(text) for path, text in plan.written if path in {getattr(each, "path", "") for each in sources}]
+    assert [load_yaml(each)["controller"]["ros__parameters"]["rate"] for each in texts] == [True] * 2
+    assert not any("$(" in each for each in texts)
+    assert {each.name: each.value for each in plan.params}["/controller/rate"] == 5  # the file stays as it is
 
 
 def test_rewritten_file_may_have_a_namespace_as_its_root() -> None:

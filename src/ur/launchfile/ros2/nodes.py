@@ -85,13 +85,13 @@ class Nodes(Collector):
         if ros_words:
             words = (*words, "--ros-args", *ros_words)
         node = self._spec(made, kind, name, namespace, package, executable, words)
-        node = replace(
+        return replace(
             node,
             is_named=bool(given),
             is_placed=written is not None or self._context.namespace is not None,
             remaps=(*self._context.remaps, *self._remaps(made)),
+            sources=self._sources(made, "parameters", node),
         )
-        return replace(node, sources=self._sources(made, "parameters", node))
 
     def _when(self, entities: object, trigger: Trigger, target: Made | None = None) -> None:
         """Visit entities later, when all else has been: an event starts them, that of `target` if there is one."""
@@ -213,7 +213,7 @@ class Nodes(Collector):
 
     def _add(self, made: Made, node: NodeSpec) -> None:
         number = self._numbers[node.full_name] = self._numbers.get(node.full_name, 0) + 1
-        node = replace(node, number=number)
+        node = node if number == 1 else replace(node, number=number)
         self._made[id(made)] = node
         self._kept.append(made)
         if node.is_named and node.kind != "program" and node.trigger is None and "<" not in node.full_name:

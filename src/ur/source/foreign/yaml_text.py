@@ -12,6 +12,7 @@ _SAFE_COUNT = 1000  # so many levels do not exhaust the stack
 _PER_VALUE = 100  # characters of a text count as one more value
 _LONGEST_NUMBER = 1000  # characters; of those with colons, the time grows with the square of it
 _LONGEST_KEY = 18  # digits of a number that is a key: among longer ones, many can have the same hash
+_PLAIN = {"true": True, "false": False, "0": 0}  # values of many parameters
 _NUMBERS = frozenset({"tag:yaml.org,2002:int", "tag:yaml.org,2002:float"})
 _Loader: type[yaml.SafeLoader] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -31,6 +32,10 @@ def load_yaml(text: str, values: int = MAX_VALUES) -> Any:
 
     Raises ValueError, whose text is the reason in one line: not YAML, nested too deeply, or too large.
     """
+    if text in _PLAIN:
+        return _PLAIN[text]
+    if text.isdecimal() and text.isascii() and len(text) < _LONGEST_KEY and text[0] != "0":
+        return int(text)
     try:
         node = compose_yaml(text)
         return None if node is None else construct_yaml(node, values)

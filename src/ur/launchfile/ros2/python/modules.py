@@ -35,6 +35,7 @@ _TRANSITIONS = (
     *("ACTIVE_SHUTDOWN", "DESTROY"),
 )
 _SOURCED = frozenset({"AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH", "ROS_DISTRO"})
+_EXTENDED = frozenset({"launch.launch_context", "launch_ros.events.lifecycle"})  # by what is no class of the API
 _IGNORED = frozenset(
     {
         *("__future__", "abc", "argparse", "collections", "enum", "getpass", "importlib", "inspect", "itertools"),
@@ -94,6 +95,8 @@ class Library:
         inner_names = self._inner.get(name, ())
         if found is None and not inner_names:
             return Module(name, {}) if name.partition(".")[0] in _IGNORED else None
+        if not inner_names and name not in _EXTENDED:
+            return _api_module(name)
         members: dict[str, object] = dict(_api_classes(name))
         for last in inner_names:
             if (inner := self.find(f"{name}.{last}")) is not None:
@@ -318,6 +321,11 @@ def _is_instance(value: object, kind: object) -> object:
 @cache
 def _api_classes(module: str) -> Mapping[str, ApiClass]:
     return {name: ApiClass(signature) for name, signature in modules().get(module, {}).items()}
+
+
+@cache
+def _api_module(name: str) -> Module:
+    return Module(name, _api_classes(name))
 
 
 @cache
