@@ -74,6 +74,10 @@ KNOWN = {  # statements that set `x`, the text of it
         "from ament_index_python.packages import get_package_share_directory as share\nx = share('demo')",
         "/opt/demo/share/demo",
     ),
+    "resource of the index": (
+        "from ament_index_python.resources import has_resource\nx = has_resource('packages', 'demo')",
+        "/opt/demo",
+    ),
     "share path": (
         "from ament_index_python import get_package_share_path\nx = get_package_share_path('demo') / 'a'",
         "/opt/demo/share/demo/a",

@@ -6,6 +6,7 @@ Files are read through the World, with its limits; nothing is written, started o
 import posixpath
 import re
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import cache
 from pathlib import PurePosixPath
 from typing import Any
@@ -70,7 +71,9 @@ class Library:
             ),
             "ament_index_python": self._index,
             "ament_index_python.packages": self._index,
-            "ament_index_python.resources": lambda: Module("ament_index_python.resources", {}),
+            "ament_index_python.resources": lambda: Module(
+                "ament_index_python.resources", {"has_resource": self._has_resource}
+            ),
             "lifecycle_msgs.msg": self._lifecycle,
             "launch_ros.events": lambda: Module(
                 "launch_ros.events", {"lifecycle": self.find("launch_ros.events.lifecycle")}
@@ -193,6 +196,12 @@ class Library:
         return Module(
             "ament_index_python.packages", {**members, "packages": Module("ament_index_python.packages", members)}
         )
+
+    def _has_resource(self, kind: object, name: object) -> object:
+        if kind == "packages":
+            with suppress(PackageNotFound):
+                return self._world.find_package(str(name)).removesuffix(f"/share/{name}")
+        return Unknown(f"{name} is not installed", self._at, "package")
 
     def _lifecycle(self) -> Module:
         states = {f"TRANSITION_{name}": number for number, name in enumerate(_TRANSITIONS)}
