@@ -195,6 +195,13 @@ def test_file_that_is_no_description_on_purpose_is_a_gap(text: str) -> None:
     assert not plan.diagnostics
 
 
+def test_list_that_gets_what_is_not_known_is_not_empty() -> None:
+    before = "import socket\nnames = []\nfor each in socket.gethostname():\n    names.append(each)"
+    plan = load(python("Node(executable='e', name='n', parameters=[{'a': names}])", before=before))
+    assert plan.gaps
+    assert not plan.diagnostics
+
+
 def test_value_that_a_build_sets_is_named_in_a_template() -> None:
     action = "Node(executable='@NAME@')"
     plan = load(python(action), "/ws/a.launch.py.in")

@@ -35,6 +35,7 @@ from ur.launchfile.ros2.python.statements import (
     assigned_names,
     assigns_names,
     decorator_name,
+    extended_names,
     reading_of,
     walk_here,
     word_of,
@@ -183,6 +184,9 @@ class _Reader:
         self._context.budget.spend(_PER_GAP + PER_STEP * sum(1 for _ in walk_here(statement)))
         for name in assigned_names(statement):
             self._expressions.frame.names_here[name] = unknown
+        for name in extended_names(statement):
+            if isinstance(known := self._expressions.frame.names_here.get(name), list):
+                known.append(unknown)
         if any(isinstance(each, ast.Return) for each in walk_here(statement)):
             raise Returned(unknown)
         if not isinstance(statement, (ast.Import, ast.ImportFrom)) and not assigns_names(statement):

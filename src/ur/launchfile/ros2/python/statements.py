@@ -64,6 +64,13 @@ def assigned_names(statement: ast.stmt) -> Iterator[str]:
             yield node.asname or node.name.partition(".")[0]
 
 
+def extended_names(statement: ast.stmt) -> Iterator[str]:
+    """Yield the names whose lists a statement makes longer."""
+    for node in walk_here(statement):
+        if isinstance(node, ast.Attribute) and node.attr in ("append", "extend") and isinstance(node.value, ast.Name):
+            yield node.value.id
+
+
 def word_of(statement: ast.stmt) -> str:
     """Return the word with which a statement begins, for messages."""
     return {"ClassDef": "class", "AsyncFunctionDef": "async def", "Match": "match"}.get(
