@@ -67,7 +67,6 @@ def test_git_is_started_by_these_modules_only() -> None:
                 starting.add(path.relative_to(ROOT / "src").as_posix())
     assert starting == {
         "ur/cli/files/new_things.py",  # git config user.name
-        "ur/report/sources.py",
         "ur/source/project.py",  # in this project's folder
     }
 

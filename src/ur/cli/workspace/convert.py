@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 @click.option("--to", "language", type=click.Choice(["xml", "yaml"]), default="xml", help="Language to write.")
 @click.option("--anyway", is_flag=True, help="Write files that do not start the same, too.")
 def command(path: str, output: str | None, prefix: str | None, language: Language, *, anyway: bool) -> int:
-    """Convert launch files of ROS 1 to XML for ros2 launch, or those of ROS 2 from Python to XML or YAML.
+    """Convert launch files of ROS 1 or Python to XML or YAML.
 
     PATH is a launch file, which is printed, or a package or folder, of which all launch files are converted, with the
     files of parameters that they load. Everything without a counterpart is reported with its position and what to do.
