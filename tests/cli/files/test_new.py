@@ -79,8 +79,8 @@ def test_package_with_group_and_program_passes_the_check(package: Path, capsys: 
 def test_node_that_is_not_looked_at_passes_the_check(package: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["--from-package", "ubiquity_launches", "--type", "joy_node", "--summary", "Read a joystick.", "--no-look"]
     assert main(["new", "node", "stick", *words]) == 0
-    assert main(["new", "multi", "drive", "--summary", "Drive.", "--include", "n_stick", "--program"]) == 0
     assert main(["new", "multi", "part", "--summary", "A part.", "--include", "n_stick", "--no-program"]) == 0
+    assert main(["new", "multi", "drive", "--summary", "Drive.", "--include", "m_part", "--program"]) == 0
     assert [path.name for path in (package / "bin").glob("ur_*")] == ["ur_drive"]
     assert (package / "n_stick" / "launch" / "n_stick.launch.xml").is_file()
     finds_nothing(capsys)
