@@ -43,13 +43,12 @@ def test_file_for_ros_1_is_not_taken_for_one_of_ros_2(body: str) -> None:
     assert _rules(f"<launch>{body}</launch>") == []
 
 
-@pytest.mark.parametrize("verb", ["launch", "format"])
 @pytest.mark.parametrize("name", ["a.launch", "a.launch.yaml"])
-def test_verb_names_ros_2_and_gives_no_advice_for_ros_1(verb: str, name: str, tmp_path: Path) -> None:
+def test_robot_with_ros_1_is_given_no_advice_about_a_file_for_ros_2(name: str, tmp_path: Path) -> None:
     text = f"<launch>{ROS2['let']}{ROS2['exec']}</launch>" if name == "a.launch" else "launch: []\n"
     (tmp_path / name).write_text(text, encoding="utf-8")
-    environment = {**os.environ, "HOME": str(tmp_path), "NO_COLOR": "1"}
-    done = run_ur(verb, name, folder=tmp_path, environment=environment)
+    environment = {**os.environ, "HOME": str(tmp_path), "NO_COLOR": "1", "UR_ROBOT": "sim --ros 1"}
+    done = run_ur("launch", name, folder=tmp_path, environment=environment)
     printed = done.stdout + done.stderr
     assert done.returncode != 0
     assert "this is a launch file for ROS 2" in printed
