@@ -11,7 +11,7 @@ from ur.docs.repository.collect import is_elsewhere, show_elsewhere
 from ur.launchfile.plan.one_file import HERE
 from ur.launchfile.syntax import Element
 
-_LINK = re.compile(r"(!?)\[([^\]\n]{0,500})\]\(\s*([^)\s]+)\s*\)")
+_LINK = re.compile(r"(!?)\[([^\[\]\n]{0,500})\]\(\s*([^)\s]+)\s*\)")
 _SCHEME = re.compile(r"[a-zA-Z][a-zA-Z0-9+.-]*:")
 
 

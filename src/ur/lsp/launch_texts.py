@@ -17,7 +17,7 @@ from ur.tools.find.arguments import find_argument_texts
 _ASSIGNED = r"^[ \t]*{}[ \t]*(?::[^=\n]*)?=[ \t]*"
 _WORD = re.compile(r"[A-Za-z_]\w*")
 _JOINED = re.compile(
-    r"(?:FindPackage\w*|get_package_\w+)\(\s*['\"]([\w.-]+)['\"]\s*\)(?:\s*,\s*(?P<parts>(?:['\"][^'\"\n]*['\"]\s*,\s*)*)|"
+    r"(?<!\w)(?:FindPackage\w*|get_package_\w+)\(\s*['\"]([\w.-]+)['\"]\s*\)(?:\s*,\s*(?P<parts>(?:['\"][^'\"\n]*['\"]\s*,\s*)*)|"
     r"\s*\+\s*)['\"]\Z"
 )
 _IN_PATH = re.compile(r"\$\(find-pkg-share ([\w.-]+)\)/([^\s'\"]*)\Z")

@@ -22,7 +22,7 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import StampedTwist, Twist
 
 SRC = Path(__file__).parents[3] / "src"
-OTHERS = ("start_node.py", "replay_node.py", "map_saver_node.py")
+OTHERS = ("start_node.py", "replay_node.py", "map_saver_node.py", "launch_steps_node.py")
 """A program that starts others, a node that reads a file and no topic, and one that ends with its first map."""
 
 MODULES = sorted(

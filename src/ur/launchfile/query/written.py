@@ -13,8 +13,8 @@ ENDINGS = (".py", ".launch.yaml", ".launch.yml", "_launch.yaml", "_launch.yml")
 
 _LITERAL = re.compile(r"""(?P<quote>['"])(?P<text>(?:\\.|(?!(?P=quote))[^\\\n])*)(?P=quote)?""")
 _PIECE = re.compile(r"\$\((?P<command>[a-z-]+) +['\"]?(?P<name>[\w.-]*)")
-_SCALAR = re.compile(r"(?P<key>[\w-]+):\s*['\"]?(?P<text>(?:\$\([^)\n]*\)?|[^\s'\"#])*)")
-_ATTRIBUTE = re.compile(r"(?P<key>[\w-]+)\s*=\s*(?P<quote>['\"])(?P<text>[^'\"\n]*)")
+_SCALAR = re.compile(r"(?<![\w-])(?P<key>[\w-]+):\s*['\"]?(?P<text>(?:\$\([^)\n]*\)?|[^\s'\"#])*)")
+_ATTRIBUTE = re.compile(r"(?<![\w-])(?P<key>[\w-]+)\s*=\s*(?P<quote>['\"])(?P<text>[^'\"\n]*)")
 _TAG = re.compile(r"<(/?)([a-z_-]+)[^<>]*?(/?)(?:>|\Z)")
 _BEFORE: tuple[tuple[WrittenKind, re.Pattern[str]], ...] = (
     ("arg", re.compile(r"\b(?:DeclareLaunchArgument|LaunchConfig\w*)\(\s*(?:(?:variable_)?name\s*=\s*)?\Z")),

@@ -14,7 +14,8 @@ from ur.source.file import Span
 
 _SHARE, _VARIABLE, _DEFAULT, _END = "\ue000", "\ue001", "\ue002", "\ue003"
 _MARKS = re.compile(
-    f"/{_SHARE}([^/{_SHARE}]+)(/share/\\1(?![^/]))?|{_VARIABLE}([^{_DEFAULT}{_END}]*)(?:{_DEFAULT}([^{_END}]*))?{_END}"
+    f"/{_SHARE}([^/{_SHARE}]+)(/share/\\1(?![^/]))?|{_VARIABLE}([^{_VARIABLE}{_DEFAULT}{_END}]*)"
+    f"(?:{_DEFAULT}([^{_VARIABLE}{_END}]*))?{_END}"
 )
 
 

@@ -61,7 +61,7 @@ _RUN = re.compile(r"<(depend|exec_depend|run_depend)\b[^>]*>\s*([\w-]+)\s*</\1>"
 _OPTIONAL = re.compile(r"<!--\s*ur:\s*optional\s+([\w\s,-]*?):[^>]*-->")
 _LAST = re.compile(r"^([ \t]*)<(?:\w*_)?depend\b[^\n]*</\w+>[^\n]*\n", re.MULTILINE)
 _END = re.compile(r"^([ \t]*)(<export\b|</package>)", re.MULTILINE)
-_FORMAT_1 = re.compile(r"<package(?![^>]{0,500}\bformat=\"[23]\")[^>]*>")
+_FORMAT_1 = re.compile(r"<package(?![^<>]{0,500}\bformat=\"[23]\")[^<>]*>")
 
 
 def read_run_dependencies(text: str) -> frozenset[str]:
