@@ -110,7 +110,7 @@ class Workspace:
 
     def _steps(self, session: CheckSession, first: Sequence[str]) -> Iterator[frozenset[str]]:
         yield from session.steps(first)
-        for path in first:  # what somebody may ask for next
+        for path in first:  # the editor may ask for them next
             if path.endswith(ENDINGS) and (view := self.view(path)) is not None:
                 self._renew_cases(view)
                 yield frozenset()
