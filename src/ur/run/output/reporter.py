@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from ur.run.run import Run
 
 KEPT_LINES = 30
+NOT_RUN = (126, 127)  # exit codes of a shell for a command that it could not run
 
 
 class RunReporter:
@@ -123,7 +124,7 @@ class RunReporter:
             return
         program = self._programs[death.name]
         fault = ""
-        if death.reason or death.status.code in (126, 127):
+        if death.reason or death.status.code in NOT_RUN:
             path = dict(program.changes).get("PATH", os.environ.get("PATH"))
             from ur.source.script import explain_script  # only once a node has died
 
