@@ -15,6 +15,10 @@ from ur.source.file import SourceFile, Span
 
 _EXPONENT = re.compile(r"([-+]?\d+)(\.\d*)?[eE]([-+]?)(\d+)")
 _INFINITE = re.compile(r"[-+]?(?:inf|nan)", re.IGNORECASE)
+# What no misread value is without: most texts need no reading of their own
+_SUSPECT = re.compile(
+    r"(?<![\w.])(?:[-+]?\d+(?:\.\d*)?e|(?:inf|nan|yes|no|on|off|true|false)\b|0\d|\d[\d_]*:|\d{4}-)", re.IGNORECASE
+)
 _SWITCH = {"yes": "true", "on": "true", "no": "false", "off": "false"}
 # Of robot_localization, MoveIt's OMPL and camera_info_manager, which make numbers of texts themselves
 _READ_FROM_TEXT = re.compile(
@@ -32,6 +36,8 @@ def _find_in_yaml(view: YamlView) -> Iterable[RuleFinding]:
 
 
 def _find_in_text(source: SourceFile) -> Iterator[RuleFinding]:
+    if not _SUSPECT.search(source.text):
+        return
     try:
         documents = compose_documents(source)
     except yaml.YAMLError:
