@@ -112,5 +112,5 @@ def test_what_stops_the_motors_is_sent_where_no_guard_can_be_started(tmp_path: P
     line.write(b"go", moving=True)
     line.write(b"stop")
     line.close()
-    assert terminal.read() == b"STOPstop"
+    assert read_until(terminal, b"stop") == b"STOPstop"
     terminal.close()
