@@ -84,7 +84,13 @@ def test_all_tests_of_one_file_have_a_second_chance_together(tree: Path) -> None
     assert read_record(tree) == tests
 
 
-def test_more_than_three_tests_of_several_files_have_no_second_chance(tree: Path) -> None:
-    failed = "tests/test_a.py::test_b tests/test_a.py::test_c tests/test_a.py::test_d tests/test_e.py::test_f"
-    assert run_twice(tree, failed=failed).returncode == 1
+def test_more_than_twelve_tests_of_several_files_have_no_second_chance(tree: Path) -> None:
+    failed = " ".join(f"tests/test_a.py::test_{number}" for number in range(12))
+    assert run_twice(tree, failed=f"{failed} tests/test_e.py::test_f").returncode == 1
     assert not (tree / "tests" / "second_tries.yaml").exists()
+
+
+def test_twelve_tests_of_several_files_have_a_second_chance(tree: Path) -> None:
+    tests = [f"tests/test_{number:02}.py::test_a" for number in range(12)]
+    assert run_twice(tree, failed=" ".join(tests)).returncode == 0
+    assert read_record(tree) == tests
