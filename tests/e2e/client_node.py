@@ -157,7 +157,7 @@ class DrivingClient:
         assert self.truth
         true = pose_of_message(self.truth.pose.pose)
         believed = pose3_of_transform(
-            self.buffer.lookup_transform("map", "base_footprint", rospy.Time()).transform
+            self.buffer.lookup_transform("map", "base_footprint", rospy.Time(), rospy.Duration(30.0)).transform
         ).planar()
         twist = self.truth.twist.twist
         speed = math.hypot(twist.linear.x, twist.angular.z)
