@@ -56,10 +56,13 @@ def navigating(tmp_path: Path, either_ros: dict[str, str]) -> Iterator[dict[str,
 
 
 def run(env: dict[str, str], folder: Path, *words: str, attempts: int = 1) -> str:
-    """What a command of `ur` prints; again, for so many attempts, while it fails."""
-    for _ in range(attempts):
+    """What a command of `ur` prints; again, for so many attempts, while it fails.
+
+    A script that this computer keeps from running for 0.1 s loses its velocity, as it must: it has five attempts.
+    """
+    for attempt in range(max(attempts, 5)):
         done = subprocess.run([UR, *words], env=env, cwd=folder, capture_output=True, text=True, timeout=180)
-        if done.returncode == 0:
+        if done.returncode == 0 or (attempt + 1 >= attempts and "this program hung" not in done.stderr):
             break
     assert done.returncode == 0, done.stdout + done.stderr
     assert "Traceback" not in done.stderr
