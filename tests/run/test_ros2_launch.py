@@ -246,5 +246,25 @@ def test_file_for_ros2_starts_with_it_where_ros1_is_only_the_default(ros2: Ros2W
     path = ros2.write("a.launch.py", HEAD + "    return [node('one', 'exit:0')]\n")
     run = ros2.world.ur("launch", "--plain", path)
     assert run.wait() == 0, run.text
-    assert f"{path} is a launch file for ROS 2: starting it with ROS 2" in run.text
+    assert f"{path} is a launch file for ROS 2: using ROS 2" in run.text
     assert ros2.argv() == [["exit:0", "--ros-args", "-r", "__node:=one"]]
+
+
+@pytest.mark.skipif(not PYTHON.exists(), reason="no wheels of ROS 2 for this processor")
+@pytest.mark.parametrize("option", ["--dry-run", "--show-args", "--dump-params"])
+def test_question_about_a_file_for_ros2_finds_its_packages_where_ros1_is_the_default(
+    ros2: Ros2World, option: str
+) -> None:
+    ros2.world.environment |= {"UR_ROBOT": "sim", "ROS_VERSION": "1"}
+    body = """
+    from ament_index_python.packages import get_package_share_directory
+    return [
+        DeclareLaunchArgument('place', default_value=get_package_share_directory('std_msgs')),
+        node('one', parameters=[{'place': LaunchConfiguration('place')}]),
+    ]
+"""
+    ros2.write("q.launch.py", HEAD + body)
+    run = ros2.world.ur("launch", option, "demo", "q.launch.py")
+    assert run.wait() == 0, run.text
+    assert "demo q.launch.py is a launch file for ROS 2: using ROS 2" in run.text
+    assert f"{ROOT}/.ros2/share/std_msgs" in run.text

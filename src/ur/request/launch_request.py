@@ -293,7 +293,7 @@ def follow_file(line: CommandLine, selection: Selection, report: Report) -> Sele
             continue
         if len(paths) != 1 or not is_for_ros2(paths[0], world):
             return selection
-        report("info", f"{' '.join(line.names)} is a launch file for ROS 2: starting it with {other}, not {present}")
+        report("info", f"{' '.join(line.names)} is a launch file for ROS 2: using {other}, not {present}")
         return chosen
     return selection
 

@@ -106,12 +106,15 @@ def launch_line(line: CommandLine, options: LaunchOptions) -> int:
         from ur.request.bases.robot_facts import know_robot
 
         selection = know_robot(selection, os.environ, line.arguments, reporter.report)
+    followed = selection if options.part is not None else follow_file(line, selection, reporter.report)
     if query is not None and query[0] != "dry-run":
         from ur.request.questions import answer
 
-        return answer(line, selection, query, shell)
-    if query is None and options.part is None:
-        selection = follow_file(line, selection, reporter.report)
+        if followed is not selection:  # its packages are not those of the shell
+            apply_selection(followed)
+            shell = dict(os.environ)
+        return answer(line, followed, query, shell)
+    selection = followed
     apply_selection(selection)
     if query is not None:
         return _dry_run(line, selection, options, reporter, shell)
