@@ -1,3 +1,5 @@
+from collections.abc import Mapping, Sequence
+
 import pytest
 
 from ur.launchfile.load import load_plan
@@ -54,3 +56,45 @@ def test_each_file_is_parsed_once_for_all_plans_of_a_request() -> None:
     assert sorted(reads) == ["/top.launch", "/x.launch"]
     known = dict(files.parsed)
     assert files.parse("/x.launch") is known["/x.launch"]
+
+
+ROS2 = """
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
+from launch.substitutions import Command, LaunchConfiguration
+from launch_ros.actions import Node
+def generate_launch_description():
+    return LaunchDescription([
+        DeclareLaunchArgument('a'),
+        Node(executable=LaunchConfiguration('a'), arguments=[Command('describe robot')]),
+        IncludeLaunchDescription('/b.launch.py', launch_arguments={'c': '1'}.items()),
+    ])
+"""
+INNER = """
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument
+def generate_launch_description():
+    return LaunchDescription([DeclareLaunchArgument(each, default_value='0') for each in ('b', 'c')])
+"""
+
+
+def test_file_for_ros2_is_read_and_its_commands_run_once_for_arguments_and_plan() -> None:
+    reads: list[str] = []
+    runs: list[tuple[str, ...]] = []
+
+    class CountedWorld(MemoryWorld):
+        def read_bytes(self, path: str) -> bytes:
+            reads.append(path)
+            return super().read_bytes(path)
+
+    def run(words: Sequence[str], _: Mapping[str, str]) -> tuple[int, bytes, bytes]:
+        runs.append(tuple(words))
+        return 0, b"<robot/>", b""
+
+    world = CountedWorld(files={"/a.launch.py": ROS2, "/b.launch.py": INNER})
+    files = make_request(split_argv(["/a.launch.py", "a:=x", "b:=y"]), world, run=run).files
+    assert files.declared == ("a", "b")
+    plan = files.load(["a:=x", "b:=y"])
+    assert [(node.type, node.words) for node in plan.nodes] == [("x", ("<robot/>",))]
+    assert (sorted(reads), runs) == (["/a.launch.py", "/b.launch.py"], [("describe", "robot")])
+    assert files.load(["a:=z"]).nodes[0].type == "z"

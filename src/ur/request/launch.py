@@ -190,10 +190,11 @@ def load_with_packages(launch: Launch) -> LoadedPlan:
     """
     from ur.request.environment import apply_selection
     from ur.request.joining.running import follow_world
+    from ur.launchfile.plan.commands import run_with
     from ur.request.plan_files import load_chosen, make_world
 
     def load(inspect: Inspect | None) -> LoadedPlan:
-        request = make_request(launch.line, make_world(), launch.selection, launch.options)
+        request = make_request(launch.line, make_world(), launch.selection, launch.options, run_with)
         if launch.options.program:
             from ur.request.programs import refuse_undeclared
 

@@ -6,12 +6,11 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from ur.launchfile.address import resolve_addresses
-from ur.launchfile.load import is_for_ros2
+from ur.launchfile.load import is_for_ros2, load_plan
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.syntax.parse import parse_launch_file
 from ur.launchfile.world.protocol import World
@@ -21,6 +20,8 @@ from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
+    from ur.launchfile.plan.commands import RunWith
+    from ur.launchfile.plan.specs import MachineSpec, Plan
     from ur.run.clients.protocol import Severity
     from ur.run.remote.lease import Mode
 
@@ -189,12 +190,18 @@ NO_OPTIONS = LaunchOptions()
 class LaunchFiles:
     """The launch files of a request, in a world. Each file and include is read and parsed only once.
 
-    `parsed` has the trees by the paths that name them; `load_plan` uses and extends it.
+    `parsed` has the trees by the paths that name them; `load_plan` uses and extends it. `arguments` are those given,
+    and `run` is that of `load_plan`.
     """
 
-    def __init__(self, paths: Sequence[str], world: World) -> None:
+    def __init__(
+        self, paths: Sequence[str], world: World, arguments: Iterable[Argument] = (), run: RunWith | None = None
+    ) -> None:
         self.paths = tuple(paths)
         self.world = world
+        self._given = tuple(map(str, arguments))
+        self._run = run
+        self._plans: dict[tuple[str, ...], Plan] = {}  # of files for ROS 2, by file and arguments
         self.parsed: dict[str, LaunchFile] = {}
         self._declared: tuple[str, ...] | None = None
 
@@ -205,6 +212,13 @@ class LaunchFiles:
             known = self.parsed[path] = parse_launch_file(path, self.world.read_bytes(path))
         return known
 
+    def load(self, arguments: Sequence[str], computers: Sequence[MachineSpec] = ()) -> Plan:
+        """Return the plan with `NAME:=VALUE` arguments. See `load_plan`."""
+        known = self._plans.get((*self.paths, *arguments))
+        return known or load_plan(
+            self.paths, arguments, self.world, computers=computers, parsed=self.parsed, run=self._run
+        )
+
     @property
     def declared(self) -> tuple[str, ...]:
         """Return the arguments that the files declare and that can be given, in order.
@@ -214,24 +228,20 @@ class LaunchFiles:
         if self._declared is None:
             names: dict[str, None] = {}
             for path in self.paths:
+                if is_for_ros2(path, self.world, parsed=self.parsed):
+                    plan = load_plan([path], self._given, self.world, parsed=self.parsed, run=self._run)
+                    self._plans[path, *self._given] = plan  # which most requests need as it is
+                    names.update(dict.fromkeys(plan.declared))
+                    continue
                 try:
                     parsed = self.parse(path)
                 except OSError:
                     continue
-                if is_for_ros2(path, self.world, parsed=self.parsed):
-                    with suppress(UserError):  # which the plan reports
-                        names.update(dict.fromkeys(_names_of(path, self)))
                 for element in parsed.launch.elements if parsed.launch is not None else ():
                     if element.name == "arg" and "value" not in element.attributes:
                         names[element.attributes.get("name", "")] = None
             self._declared = tuple(names)
         return self._declared
-
-
-def _names_of(path: str, files: LaunchFiles) -> list[str]:
-    from ur.launchfile.query.arguments import read_arguments  # most files are read without it
-
-    return [each.name for each in read_arguments(path, (), files.world, files.parsed)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,13 +273,17 @@ class LaunchRequest:
 
 
 def make_request(
-    line: CommandLine, world: World, selection: Selection | None = None, options: LaunchOptions = NO_OPTIONS
+    line: CommandLine,
+    world: World,
+    selection: Selection | None = None,
+    options: LaunchOptions = NO_OPTIONS,
+    run: RunWith | None = None,
 ) -> LaunchRequest:
-    """Make a request of `FILE` or `PACKAGE FILE`, and `[ARG:=VALUE]...`.
+    """Make a request of `FILE` or `PACKAGE FILE`, and `[ARG:=VALUE]...`. `run` is that of `load_plan`.
 
     Raises UserError for a missing file, or a name that is neither a file nor an argument.
     """
-    files = LaunchFiles(resolve_addresses(line.names, world), world)
+    files = LaunchFiles(resolve_addresses(line.names, world), world, line.arguments, run)
     refuse_stray_names(files)
     return LaunchRequest(files, line.arguments, selection, options, line.names)
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ur.launchfile.load import load_plan
-from ur.launchfile.plan.commands import run_with
 from ur.launchfile.plan.problems import NOT_GIVEN
 from ur.launchfile.plan.specs import MachineSpec, NodeSpec, Origin, Plan
 from ur.launchfile.query.items import list_nodes
@@ -95,8 +94,7 @@ def load_request(request: LaunchRequest, inspect: Inspect | None = None) -> Load
     arguments = (*arguments, *localisation_argument(request, arguments, bases))
     computers = [describe_computer(selection.robot, f"{selection.robot}.local")] if remote else []
     computers += [describe_computer(part, "localhost")] if part is not None else []
-    run = None if request.options.queries else run_with
-    plan = load_plan(files.paths, texts(arguments), files.world, computers=computers, parsed=files.parsed, run=run)
+    plan = files.load(texts(arguments), computers)
     findings = plan.diagnostics
     if any(node.terminal for node in plan.nodes):
         findings = tuple(map(_harden, findings))
@@ -136,7 +134,7 @@ def load_tolerantly(argv: Sequence[str]) -> tuple[Plan, list[str], bool]:
     with show_progress(f"reading {' '.join(argv)}"):
         request = make_request(split_argv(argv), world, selection)
         files = request.files
-        plan = load_plan(files.paths, texts(complete_arguments(request, local=True)), world, parsed=files.parsed)
+        plan = files.load(texts(complete_arguments(request, local=True)))
     show_findings(plan.diagnostics)
     sound = not any(found.severity is Severity.ERROR for found in plan.diagnostics)
     return plan, [world.absolute(path) for path in files.paths], sound

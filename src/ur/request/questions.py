@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
-from ur.launchfile.load import is_for_ros2, load_plan
+from ur.launchfile.load import is_for_ros2
 from ur.launchfile.plan.names import join_names
 from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.query.items import find_node_file, list_files, list_nodes
@@ -135,8 +135,7 @@ def _load(request: LaunchRequest) -> Plan | None:
     # None when roslaunch would refuse to answer. It does not check that machines are defined.
     arguments = complete_arguments(request, local=True)
     arguments = (*arguments, *localisation_argument(request, arguments))
-    files = request.files
-    plan = load_plan(files.paths, texts(arguments), files.world, parsed=files.parsed)
+    plan = request.files.load(texts(arguments))
     show_findings(plan.diagnostics)
     refused = any(each.severity is Severity.ERROR and each.rule != "unknown-machine" for each in plan.diagnostics)
     return None if refused else plan

@@ -19,6 +19,8 @@ class Declarations(Events):
     def __init__(self, context: Context, draft: Draft) -> None:
         super().__init__(context, draft)
         self._declared: set[str] = set()
+        self._given = frozenset(context.configurations)
+        self._can_be_given: dict[str, None] = {}
         self._places: dict[tuple[str, str], Span] = {}  # of declarations without a condition, by file and name
         self._defaults: dict[Span, object] = {}  # of these declarations
         self._choices: dict[str, dict[str, list[str]]] = {}  # of arguments, by file and name
@@ -73,6 +75,8 @@ class Declarations(Events):
         if not context.chain:
             self._declared.add(name)
         handed_over = name in context.configurations
+        if name in self._given or not (handed_over and context.chain):
+            self._can_be_given[name] = None
         self._check_twice(name, made)
         if not handed_over:
             default = made.get("default_value")

@@ -64,6 +64,7 @@ class Visitor(Declarations):
             gaps=tuple(self._gaps),
             launcher="ros2 launch",
             unused=self.find_unused(),
+            declared=tuple(self._can_be_given),
             actions=tuple(self._actions),
             written=tuple(self._context.written.items()),
         )
