@@ -188,9 +188,9 @@ def load_with_packages(launch: Launch) -> LoadedPlan:
     Errors in its files are printed, except for a missing xacro, which is built. The installation of other missing
     packages is offered. Raises UserError, as `load_request` does, and if xacro cannot be built.
     """
+    from ur.launchfile.plan.commands import run_with
     from ur.request.environment import apply_selection
     from ur.request.joining.running import follow_world
-    from ur.launchfile.plan.commands import run_with
     from ur.request.plan_files import load_chosen, make_world
 
     def load(inspect: Inspect | None) -> LoadedPlan:

@@ -64,20 +64,6 @@ KNOWN_NODES: dict[str, Interface] = {
     "velocity_smoother": make_interface("smooth_cmd_vel", "raw_cmd_vel odometry robot_cmd_vel"),
 }
 
-LOCALISERS: dict[str, tuple[str, str]] = {  # the parameters of the frames between which they publish the transform
-    "amcl": ("global_frame_id", "odom_frame_id"),
-    "async_slam_toolbox_node": ("map_frame", "odom_frame"),
-    "fake_localization": ("global_frame_id", "odom_frame_id"),
-    "fiducial_slam": ("map_frame", "odom_frame"),
-    "gmapping": ("map_frame", "odom_frame"),
-    "hector_mapping": ("map_frame", "odom_frame"),
-    "lifelong_slam_toolbox_node": ("map_frame", "odom_frame"),
-    "localization_slam_toolbox_node": ("map_frame", "odom_frame"),
-    "rtabmap": ("map_frame_id", "odom_frame_id"),
-    "slam_gmapping": ("map_frame", "odom_frame"),
-    "sync_slam_toolbox_node": ("map_frame", "odom_frame"),
-}
-
 
 def find_interface(executable: str, package: str = "") -> Interface | None:
     """Look up the interface of an executable, of a package if that is given; None for an unknown one."""

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ur.launchfile.plan.specs import NodeSpec, ParamSpec, Plan
-from ur.launchfile.query.known_nodes import LOCALISERS
 from ur.run.startup.node_selection import keep_nodes
 from ur.source.foreign.json_values import read_json, write_json
 from ur.source.replace import replace_file
@@ -14,6 +13,19 @@ BASE_FILE = "/m_robot_base/launch/m_robot_base.launch.xml"
 _FILE = "claims.json"
 _MAX_BYTES = 4 << 20
 _MAX_VALUE = 200  # characters, beyond which a value is stored as a hash
+_LOCALISERS: dict[str, tuple[str, str]] = {  # the parameters of the frames between which they publish the transform
+    "amcl": ("global_frame_id", "odom_frame_id"),
+    "async_slam_toolbox_node": ("map_frame", "odom_frame"),
+    "fake_localization": ("global_frame_id", "odom_frame_id"),
+    "fiducial_slam": ("map_frame", "odom_frame"),
+    "gmapping": ("map_frame", "odom_frame"),
+    "hector_mapping": ("map_frame", "odom_frame"),
+    "lifelong_slam_toolbox_node": ("map_frame", "odom_frame"),
+    "localization_slam_toolbox_node": ("map_frame", "odom_frame"),
+    "rtabmap": ("map_frame_id", "odom_frame_id"),
+    "slam_gmapping": ("map_frame", "odom_frame"),
+    "sync_slam_toolbox_node": ("map_frame", "odom_frame"),
+}
 
 Definition = Mapping[str, str]
 """A node's program, arguments, remaps and private parameters, by names such as `param world_file`."""
@@ -170,7 +182,7 @@ def find_localisers(nodes: Mapping[str, Definition]) -> dict[str, tuple[str, str
     """Return the frames, parent and child, between which each localiser of these nodes publishes the transform."""
     found = {}
     for name, items in nodes.items():
-        parameters = LOCALISERS.get(items.get("program", "").rpartition("/")[2])
+        parameters = _LOCALISERS.get(items.get("program", "").rpartition("/")[2])
         if parameters is not None:
             parent, child = (
                 items.get(f"param {key}", default).strip("/")

@@ -15,7 +15,6 @@ from ur.launchfile.ros2.parameters import ParameterSections, flatten
 from ur.launchfile.world import World
 from ur.run.process.command import PRIVATE, UnitProgram
 from ur.run.supervisor.state import Unit
-from ur.source.foreign.yaml_text import load_yaml
 from ur.system.ros import node_command
 
 _MODULE = "ur_nodes.launch_steps_node"
@@ -128,6 +127,8 @@ def _parameters(node: NodeSpec, written: Mapping[str, object], world: World) -> 
 
 @cache
 def _read_sections(text: str) -> ParameterSections:
+    from ur.source.foreign.yaml_text import load_yaml  # most files have no components
+
     return ParameterSections(load_yaml(text))  # one file is for many nodes
 
 

@@ -11,8 +11,6 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from fnmatch import fnmatchcase
 
-import yaml
-
 from ur.launchfile.ros2.context import Context
 from ur.launchfile.ros2.model import DescriptionProblem, Unknown
 from ur.launchfile.ros2.python.expressions import NotRead
@@ -202,6 +200,8 @@ class Standard:
 
     def _dump(self, value: object, stream: object = None, *_: object, **__: object) -> object:
         self._context.budget.weigh([value] * _PER_DUMP)
+        import yaml  # few files
+
         text = yaml.safe_dump(value)
         return stream.write(text) if isinstance(stream, Written) else text
 
