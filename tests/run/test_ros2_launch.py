@@ -1,6 +1,7 @@
 """`ur launch` of files for ROS 2: processes with upstream's arguments, and what events cause. Nothing is left."""
 
 import signal
+import sys
 from typing import Any
 
 import pytest
@@ -268,3 +269,20 @@ def test_question_about_a_file_for_ros2_finds_its_packages_where_ros1_is_the_def
     assert run.wait() == 0, run.text
     assert "demo q.launch.py is a launch file for ROS 2: using ROS 2" in run.text
     assert f"{ROOT}/.ros2/share/std_msgs" in run.text
+
+
+@pytest.mark.parametrize("output", ["screen", "log"])
+def test_emulated_terminal_is_what_a_process_writes_to(ros2: Ros2World, output: str) -> None:
+    program = "import sys; print('terminal', *(each.isatty() for each in (sys.stdin, sys.stdout, sys.stderr)))"
+    run = start(
+        ros2,
+        f"""
+    words = ['{sys.executable}', '-c', {program!r}]
+    more = {{'cmd': words, 'output': '{output}'}}
+    return [ExecuteProcess(name=f'p{{given}}', emulate_tty=given, **more) for given in (True, False)]
+""",
+    )
+    assert run.wait() == 0, run.text
+    logs = {path.name[:5]: path.read_text() for path in ros2.folder.rglob("p*-stdout.log")}
+    assert logs == {"pTrue": "terminal False True True\n", "pFals": "terminal False False False\n"}
+    assert ("terminal False True True" in run.text) == (output == "screen")

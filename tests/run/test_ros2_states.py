@@ -42,7 +42,23 @@ def generate_launch_description():
 """
 
 
-def test_states_of_a_lifecycle_node_start_what_the_file_says(world: Any) -> None:
+AUTOSTART = """
+from launch import LaunchDescription
+from launch.actions import *
+from launch_ros.actions import *
+from launch_ros.event_handlers import OnStateTransition
+def generate_launch_description():
+    lc = LifecycleNode(package='demo', executable='states', name='lc', namespace='', autostart=True)
+    return LaunchDescription([
+        lc,
+        RegisterEventHandler(OnStateTransition(target_lifecycle_node=lc, goal_state='active', entities=[
+            Node(package='demo', executable='show', arguments=['active'])])),
+    ])
+"""
+
+
+@pytest.mark.parametrize("autostart", [False, True])
+def test_states_of_a_lifecycle_node_start_what_the_file_says(world: Any, *, autostart: bool) -> None:
     if not PYTHON.exists():
         pytest.skip("no wheels of ROS 2 for this processor")
     ros2 = Ros2World(world)
@@ -52,11 +68,11 @@ def test_states_of_a_lifecycle_node_start_what_the_file_says(world: Any) -> None
     program = ros2.folder / "prefix/lib/demo/states"
     program.write_text(f'#!/bin/bash\nexec {ROOT}/ubiquity_launches/lib/node {file} "$@"\n')
     program.chmod(0o755)
-    run = world.ur("launch", "--plain", ros2.write("a.launch.py", FILE))
+    run = world.ur("launch", "--plain", ros2.write("a.launch.py", AUTOSTART if autostart else FILE))
     ros2.until_shown(run, 1)
     assert ros2.argv() == [["active", "--ros-args"]]
     run.until("transition 1: done", "transition 3: done")  # programs of their own, which may report late
-    assert run.text.index("is inactive") < run.text.index("transition 3: done")
+    assert autostart or run.text.index("is inactive") < run.text.index("transition 3: done")
     run.process.send_signal(signal.SIGINT)
     assert run.wait() == 0, run.text
     run.wait_nothing_left()

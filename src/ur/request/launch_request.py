@@ -230,7 +230,7 @@ class LaunchFiles:
             for path in self.paths:
                 if is_for_ros2(path, self.world, parsed=self.parsed):
                     plan = load_plan([path], self._given, self.world, parsed=self.parsed, run=self._run)
-                    self._plans[(path, *self._given)] = plan  # which most requests need as it is
+                    self._plans.update({(path, *self._given): plan})  # which most requests need as it is
                     names.update(dict.fromkeys(plan.declared))
                     continue
                 try:

@@ -257,6 +257,47 @@ def test_details_of_a_process_are_kept() -> None:
     assert (again.cwd, again.launch_prefix, again.respawn, again.respawn_delay, again.output, again.required) == found
 
 
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        (
+            "a.launch.py",
+            python(
+                "LifecycleNode(package='demo', executable='life', name='n', namespace='a', autostart=True)",
+                "LoadComposableNodes(target_container='c', composable_node_descriptions=[ComposableLifecycleNode("
+                "package='demo', plugin='P', name='p', namespace='b', autostart=TextSubstitution(text='true'))])",
+                "LifecycleNode(package='demo', executable='life', name='m', namespace='', autostart=False)",
+                "Node(executable='box', name='c')",
+            ),
+        ),
+        (
+            "a.launch.xml",
+            xml(
+                '<lifecycle_node pkg="demo" exec="life" name="n" namespace="a" autostart="true"/>'
+                '<load_composable_node target="c"><composable_lifecycle_node pkg="demo" plugin="P" name="p" '
+                'namespace="b" autostart="$(not false)"/></load_composable_node>'
+                '<lifecycle_node pkg="demo" exec="life" name="m" namespace="" autostart="false"/>'
+                '<node pkg="" exec="box" name="c"/>'
+            ),
+        ),
+    ],
+)
+def test_autostart_configures_and_activates_a_lifecycle_node(name: str, text: str) -> None:
+    plan = load_clean(text, f"/ws/{name}")
+    assert [node.full_name for node in plan.nodes] == ["/a/n", "/b/p", "/m", "/c"]
+    found = [(action.kind, action.text, action.node, action.position) for action in plan.actions]
+    assert found == [("state", "1 3", "/a/n", 1), ("state", "1 3", "/b/p", 2)]
+
+
+def test_terminal_is_emulated_as_the_node_or_the_configuration_says() -> None:
+    nodes = [f"Node(executable='n', emulate_tty={value})" for value in ("True", "False")]
+    assert [node.emulates_terminal for node in load_clean(python(*nodes)).nodes] == [True, False]
+    plan = load(python(*nodes), arguments=["emulate_tty:=false"])
+    assert [node.emulates_terminal for node in plan.nodes] == [False, False]
+    plan = load_clean(xml('<node pkg="" exec="n" emulate_tty="true"/>'), "/ws/a.launch.xml")
+    assert plan.nodes[0].emulates_terminal
+
+
 def test_program_with_a_shell_is_one_command_of_it() -> None:
     plan = load_clean(python("ExecuteProcess(cmd=[['a ', 'b'], 'c'], shell=True)"))
     assert (plan.nodes[0].type, plan.nodes[0].words) == ("sh", ("-c", "a b c"))

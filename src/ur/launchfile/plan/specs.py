@@ -166,6 +166,7 @@ class NodeSpec:
     retries: int | None = None  # how often it is started again at most
     extra: tuple[tuple[str, ParamValue], ...] = ()  # arguments of a component
     number: int = 1  # among the nodes of the same name
+    emulates_terminal: bool = False  # its output goes to a pseudo terminal, wherever it is shown
 
     @property
     def full_name(self) -> str:

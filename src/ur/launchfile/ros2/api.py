@@ -165,7 +165,7 @@ _CLASSES = {
         "SetUseSimTime": f"value! | {_CONDITION}",
     },
     "launch_ros.descriptions": {
-        "ComposableLifecycleNode": "| package! plugin! name! namespace! autostart parameters remappings "
+        "ComposableLifecycleNode": "| package! plugin! name! namespace autostart parameters remappings "
         "extra_arguments condition",
         "ComposableNode": "| package! plugin! name namespace parameters remappings extra_arguments condition",
         "Parameter": "name! value! | value_type",

@@ -168,10 +168,11 @@ _PROCESS = (
 _NODE = f"pkg=package exec=executable! args=arguments:command ros_args=ros_arguments:command exec_name {_PROCESS}"
 _IN_NODE = "| param=parameters remap=remappings env=additional_env"
 _COMPONENT = "pkg=package! plugin! name! namespace | param=parameters remap=remappings extra_arg=extra_arguments"
-_COMPONENTS = "composable_node=composable_node_descriptions"
+_COMPONENTS = "composable_node=composable_node_descriptions composable_lifecycle_node=composable_node_descriptions"
 _ENTITIES = {
     "append_env": "AppendEnvironmentVariable name! value! prepend:flag separator",
     "arg": "DeclareLaunchArgument name:plain! default=default_value description:plain | choice=choices",
+    "composable_lifecycle_node": f"ComposableLifecycleNode autostart:flag {_COMPONENT}",
     "composable_node": f"ComposableNode {_COMPONENT}",
     "executable": f"ExecuteProcess cmd:command! name {_PROCESS} | env=additional_env",
     "for": "ForLoop len=length! name:plain! > actions",
@@ -349,7 +350,7 @@ class _Maker:
             return [str(each.attributes["value"][0]) for each in listed if "value" in each.attributes]
         if target == "extra_arguments":
             return [{_key(self._text(each, "name")): self._typed(each)} for each in listed]
-        return list(self.make_all(tuple(listed)))
+        return [*(known if isinstance(known, list) else []), *self.make_all(tuple(listed))]
 
     def _text(self, entity: Entity, name: str) -> list[str | Made]:
         if name not in entity.attributes:

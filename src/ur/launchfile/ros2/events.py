@@ -1,10 +1,8 @@
 """Effects of events, and actions besides nodes: lines, the end of the run, steps of lifecycle nodes."""
 
-from typing import Any, Literal, cast
+from typing import Any, cast
 
-from ur.launchfile.plan.draft import Draft
-from ur.launchfile.plan.specs import ActionSpec, Trigger
-from ur.launchfile.ros2.context import Context
+from ur.launchfile.plan.specs import Trigger
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.nodes import Nodes
 from ur.launchfile.ros2.python.objects import EventFunction, Function
@@ -13,10 +11,6 @@ from ur.launchfile.ros2.substitutions import perform
 
 class Events(Nodes):
     """Visits event handlers and actions that start nothing."""
-
-    def __init__(self, context: Context, draft: Draft) -> None:
-        super().__init__(context, draft)
-        self._actions: list[ActionSpec] = []
 
     def _register(self, made: Made) -> None:
         handler = made.get("event_handler")
@@ -54,10 +48,6 @@ class Events(Nodes):
         return f"/{text}" if isinstance(text, str) else ""
 
     # -- what happens besides nodes
-
-    def _act(self, made: Made, kind: Literal["log", "shutdown", "state"], text: str, node: str = "") -> None:
-        action = ActionSpec(kind, text, self._origin(made.span), self._trigger, node, len(self._draft.nodes))
-        self._actions.append(action)
 
     def _log(self, made: Made) -> None:
         self._act(made, "log", self._text(made.get("msg", ""), made.place("msg")))

@@ -4,10 +4,11 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import PurePosixPath
-from typing import Any, cast
+from typing import Any, Literal, cast
 
 from ur.launchfile.plan.draft import Draft
 from ur.launchfile.plan.specs import (
+    ActionSpec,
     NodeKind,
     NodeSpec,
     ParameterFile,
@@ -28,6 +29,7 @@ from ur.launchfile.ros2.substitutions import is_wanted, perform, split_command
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
 
+CONFIGURE, ACTIVATE = 1, 3  # transitions of lifecycle nodes, lifecycle_msgs/Transition
 _ENDS = ("Shutdown", "EmitEvent")
 _NODE_NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
@@ -47,6 +49,7 @@ class Nodes(Collector):
         self._made: dict[int, NodeSpec] = {}  # by the id of what made them, which `_kept` keeps
         self._kept: list[Made] = []
         self._numbers: dict[str, int] = {}  # nodes by name
+        self._actions: list[ActionSpec] = []
 
     def _execute(self, made: Made) -> None:
         command = made.get("cmd")
@@ -107,6 +110,13 @@ class Nodes(Collector):
         if not isinstance(common, str) or not re.match(str(wanted), program.rpartition("/")[2]):
             return None
         return common
+
+    def _emulates_terminal(self, made: Made) -> bool:
+        known = self._context.configurations.get("emulate_tty")  # which all processes follow
+        if known is None:
+            return self._flag(made, "emulate_tty")
+        self._context.used.add("emulate_tty")
+        return self._flag(Made(made.kind, {"emulate_tty": known}, made.span), "emulate_tty")
 
     def _changes_of(self, made: Made) -> tuple[dict[str, str], tuple[str, ...]]:
         """Return the variables that a node gets beside those of the start, and those that it does not get."""
@@ -208,8 +218,13 @@ class Nodes(Collector):
             words=words,
             trigger=self._trigger,
             unset=unset,
+            emulates_terminal=self._emulates_terminal(made),
             retries=retries if isinstance(retries, int) and retries >= 0 else None,
         )
+
+    def _act(self, made: Made, kind: Literal["log", "shutdown", "state"], text: str, node: str = "") -> None:
+        action = ActionSpec(kind, text, self._origin(made.span), self._trigger, node, len(self._draft.nodes))
+        self._actions.append(action)
 
     def _add(self, made: Made, node: NodeSpec) -> None:
         number = self._numbers[node.full_name] = self._numbers.get(node.full_name, 0) + 1
@@ -223,6 +238,8 @@ class Nodes(Collector):
                 help_ = "rename one of them, or give one a namespace"
                 self._warn(message, "duplicate-node", made.place("name"), help_, node.full_name)
         self._draft.nodes.append(node)
+        if self._flag(made, "autostart"):
+            self._act(made, "state", f"{CONFIGURE} {ACTIVATE}", node.full_name)
         for old, new in node.remaps:
             self._trace(RemapStep(old, new, node.origin))
         if node.kind == "program":

@@ -82,15 +82,21 @@ class NodeOutputs:
         if self._null < 0:
             self._null = os.open(os.devnull, os.O_RDONLY | os.O_CLOEXEC)
         null = self._null
-        if program.unit.core or self._unattended:
+        emulated = program.emulates_terminal
+        if program.unit.core or (self._unattended and not emulated):
             output.direct = True
             return (null, output.log, output.log), []
         given = []
         ends = []
-        output.direct = not program.screen
+        output.direct = not program.screen and not emulated
         outputs: tuple[tuple[bool, bool, Callable[[str, str], None], OutputSource], ...] = (
-            (program.screen, self._console.is_terminal, self._console.show, "out"),
-            (True, False, self._console.show_error, "err"),
+            (
+                program.screen or emulated,
+                self._console.is_terminal or emulated,
+                self._console.show if program.screen and not self._unattended else _ignore,
+                "out",
+            ),
+            (True, emulated, _ignore if self._unattended else self._console.show_error, "err"),
         )
         for wanted, as_terminal, show, source in outputs:
             if not wanted:
@@ -222,6 +228,10 @@ class NodeOutputs:
             self._close_stream(stream)
         output.streams.clear()
         os.close(output.log)
+
+
+def _ignore(name: str, line: str) -> None:
+    """Show nothing: the log has the line."""
 
 
 def _size(path: str) -> int:

@@ -29,7 +29,7 @@ class UnitProgram:
     `screen` whether its standard output is displayed; `ready` are its further readiness conditions. `executable` is the
     argument of `argv` that is the node's own program. `names_log`: it gets the path of its log as an argument, as nodes
     of ROS 1 do. `files` are texts by name, which are written into the folder of the run: `argv` has `PRIVATE` before
-    these names. With None the middleware adds its arguments.
+    these names. With None the middleware adds its arguments. `emulates_terminal`: its output goes to pseudo terminals.
     """
 
     unit: Unit
@@ -42,6 +42,7 @@ class UnitProgram:
     executable: str = ""
     names_log: bool = True
     files: tuple[tuple[str, str], ...] | None = None
+    emulates_terminal: bool = False
 
 
 PRIVATE = "\0/"

@@ -81,6 +81,7 @@ def describe_program(node: NodeSpec, world: World, number: int, written: Mapping
         cwd=node.cwd if node.cwd is not None else os.getcwd(),  # noqa: PTH109 - as upstream: where the user is
         log_name=name,
         screen=node.output == "screen",
+        emulates_terminal=node.emulates_terminal,
         ready=() if node.is_named and node.kind != "program" else (ReadyCondition("process", ""),),
         executable=command[0],
         names_log=False,
