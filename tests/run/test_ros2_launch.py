@@ -2,6 +2,7 @@
 
 import signal
 import sys
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -165,9 +166,9 @@ def test_second_node_of_a_name_is_started_restarted_and_stopped(ros2: Ros2World)
 
 
 def test_parts_that_are_not_known_are_refused_before_anything_starts(ros2: Ros2World) -> None:
-    run = start(ros2, "    return [node('n'), node('m', LaunchLogDir())]\n")
+    run = start(ros2, "    return [node('n'), node('m', LocalSubstitution('event'))]\n")
     assert run.wait() == 1
-    assert "'ur launch' does not know this part of the launch file: the folder of the log" in run.text
+    assert "'ur launch' does not know this part of the launch file: local values" in run.text
     assert "b.launch.py:13:" in run.text
     assert "ur launch -- ros2 launch" in run.text
     assert ros2.found() == []
@@ -286,3 +287,53 @@ def test_emulated_terminal_is_what_a_process_writes_to(ros2: Ros2World, output: 
     logs = {path.name[:5]: path.read_text() for path in ros2.folder.rglob("p*-stdout.log")}
     assert logs == {"pTrue": "terminal False True True\n", "pFals": "terminal False False False\n"}
     assert ("terminal False True True" in run.text) == (output == "screen")
+
+
+def test_event_handler_that_another_event_unregisters_causes_nothing_more(ros2: Ros2World) -> None:
+    run = start(
+        ros2,
+        """
+    first, second = node('first', 'exit:0'), node('second', 'exit:0')
+    handler = OnProcessExit(target_action=second, on_exit=[node('wrong', 'wrong')])
+    return [
+        RegisterEventHandler(handler), first,
+        RegisterEventHandler(OnProcessExit(target_action=first, on_exit=[UnregisterEventHandler(handler), second])),
+    ]
+""",
+    )
+    assert run.wait() == 0, run.text
+    assert [argv[0] for argv in ros2.argv()] == ["exit:0", "exit:0"]
+
+
+def test_written_file_and_log_folder_reach_whatever_names_them(ros2: Ros2World) -> None:
+    ros2.write("p.yaml", "/**: {ros__parameters: {rate: 5}}\n")
+    body = f"""
+    import os, tempfile
+    path = tempfile.mktemp(suffix='.txt')
+    with open(path, 'w') as file:
+        file.write('written: true\\n')
+    inner = tempfile.mkdtemp()
+    with open(os.path.join(inner, 'a.yaml'), 'w') as file:
+        file.write('beside: ' + path)
+    new = RewrittenYaml(source_file='{ros2.share}/launch/p.yaml', param_rewrites={{'rate': '7'}})
+    return [
+        SetEnvironmentVariable('MINE', [inner, '/a.yaml']),
+        node('one', path, new, ['file://', path], Command(['cat ', path]), LaunchLogDir(), remappings=[('a', path)],
+             parameters=[{{'file': path}}]),
+        LogInfo(msg=['logs are in ', LaunchLogDir()]),
+    ]
+"""
+    run = start(ros2, "    from nav2_common.launch import RewrittenYaml" + body)
+    ros2.until_shown(run, 1)
+    stop(run)
+    (found,) = ros2.found()
+    log = next(path for path in ros2.folder.rglob("one-1-stdout.log")).parent
+    path = found["argv"][0]
+    assert path.startswith(f"{log}/written/")
+    rewritten = "/**:\n  ros__parameters:\n    rate: '7'\n"
+    assert found["argv"][1:5] == [rewritten, f"file://{path}", "written: true\n", str(log)]
+    assert Path(path).read_text() == "written: true\n"
+    assert found["argv"][-2:] == ["-r", f"a:={path}"]
+    assert f"file: {path}" in found["argv"][-3]
+    assert Path(found["environment"]["MINE"]).read_text() == f"beside: {path}"
+    assert f"logs are in {log}" in run.text

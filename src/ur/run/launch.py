@@ -53,6 +53,10 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     folder = make_run_folder(environment, middleware.run_id or new_run_id())
     arranged = middleware.arrange(number_logs(programs, middleware.logs), nodes, folder)
     programs = (*arranged, *_write_steps(steps, folder))
+    if planned:
+        from ur.run.process.described import place_lines
+
+        planned = place_lines(planned, plan, folder)
     commands = start_commands(plan.params, environment)
     if not programs and not middleware.core and not planned:
         done = middleware.set_parameters(plan, folder, options, commands)
@@ -146,11 +150,13 @@ def _plan_effects(
     """Return the programs that call services of nodes, and what events cause."""
     if not plan.actions and not any(node.trigger or node.kind == "component" for node in plan.nodes):
         return (), ()
-    from ur.run.process.described import plan_effects
+    from ur.launchfile.plan.written import WrittenFiles
+    from ur.run.process.described import add_written, plan_effects
     from ur.run.process.steps import describe_steps
 
     steps, awaited = describe_steps(plan, world)
-    return tuple(program for program, _, _ in steps), plan_effects(plan, nodes, steps, awaited)
+    written = WrittenFiles(plan.written)
+    return tuple(add_written(each, written) for each, _, _ in steps), plan_effects(plan, nodes, steps, awaited)
 
 
 def _write_steps(steps: Sequence[UnitProgram], folder: str) -> tuple[UnitProgram, ...]:

@@ -12,7 +12,7 @@ TEXTS = (  # substitutions, each with what is not known
     "PathJoinSubstitution(x)", "PathJoinSubstitution(['a', x])", "FindPackageShare(x)", "FindPackagePrefix(x)",
     "ExecutableInPackage(x, 'demo')", "EqualsSubstitution(x, 'a')", "NotEqualsSubstitution('a', x)",
     "AndSubstitution(x, 'true')", "OrSubstitution('false', x)", "NotSubstitution(x)", "AnySubstitution(x)",
-    "AllSubstitution('true', x)", "IfElseSubstitution(x, 'a', 'b')", "LaunchConfiguration(x)", "LaunchLogDir()",
+    "AllSubstitution('true', x)", "IfElseSubstitution(x, 'a', 'b')", "LaunchConfiguration(x)",
     "StringJoinSubstitution([x], ',')", "TextSubstitution(text=x)", "Command(x)", "['a', x]", "[x] + ['a']",
     "'a' + str(x)", "f'{x}'", "x.y", "x['a']", "x(1)", "-x", "x + 1", "x < 1", "x and 'a'", "('a' if x else 'b')",
     "[a for a in x][0]", "{'a': x}['a']", "str(LaunchConfiguration('a'))",

@@ -138,5 +138,32 @@ def test_environment_is_replaced_and_the_folder_of_logs_is_set() -> None:
 
 
 def test_actions_that_are_not_carried_out_are_named() -> None:
-    plan = load(python("handler", "UnregisterEventHandler(handler)", before="handler = OnProcessExit(on_exit=[])"))
-    assert "UnregisterEventHandler is not carried out" in [gap.reason for gap in plan.gaps]
+    plan = load(python("OpaqueCoroutine(coroutine=wait)", before="async def wait(context):\n    pass"))
+    assert "OpaqueCoroutine is not carried out" in [gap.reason for gap in plan.gaps]
+
+
+HANDLERS = """
+first, last = OnProcessStart(on_start=[Node(executable='first')]), OnProcessExit(on_exit=[Node(executable='last')])
+def register(handler):
+    return RegisterEventHandler(handler)
+"""
+
+
+def test_event_handler_that_is_unregistered_causes_nothing() -> None:
+    actions = ["register(first)", "register(last)", "UnregisterEventHandler(first)"]
+    assert describe_all(load_clean(python(*actions, before=HANDLERS))) == ["node /last /last when exit 0.0"]
+    later = "TimerAction(period=1.0, actions=[UnregisterEventHandler(first)])"
+    plan = load_clean(python(*actions[:2], later, before=HANDLERS))
+    assert [node.name for node in plan.nodes] == ["first", "last"]
+    (action,) = plan.actions
+    assert plan.nodes[0].trigger is not None
+    assert (action.kind, action.text) == ("unregister", str(plan.nodes[0].trigger.handler))
+    assert action.trigger is not None
+    assert action.trigger.kind == "timer"
+
+
+def test_event_handler_that_was_never_registered_is_a_mistake() -> None:
+    plan = load(python("UnregisterEventHandler(first)", before=HANDLERS))
+    assert [found.message for found in plan.diagnostics] == [
+        "the event handler is not registered, expected one of a RegisterEventHandler before"
+    ]

@@ -110,7 +110,6 @@ def test_condition_of_xml_and_yaml_agree(condition: str, value: str) -> None:
     ("text", "reason"),
     [
         ("Command(['xacro ', '/a.xacro'])", "output of 'xacro /a.xacro'"),
-        ("LaunchLogDir()", "log"),
         ("LocalSubstitution('x')", "local"),
         ("FindPackageShare('absent')", "not installed"),
     ],

@@ -106,6 +106,7 @@ class Trigger:
     seconds: float = 0.0
     after: "Trigger | None" = None
     states: tuple[str, str] = ("", "")
+    handler: int = field(default=0, compare=False)  # the number of the event handler, which an action may name
 
 
 def describe_trigger(trigger: Trigger) -> str:
@@ -179,14 +180,18 @@ class NodeSpec:
         return self.full_name if self.number == 1 else f"{self.full_name}-{self.number}"
 
 
+ActionKind = Literal["log", "shutdown", "state", "unregister"]
+
+
 @dataclass(frozen=True, slots=True)
 class ActionSpec:
     """Something that happens besides nodes: `text` is printed, the run ends, or the node `node` changes its state.
 
-    `position` is the number of nodes of the plan before it. `text` is the reason of an end, or a transition.
+    `position` is the number of nodes of the plan before it. `text` is the reason of an end, a transition, or the number
+    of an event handler that counts no longer.
     """
 
-    kind: Literal["log", "shutdown", "state"]
+    kind: ActionKind
     text: str
     origin: Origin
     trigger: Trigger | None = None

@@ -26,16 +26,33 @@ class Events(Nodes):
             if handler.kind == "EventHandler":
                 self._on_gap(Unknown("what starts after this event", handler.span), self._context.chain)
             return
+        self._kept.append(handler)
+        number = self._handlers.setdefault(id(handler), len(self._handlers) + 1)
         target = handler.get("target_action", handler.get("target_lifecycle_node"))
         entities = handler.get(keyword)
         if isinstance(entities, Function):
             entities = Made("OpaqueFunction", {"function": EventFunction(entities, handler.span)}, handler.span)
         if isinstance(entities, (Made, list, tuple)):
             states = (self._state_of(handler, "start_state"), self._state_of(handler, "goal_state"))
-            trigger = Trigger(cast("Any", kind), after=self._trigger, states=states)
+            trigger = Trigger(cast("Any", kind), after=self._trigger, states=states, handler=number)
             self._when(entities, trigger, target if isinstance(target, Made) else None)
         elif entities is not None:
             self._on_gap(Unknown("a function decides what starts after this event", handler.span), self._context.chain)
+
+    def _unregister(self, made: Made) -> None:
+        handler = made.get("event_handler")
+        number = self._handlers.get(id(handler))
+        if isinstance(handler, Unknown) or (number is None and self._trigger is not None):
+            reason = handler.reason if isinstance(handler, Unknown) else "the event handler that ends here"
+            self._on_gap(Unknown(reason, made.span), self._context.chain)
+        elif number is None:
+            message = "the event handler is not registered, expected one of a RegisterEventHandler before"
+            raise DescriptionProblem(message, "launch-value", made.place("event_handler"))
+        elif self._trigger is None:  # before any event
+            self._later = [each for each in self._later if each[1].handler != number]
+            del self._handlers[id(handler)]
+        else:
+            self._act(made, "unregister", str(number))
 
     def _state_of(self, handler: Made, keyword: str) -> str:
         return self._text(handler.get(keyword), handler.span) if handler.get(keyword) is not None else ""

@@ -4,10 +4,11 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import PurePosixPath
-from typing import Any, Literal, cast
+from typing import Any, cast
 
 from ur.launchfile.plan.draft import Draft
 from ur.launchfile.plan.specs import (
+    ActionKind,
     ActionSpec,
     NodeKind,
     NodeSpec,
@@ -50,6 +51,7 @@ class Nodes(Collector):
         self._kept: list[Made] = []
         self._numbers: dict[str, int] = {}  # nodes by name
         self._actions: list[ActionSpec] = []
+        self._handlers: dict[int, int] = {}  # numbers of event handlers by ids, as above
 
     def _execute(self, made: Made) -> None:
         command = made.get("cmd")
@@ -222,7 +224,7 @@ class Nodes(Collector):
             retries=retries if isinstance(retries, int) and retries >= 0 else None,
         )
 
-    def _act(self, made: Made, kind: Literal["log", "shutdown", "state"], text: str, node: str = "") -> None:
+    def _act(self, made: Made, kind: ActionKind, text: str, node: str = "") -> None:
         action = ActionSpec(kind, text, self._origin(made.span), self._trigger, node, len(self._draft.nodes))
         self._actions.append(action)
 

@@ -2,12 +2,14 @@
 
 import shutil
 from collections.abc import Callable, Mapping
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import Any
 
+from ur.launchfile.plan.commands import RunWith
 from ur.launchfile.plan.problems import INHERITED
 from ur.launchfile.plan.specs import ParameterValues
 from ur.launchfile.plan.values.budget import PER_YAML_CHARACTER, Budget
+from ur.launchfile.plan.written import LOG_FOLDER, WrittenFiles
 from ur.launchfile.ros2.context import ANY_NAME, PER_SYSTEM_CALL, Context
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.source.arguments import split_words
@@ -215,9 +217,11 @@ def _command(made: Made, context: Context) -> str | Unknown:
     text = perform(made.get("command", ""), context)
     if isinstance(text, Unknown) or context.run_command is None:
         return text if isinstance(text, Unknown) else Unknown(f"it is the output of '{text}'", made.span, "command")
+    if LOG_FOLDER in text:
+        return Unknown("the folder of the log is made when the launch starts", made.span)
     words, mode = split_command(text, context.budget), perform(made.get("on_stderr", "fail"), context)
     try:
-        code, output, errors = context.run_command(words, context.environment)
+        code, output, errors = _run(words, context, context.run_command)
     except (OSError, IndexError) as problem:
         reason = str(getattr(problem, "strerror", None) or problem).lower()
         message = f"'{text}' cannot be run: {reason}, expected a program that prints a value"
@@ -229,6 +233,23 @@ def _command(made: Made, context: Context) -> str | Unknown:
         help_ = "on_stderr='ignore' accepts such lines" if not code else f"run it alone: {text}"
         raise DescriptionProblem(message, "bad-command", made.span, help_, text)
     return (output + (errors if mode == "capture" else b"")).decode(errors="replace")
+
+
+def _run(words: tuple[str, ...], context: Context, run: RunWith) -> tuple[int, bytes, bytes]:
+    """Run a command, which finds the files that the launch file has written. Raises OSError."""
+    if not any(path in word for path in context.written for word in words):
+        return run(words, context.environment)
+    from tempfile import TemporaryDirectory  # few files
+
+    with TemporaryDirectory() as folder:
+        files: dict[str, str] = {}
+        written = WrittenFiles(context.written.items())
+        moved = [written.move(word, folder, files) for word in words]
+        for name, text in files.items():
+            path = Path(folder, name)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+        return run(moved, context.environment)
 
 
 def _file(_: Made, context: Context) -> str:
@@ -333,10 +354,6 @@ def _loop_value(made: Made, context: Context) -> str | Unknown:
     )
 
 
-def _log_folder(made: Made, _: Context) -> str | Unknown:
-    return Unknown("the folder of the log is made when the launch starts", made.span)
-
-
 def _flag_configuration(made: Made, context: Context) -> str | Unknown:
     text = _configuration(
         Made("LaunchConfiguration", {"variable_name": made.get("name")}, made.span, made.places), context
@@ -389,7 +406,7 @@ PERFORM: dict[str, Callable[[Made, Context], str | Unknown]] = {  # others add t
     "IfElseSubstitution": _if_else,
     "LaunchConfigAsBool": _flag_configuration,
     "LaunchConfiguration": _configuration,
-    "LaunchLogDir": _log_folder,
+    "LaunchLogDir": lambda *_: LOG_FOLDER,
     "LocalSubstitution": lambda made, _: Unknown("local values are known when the launch runs", made.span),
     "NotEqualsSubstitution": _differs,
     "NotSubstitution": _logic(("value",), lambda value: not value),

@@ -415,7 +415,7 @@ _ACTIONS: Mapping[str, str] = {
     "SetUseSimTime": "_set_parameter",
     "Shutdown": "_shutdown",
     "TimerAction": "_timer",
-    "UnregisterEventHandler": "_leave_out",
+    "UnregisterEventHandler": "_unregister",
     "UnsetEnvironmentVariable": "_unset_variable",
     "UnsetLaunchConfiguration": "_unset_configuration",
 }

@@ -9,16 +9,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ur.launchfile.plan.specs import NodeSpec, ParameterFile, ParamValue, Plan, ReadyCondition, Trigger
+from ur.launchfile.plan.specs import ActionSpec, NodeSpec, ParameterFile, ParamValue, Plan, ReadyCondition, Trigger
+from ur.launchfile.plan.written import LOG_FOLDER, WrittenFiles
 from ur.launchfile.ros2.parameters import TypedList
 from ur.launchfile.world import World
 from ur.run.process.command import PRIVATE, UnitProgram, find_executable
 from ur.run.process.steps import Planned as PlannedStep
 from ur.run.supervisor.planned import list_triggers
-from ur.run.supervisor.state import Effect, EndPlanned, Planned, PrintPlanned, StartPlanned, Unit
+from ur.run.supervisor.state import CancelPlanned, Effect, EndPlanned, Planned, PrintPlanned, StartPlanned, Unit
 from ur.source.diagnostic import Diagnostic, Note, UserError, error
 
 _FOLDER = "parameters"
+_RUN = PRIVATE.rstrip("/")
 
 
 def refuse_gaps(plan: Plan) -> None:
@@ -44,7 +46,7 @@ def describe_programs(
     plan: Plan, nodes: Sequence[NodeSpec], world: World
 ) -> tuple[tuple[UnitProgram, ...], tuple[Diagnostic, ...]]:
     """Return the programs of nodes, and an error for each that does not exist. Nothing is started or written."""
-    written = dict(plan.written)
+    written = WrittenFiles(plan.written)
     programs = []
     problems: list[Diagnostic] = []
     for number, node in enumerate(nodes, 1):
@@ -55,18 +57,18 @@ def describe_programs(
     return tuple(programs), tuple(problems)
 
 
-def describe_program(node: NodeSpec, world: World, number: int, written: Mapping[str, object]) -> UnitProgram:
+def describe_program(node: NodeSpec, world: World, number: int, written: WrittenFiles) -> UnitProgram:
     """Return the program of a node. Raises UserError: no such package or executable, or a prefix that is no command."""
     command = _find_command(node, world)
     name = f"{node.key.lstrip('/').replace('/', '-')}-{number}"
     files: dict[str, str] = {}
-    arguments = () if node.kind == "program" else _ros_arguments(node, f"{_FOLDER}/{name}", files, written)
+    arguments = () if node.kind == "program" else _ros_arguments(node, f"{_FOLDER}/{name}", files)
     try:
         prefix = shlex.split(node.launch_prefix or "")
     except ValueError as problem:
         message = f"{node.key}: prefix {node.launch_prefix!r} is no command: {str(problem).lower()}"
         raise UserError(error(message, node.origin.span, rule="bad-arguments")) from None
-    return UnitProgram(
+    program = UnitProgram(
         unit=Unit(
             name=node.key,
             required=node.required,
@@ -87,6 +89,21 @@ def describe_program(node: NodeSpec, world: World, number: int, written: Mapping
         names_log=False,
         files=tuple(files.items()),
     )
+    return add_written(program, written)
+
+
+def add_written(program: UnitProgram, written: WrittenFiles) -> UnitProgram:
+    """Return a program with the files that its texts name, and these texts with the paths that it gets."""
+    files: dict[str, str] = {}
+
+    def move(text: str) -> str:
+        return written.move(text, _RUN, files).replace(LOG_FOLDER, _RUN)
+
+    own = {name: move(text) for name, text in program.files or ()}
+    changes = tuple((name, None if value is None else move(value)) for name, value in program.changes)
+    cwd = None if program.cwd is None else move(program.cwd)
+    argv = tuple(map(move, program.argv))
+    return replace(program, argv=argv, changes=changes, cwd=cwd, files=tuple({**own, **files}.items()))
 
 
 def _find_command(node: NodeSpec, world: World) -> tuple[str, ...]:
@@ -103,16 +120,13 @@ def _find_command(node: NodeSpec, world: World) -> tuple[str, ...]:
         return found
 
 
-def _ros_arguments(node: NodeSpec, stem: str, files: dict[str, str], written: Mapping[str, object]) -> tuple[str, ...]:
+def _ros_arguments(node: NodeSpec, stem: str, files: dict[str, str]) -> tuple[str, ...]:
     words = ["--ros-args"]
     words += ["-r", f"__node:={node.name}"] if node.is_named else []
     words += ["-r", f"__ns:={node.namespace.rstrip('/') or '/'}"] if node.is_placed else []
     for source in node.sources:
         if isinstance(source, ParameterFile):
-            path = source.argument or source.path
-            if source.path in written:
-                path = _add(files, stem, str(written[source.path]))
-            words += ["--params-file", path]
+            words += ["--params-file", source.argument or source.path]
         elif source.is_global:
             words += [word for each in source.values for word in ("-p", f"{each[0]}:={_python(each[1])}")]
         elif source.is_rule:
@@ -155,11 +169,11 @@ def plan_effects(
 
     As upstream, the handler of an event that was registered last comes first. `awaited` replaces triggers by their ids.
     """
-    items: list[tuple[float, Trigger | None, Effect]] = []
-    for action in plan.actions:
-        if action.kind != "state":
-            effect: Effect = PrintPlanned(action.text) if action.kind == "log" else EndPlanned(action.text)
-            items.append((action.position + 0.5, action.trigger, effect))  # behind that node
+    items: list[tuple[float, Trigger | None, Effect]] = [
+        (action.position + 0.5, action.trigger, _effect_of(action))  # behind that node
+        for action in plan.actions
+        if action.kind != "state"
+    ]
     present = {node.key for node in nodes}
     for position, node in enumerate(plan.nodes, 1):
         if node.trigger is not None and node.key in present:
@@ -174,15 +188,43 @@ def plan_effects(
     return (*others, *(each for handler in reversed(handlers.values()) for each in handler))
 
 
+def _effect_of(action: ActionSpec) -> Effect:
+    match action.kind:
+        case "log":
+            return PrintPlanned(action.text)
+        case "unregister":
+            return CancelPlanned(int(action.text))
+    return EndPlanned(action.text)
+
+
 def write_files(program: UnitProgram, folder: str) -> UnitProgram:
     """Write the private files of a program, and return it with their paths. Raises UserError."""
+
+    def place(text: str) -> str:
+        return text.replace(_RUN, folder)
+
     try:
         for name, text in program.files or ():
             path = Path(folder, name)
-            path.parent.mkdir(mode=0o700, exist_ok=True)
-            path.write_text(text, encoding="utf-8")
+            path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            path.write_text(place(text), encoding="utf-8")
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         message = f"parameters cannot be written to {folder}: {reason}"
         raise UserError(error(message, rule="bad-folder", help="ROS_LOG_DIR chooses another place")) from None
-    return replace(program, argv=tuple(word.replace(PRIVATE, f"{folder}/") for word in program.argv))
+    changes = tuple((name, None if value is None else place(value)) for name, value in program.changes)
+    cwd = None if program.cwd is None else place(program.cwd)
+    return replace(program, argv=tuple(map(place, program.argv)), changes=changes, cwd=cwd)
+
+
+def place_lines(planned: Sequence[Planned], plan: Plan, folder: str) -> tuple[Planned, ...]:
+    """Return what events cause, with the paths of the run's folder in the lines that are printed."""
+    written = WrittenFiles(plan.written)
+
+    def place(each: Planned) -> Planned:
+        if not isinstance(each.effect, PrintPlanned):
+            return each
+        text = written.move(each.effect.text, folder, {}).replace(LOG_FOLDER, folder)
+        return replace(each, effect=PrintPlanned(text))
+
+    return tuple(map(place, planned))

@@ -92,7 +92,7 @@ def _program(unit: str, calls: Sequence[Fields], world: World) -> UnitProgram:
         screen=True,
         ready=(ReadyCondition("process", ""),),
         names_log=False,
-        files=((name, json.dumps(calls, indent=1)),),
+        files=((name, json.dumps(calls, indent=1, ensure_ascii=False)),),
     )
 
 

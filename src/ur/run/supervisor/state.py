@@ -165,7 +165,14 @@ class EndPlanned:
     reason: str
 
 
-Effect = StartPlanned | PrintPlanned | EndPlanned
+@dataclass(frozen=True, slots=True)
+class CancelPlanned:
+    """Forget what an event handler has not caused yet; `handler` is that of its Trigger."""
+
+    handler: int
+
+
+Effect = StartPlanned | PrintPlanned | EndPlanned | CancelPlanned
 
 
 @dataclass(frozen=True, slots=True)
