@@ -167,3 +167,14 @@ def test_event_handler_that_was_never_registered_is_a_mistake() -> None:
     assert [found.message for found in plan.diagnostics] == [
         "the event handler is not registered, expected one of a RegisterEventHandler before"
     ]
+
+
+def test_launch_file_that_a_launch_file_writes_can_be_included() -> None:
+    before = """
+import tempfile
+path = tempfile.mktemp(suffix='.launch.yaml')
+with open(path, 'w') as file:
+    file.write('launch: [{node: {pkg: demo, exec: talker}}]')
+"""
+    plan = load_clean(python("IncludeLaunchDescription(AnyLaunchDescriptionSource(path))", before=before))
+    assert describe_all(plan) == ["node /talker demo/talker"]

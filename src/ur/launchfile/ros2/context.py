@@ -102,8 +102,8 @@ class Context:
         self.on_gap(unknown, self.chain)
 
     def read(self, path: str) -> bytes:
-        """Return the content of a file, charged to the budget. Raises OSError."""
-        data = self.world.read_bytes(path)
+        """Return the content of a file, which the launch may have written, charged to the budget. Raises OSError."""
+        data = str(self.written[path]).encode() if path in self.written else self.world.read_bytes(path)
         self.budget.charge(len(data))
         return data
 
@@ -126,7 +126,7 @@ class Context:
     def is_file(self, path: str) -> bool:
         """Return whether a path leads to a file, charged to the budget."""
         self.budget.charge(PER_SYSTEM_CALL)
-        return self.world.is_file(path)
+        return path in self.written or self.world.is_file(path)
 
     @property
     def is_scoped(self) -> bool:
