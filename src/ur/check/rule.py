@@ -111,7 +111,7 @@ class LaunchView:
 
 def survey_launch_file(path: str, package: Package | None, world: World) -> LaunchView:
     """Return a launch file as rules see it. Raises OSError."""
-    return LaunchView(path, package, world, LaunchSurvey(path, world.read_bytes(path)))
+    return LaunchView(path, package, world, LaunchSurvey(path, world.read_bytes(path), world.read_bytes))
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,7 @@
 """Launch files, read once, and their properties that rules use."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 
 from ur.launchfile.syntax import (
@@ -24,14 +24,13 @@ class LaunchSurvey:
     A check with stored findings of the file never computes them.
     """
 
-    def __init__(self, path: str, data: bytes) -> None:
-        self._path = path
-        self._data = data
+    def __init__(self, path: str, data: bytes, read: Callable[[str], bytes]) -> None:
+        self._path, self._data, self._read = path, data, read
 
     @cached_property
     def tree(self) -> LaunchFile:
         """The syntax tree."""
-        return parse_launch_file(self._path, self._data)
+        return parse_launch_file(self._path, self._data, self._read)
 
     @cached_property
     def declared(self) -> Mapping[str, tuple[Element, ...]]:

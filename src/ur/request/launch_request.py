@@ -209,7 +209,8 @@ class LaunchFiles:
         """Parse a file, unless it was parsed before. Raises OSError."""
         known = self.parsed.get(path)
         if known is None:
-            known = self.parsed[path] = parse_launch_file(path, self.world.read_bytes(path))
+            read = self.world.read_bytes
+            known = self.parsed[path] = parse_launch_file(path, read(path), read)
         return known
 
     def load(self, arguments: Sequence[str], computers: Sequence[MachineSpec] = ()) -> Plan:

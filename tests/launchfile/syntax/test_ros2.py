@@ -6,7 +6,9 @@ from pathlib import Path
 import pytest
 from tests.forking import run_ur
 
+from ur.launchfile.load import load_plan
 from ur.launchfile.syntax import parse_launch_file
+from ur.launchfile.world import MemoryWorld
 
 ROS2 = {
     "exec": '<node pkg="demo" exec="talker" name="talker"/>',
@@ -54,3 +56,36 @@ def test_robot_with_ros_1_is_given_no_advice_about_a_file_for_ros_2(name: str, t
     assert "this is a launch file for ROS 2" in printed
     assert "remove" not in printed
     assert "missing-attribute" not in printed
+
+
+UNDECIDED = "<launch><arg name='a' default='1'/><group if='true'><include file='b.launch.xml'/></group></launch>"
+
+
+@pytest.mark.parametrize(
+    ("manifest", "is_for_ros2"),
+    [
+        ("<package><buildtool_depend>ament_cmake</buildtool_depend></package>", True),
+        ("<package><export><build_type>ament_python</build_type></export></package>", True),
+        ("<package><!-- <buildtool_depend>catkin</buildtool_depend> --><build_type>ament_cmake</build_type>", True),
+        ("<package><buildtool_depend>catkin</buildtool_depend></package>", False),
+        ("<package><buildtool_depend condition='$ROS_VERSION == 1'>catkin</buildtool_depend>"
+         "<buildtool_depend condition='$ROS_VERSION == 2'>ament_cmake</buildtool_depend></package>", False),
+        ("<package/>", False),
+    ],
+)  # fmt: skip
+def test_package_decides_for_which_ros_a_file_is_whose_content_does_not(manifest: str, *, is_for_ros2: bool) -> None:
+    files = {"/ws/demo/launch/in/a.launch.xml": UNDECIDED, "/ws/demo/package.xml": manifest}
+    world = MemoryWorld(files=files)
+    path = next(iter(files))
+    found = parse_launch_file(path, UNDECIDED.encode(), world.read_bytes).diagnostics
+    assert ["its package is built with ament" in each.message for each in found] == [True] * is_for_ros2
+    plan = load_plan([path], [], world)
+    assert plan.launcher == ("ros2 launch" if is_for_ros2 else "roslaunch")
+
+
+@pytest.mark.parametrize(
+    "body", ['<node pkg="demo" type="talker" name="t"/>', '<include file="$(find demo)/a.launch"/>']
+)
+def test_content_comes_before_the_package(body: str) -> None:
+    ament = b"<package><buildtool_depend>ament_cmake</buildtool_depend></package>"
+    assert parse_launch_file("/ws/a.launch.xml", f"<launch>{body}</launch>".encode(), lambda _: ament).diagnostics == ()

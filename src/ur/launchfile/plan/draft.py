@@ -113,11 +113,11 @@ class Draft:
 
     def _parse(self, path: str) -> LaunchFile:
         if self._trees is None:
-            return parse_launch_file(path, self.world.read_bytes(path))
+            return parse_launch_file(path, self.world.read_bytes(path), self.world.read_bytes)
         path = self.world.absolute(path)
         known = self._trees.get(path)
         if known is None:
-            known = self._trees[path] = parse_launch_file(path, self.world.read_bytes(path))
+            known = self._trees[path] = parse_launch_file(path, self.world.read_bytes(path), self.world.read_bytes)
         return known
 
     def add_param(self, param: ParamSpec, scope: Scope) -> None:

@@ -1,9 +1,10 @@
 """Parser of text to a syntax tree, with the standard library's expat. Never raises for the content of a file."""
 
 import codecs
+import os
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from xml.parsers import expat
 
 from ur.launchfile.syntax.tree import WRONG_LAUNCHER, Comment, Element, LaunchFile
@@ -88,8 +89,12 @@ class _StopParsing(Exception):  # noqa: N818 - not an error: ends expat's loop
     pass
 
 
-def parse_launch_file(path: str, data: bytes) -> LaunchFile:
-    """Return the tree of a launch file. Errors are in its `diagnostics`, and the tree ends there."""
+def parse_launch_file(path: str, data: bytes, read: Callable[[str], bytes] | None = None) -> LaunchFile:
+    """Return the tree of a launch file. Errors are in its `diagnostics`, and the tree ends there.
+
+    With `read`, which returns the content of a file or raises OSError, the package of the file decides for which
+    launcher it is written if its content does not.
+    """
     if len(data) > MAX_BYTES:
         source = SourceFile(path, "")
         message = f"{path} has {len(data):,} bytes, expected a launch file of at most {MAX_BYTES:,}"
@@ -98,7 +103,7 @@ def parse_launch_file(path: str, data: bytes) -> LaunchFile:
     builder = _Builder(SourceFile(path, text), Offsets(data, encoding), len(data))
     builder.run(data)
     launches = builder.launches
-    ros2 = find_ros2(builder.source, builder.root)
+    ros2 = find_ros2(builder.source, builder.root, read)
     if ros2 is not None:
         found = () if is_ros2_name(path) else builder.diagnostics
         return LaunchFile(builder.source, builder.root, None, tuple(builder.outer_comments), (ros2, *found))
@@ -352,6 +357,17 @@ def _not_one_launch(source: SourceFile, root: Element | None, launches: list[Ele
 ROS2_SUFFIXES = (".py", ".launch.yaml", ".launch.yml", "_launch.yaml", "_launch.yml")
 _PYTHON = (".launch.py", "_launch.py")
 _SUBSTITUTIONS = ("$(find-pkg-share", "$(find-pkg-prefix", "$(exec-in-pkg", "$(var ")
+_TAGS_OF_ROS2 = (
+    "append_env|composable_node|for|for_each|lifecycle_node|load_composable_node|log_info|node_container|"
+    "push-ros-namespace|push_ros_namespace|set_env|set_parameter|set_parameters_from_file|set_remap|timer|unset_env"
+)
+_OF_ROS2 = re.compile(rf"exec|\$\((?:find-pkg|exec-in|var )|<(?:let|{_TAGS_OF_ROS2})\b")
+_OF_ROS1 = re.compile(  # an element or a substitution that only roslaunch has
+    r"\$\((?:find|arg|anon) |<(?:rosparam|machine|test|master|param|remap|env)\b|\s(?:type|ns|doc|pass_all_args)\s*="
+)
+_BUILD = re.compile(rb"<build(?:_type|tool_depend)\b[^>]*>\s*(ament|catkin)")
+_COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+_DEEPEST = 8  # folders above a launch file
 _HELP = "'ros2 launch' starts it; roslaunch needs a file of the package's branch for ROS 1"
 
 
@@ -380,28 +396,43 @@ def describe_unread(unread: Mapping[str, int]) -> str:
     return f"{kinds} {'was' if sum(unread.values()) == 1 else 'were'} not read" if kinds else ""
 
 
-def find_ros2(source: SourceFile, root: Element | None) -> Diagnostic | None:
+def find_ros2(
+    source: SourceFile, root: Element | None, read: Callable[[str], bytes] | None = None
+) -> Diagnostic | None:
     """Return the finding that a file is written for ROS 2, at the first evidence of it; None for any other file."""
     if is_ros2_name(source.path):
         return _explain("its name ends like one", Span(source, 0, 1))
-    if (
-        root is None
-        or root.name != "launch"
-        or not any(mark in source.text for mark in ("<let", "exec", *_SUBSTITUTIONS))
-    ):
+    if root is None or root.name != "launch":
         return None
-    waiting = [root]
+    waiting = [root] if _OF_ROS2.search(source.text) else []
     while waiting:
         element = waiting.pop()
         sign = _find_sign(element)
         if sign:
             return _explain(sign, element.span)
         waiting += reversed(tuple(element.elements))
-    return None
+    if read is None or _OF_ROS1.search(source.text) or not _is_ament(source.path, read):
+        return None
+    return _explain("its package is built with ament", root.span)
+
+
+def _is_ament(path: str, read: Callable[[str], bytes]) -> bool:
+    """Return whether the package of a file is built for ROS 2 only; the package is the nearest one."""
+    folder = os.path.abspath(path)  # noqa: PTH100 - links stay, and pathlib takes time to load
+    for _ in range(_DEEPEST):
+        folder = folder.rpartition("/")[0]
+        try:
+            kinds = set(_BUILD.findall(_COMMENT.sub(b"", read(f"{folder}/package.xml"))))
+        except OSError:
+            continue
+        return kinds == {b"ament"}
+    return False
 
 
 def _find_sign(element: Element) -> str:
     attributes = element.attributes
+    if element.name in _TAGS_OF_ROS2.split("|"):
+        return f"it uses <{element.name}>"
     if element.name == "let" and "name" in attributes and "value" in attributes:
         return "it uses <let>"
     if element.name == "node" and "exec" in attributes and "type" not in attributes:

@@ -34,7 +34,7 @@ class Converted:
 def convert_file(path: str, world: World) -> Converted:
     """Convert a launch file; `path` is absolute. Raises UserError for a file that cannot be read."""
     try:
-        parsed = parse_launch_file(path, world.read_bytes(path))
+        parsed = parse_launch_file(path, world.read_bytes(path), world.read_bytes)
     except OSError as problem:
         reason = f"{(problem.strerror or str(problem)).lower()}, expected a launch file"
         raise UserError(error_about(path, reason, rule="missing-file")) from None
