@@ -214,26 +214,20 @@ class CheckSession:
             if not self.sources.stays_as_it_is(path):
                 take_back()
                 return False
-            self._take_change(path)
+            sources, targets = self.sources, self.sources.targets
+            sources.trees.pop(path, None)
+            self._plans.elements.pop(path, None)
+            self._todo.update(dict.fromkeys(self._index.units_that_asked({("read_bytes", path)})))
+            if path in sources.views or path in sources.neighbours:
+                self._todo.update(((_LAUNCH, each), None) for each in sources.read_again(path))
+                self._todo.update(((_PROGRAM, each), None) for each in targets.programs)
+            if path in targets.programs:
+                self._todo[_PROGRAM, path] = None
+            elif kind := sources.checked_as(path):
+                self._todo[_LAUNCH if kind == "launch file" else _YAML, path] = None
+            self._index.comments.update({path: sources.comments[path]} if path in sources.comments else {})
+            self._todo.update(((_PACKAGE, each.folder), None) for each in targets.whole)
         return True
-
-    def _digest(self, question: Question) -> str:
-        return digest_of(self.world.answer(question))
-
-    def _take_change(self, path: str) -> None:
-        sources, targets = self.sources, self.sources.targets
-        sources.trees.pop(path, None)
-        self._plans.elements.pop(path, None)
-        self._todo.update(dict.fromkeys(self._index.units_that_asked({("read_bytes", path)})))
-        if path in sources.views or path in sources.neighbours:
-            self._todo.update(((_LAUNCH, each), None) for each in sources.read_again(path))
-            self._todo.update(((_PROGRAM, each), None) for each in targets.programs)
-        if path in targets.programs:
-            self._todo[_PROGRAM, path] = None
-        elif kind := sources.checked_as(path):
-            self._todo[_LAUNCH if kind == "launch file" else _YAML, path] = None
-        self._index.comments.update({path: sources.comments[path]} if path in sources.comments else {})
-        self._todo.update(((_PACKAGE, each.folder), None) for each in targets.whole)
 
     def renew(self, world: World) -> None:
         """Update after any change: files, packages and variables are those of `world` now.
@@ -264,7 +258,7 @@ class CheckSession:
     def _is_same(self, question: Question, before: CheckSources) -> bool:
         if question[0] == CHECKED:
             return before.checked_as(question[1]) == self.sources.checked_as(question[1])
-        return digest_of(before.world.answer(question)) == self._digest(question)
+        return digest_of(before.world.answer(question)) == digest_of(self.world.answer(question))
 
     # Work
 

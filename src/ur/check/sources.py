@@ -111,7 +111,10 @@ class CheckSources:
         try:
             self.views[path] = self._survey(path, self.targets.package_of(path), known, recall)
         except OSError as problem:
-            self.unreadable[path] = _explain_unreadable(path, problem)
+            reason = (problem.strerror or str(problem)).lower()
+            self.unreadable[path] = error(
+                f"{path}: {reason}, expected a readable text", Span(SourceFile(path, ""), 0, 0), rule="unreadable-file"
+            )
             return
         self.comments[path] = self.outlines[path].comments
         if (package := self.views[path].package) is not None:
@@ -146,10 +149,3 @@ class CheckSources:
     def _merge_includes(self) -> None:
         # In the order of the files, so that the first named one stays the same.
         self.inclusions = merge_includes(self._includes[view.path] for view in self._all_views())
-
-
-def _explain_unreadable(path: str, problem: OSError) -> Diagnostic:
-    reason = (problem.strerror or str(problem)).lower()
-    return error(
-        f"{path}: {reason}, expected a readable text", Span(SourceFile(path, ""), 0, 0), rule="unreadable-file"
-    )

@@ -23,7 +23,14 @@ def show_help(argv: list[str]) -> None:
     Raises UserError when there is none.
     """
     if not argv:
-        _print_overview()
+        # Print the verbs of each section, at most 50 lines of 80 columns
+        lines = [HELP, "Usage: ur VERB [ARGS]; 'ur help VERB' describes one.", "First drive: ur run keyboard_navigate"]
+        sections = {title: verbs for title, verbs in list_sections().items() if title != PLUMBING}
+        width = max(len(verb.name) for verbs in sections.values() for verb in verbs)
+        for title, verbs in sections.items():
+            lines += ["", click.style(title, bold=True)]
+            lines += [f"  {click.style(verb.name.ljust(width), fg='cyan')}  {verb.summary}" for verb in verbs]
+        click.echo("\n".join(lines), color=None if shows_colour(sys.stdout) else False)
         return
     if argv[0] not in VERBS or (argv[0] == "run" and len(argv) > 1 and not argv[1].startswith("-")):
         _show_program(argv[1] if argv[0] == "run" else argv[0], known_verb=argv[0] == "run")
@@ -88,17 +95,6 @@ def _list_arguments(verb: click.Command, about: Verb | Below) -> Iterator[tuple[
 class _InOrder(RichGroup):
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
         return list(self.commands)
-
-
-def _print_overview() -> None:
-    """Print the verbs of each section, at most 50 lines of 80 columns."""
-    lines = [HELP, "Usage: ur VERB [ARGS]; 'ur help VERB' describes one.", "First drive: ur run keyboard_navigate"]
-    sections = {title: verbs for title, verbs in list_sections().items() if title != PLUMBING}
-    width = max(len(verb.name) for verbs in sections.values() for verb in verbs)
-    for title, verbs in sections.items():
-        lines += ["", click.style(title, bold=True)]
-        lines += [f"  {click.style(verb.name.ljust(width), fg='cyan')}  {verb.summary}" for verb in verbs]
-    click.echo("\n".join(lines), color=None if shows_colour(sys.stdout) else False)
 
 
 def _print(page: click.Command, name: str, about: Verb | Below, arguments: Sequence[tuple[str, str]] = ()) -> None:

@@ -56,10 +56,6 @@ def find_parents(text: str, offset: int) -> tuple[tuple[str, ...], str]:
         if place <= column:
             # Keys of an item of a list belong to a key that may stand below its dash.
             column = len(found["indent"]) + 1 if found["dashes"] else min(place, column)
-    return _in_braces(parents, line)
-
-
-def _in_braces(parents: list[str], line: str) -> tuple[tuple[str, ...], str]:
     key = _KEY.match(line)
     opened: list[int] = []
     for index, letter in enumerate(line):

@@ -142,7 +142,7 @@ def _examine(snapshot: DeviceSnapshot, expected: Expected) -> Need:
             return Need(expected, "missing", f"no {expected.kind} is there, which {part} needs", _plug(expected))
         return _opened(snapshot, expected, candidates[0], part)
     device = next((each for each in snapshot.devices if expected.path in (each.path, *each.links)), None)
-    similar = [each for each in snapshot.devices if _may_be(each, expected)]
+    similar = [each for each in snapshot.devices if any(row.matches(each) for row in find_rows(expected.hardware))]
     if device is None and similar:
         where = ", ".join(each.path for each in similar)
         text = f"{part} needs {expected.path}, and no such name is there; {where} may be it"
@@ -166,10 +166,6 @@ def _opened(snapshot: DeviceSnapshot, expected: Expected, device: Device, part: 
         return Need(expected, "forbidden", text, explain_access(snapshot, device), device)
     name = expected.path or device.path
     return Need(expected, "ready", f"{name}: {describe_device(device)}", "", device)
-
-
-def _may_be(device: Device, expected: Expected) -> bool:
-    return any(row.matches(device) for row in find_rows(expected.hardware))
 
 
 def _plug(expected: Expected) -> str:

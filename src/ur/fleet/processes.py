@@ -202,7 +202,11 @@ class Processes:
         select.select(waited, [], [], seconds)
         for index, child in list(self._children.items()):
             code = child.process.poll()
-            self._note_line(index, child, code)
+            log = self.outputs[index].log
+            size = log.size()
+            if size != child.shown or code is not None:
+                child.shown = size
+                self.fleet = note_line(self.fleet, index, choose_line(log.read_tail(), code))
             if code is not None:
                 self.fleet = end_job(self.fleet, index, code, time.monotonic())
                 _close(self._children.pop(index))
@@ -212,13 +216,6 @@ class Processes:
                 else:  # it asks no more
                     child.questions.close()
                     child.questions = None
-
-    def _note_line(self, index: int, child: _Child, code: int | None) -> None:
-        log = self.outputs[index].log
-        size = log.size()
-        if size != child.shown or code is not None:
-            child.shown = size
-            self.fleet = note_line(self.fleet, index, choose_line(log.read_tail(), code))
 
     def _answer(self, word: bytes) -> None:
         for index, child in self._children.items():
@@ -232,7 +229,11 @@ class Processes:
         for number, patience in STEPS:
             for child in self._children.values():
                 if child.process.poll() is None:
-                    _send(child.process, number)
+                    with suppress(ProcessLookupError):
+                        if number == signal.SIGKILL:
+                            os.killpg(child.process.pid, number)
+                        else:
+                            child.process.send_signal(number)  # the command ends its own children
             end = time.monotonic() + patience
             try:
                 for child in self._children.values():
@@ -257,14 +258,6 @@ def _read_question(questions: socket.socket) -> bytes | None:
     with suppress(BlockingIOError, ConnectionError):
         return questions.recv(16, socket.MSG_DONTWAIT)
     return None
-
-
-def _send(process: subprocess.Popen[bytes], number: int) -> None:
-    with suppress(ProcessLookupError):
-        if number == signal.SIGKILL:
-            os.killpg(process.pid, number)
-        else:
-            process.send_signal(number)  # the command ends its own children
 
 
 def _close(child: _Child) -> None:

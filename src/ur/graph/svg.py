@@ -39,7 +39,7 @@ class GraphLayout:
 def lay_out_graph(graph: DrawnGraph) -> GraphLayout:
     """Place the boxes. Deterministic; linear in boxes and arrows except for the sorting."""
     ids = [box.id for box in graph.boxes]
-    sizes = {box.id: _measure(box) for box in graph.boxes}
+    sizes = {box.id: (len(box.label) * _CHARACTER + _PADDING, HEIGHT) for box in graph.boxes}
     pairs = _break_circles(ids, graph.arrows)
     layers = _find_layers(ids, pairs)
     links, bends = _bend_long_arrows(layers, pairs)
@@ -60,10 +60,6 @@ def lay_out_graph(graph: DrawnGraph) -> GraphLayout:
         ends: tuple(point for each in passed for point in _through(places.pop(each))) for ends, passed in bends.items()
     }
     return GraphLayout(max(x - _GAP_X, 0.0), tall - _GAP_Y, places, routes)
-
-
-def _measure(box: GraphBox) -> tuple[float, float]:
-    return len(box.label) * _CHARACTER + _PADDING, HEIGHT
 
 
 def _through(position: BoxPosition) -> tuple[tuple[float, float], tuple[float, float]]:

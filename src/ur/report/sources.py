@@ -48,13 +48,22 @@ def collect(entry: RunEntry, ended: EndedRun | None, environment: Mapping[str, s
     if ended is not None:
         run |= {"ended": _clock(ended.ended), "exit code": ended.exit_code, "cause": ended.cause}
         texts["last_lines.txt"] = "\n".join(ended.lines) + "\n"
+    # The load, memory and free disk of this computer now
+    found: dict[str, object] = {"time": _clock(time.time()), "load": list(os.getloadavg()), "cpus": os.cpu_count()}
+    with suppress(OSError, ValueError):
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()[:5]
+        found["memory"] = {line.partition(":")[0]: line.partition(":")[2].strip() for line in lines}
+    with suppress(OSError):
+        found["uptime in s"] = float(Path("/proc/uptime").read_text(encoding="ascii").split()[0])
+        status = os.statvfs("/")
+        found["free disk in MB"] = status.f_bavail * status.f_frsize // 1_000_000
     values: dict[str, object] = {
         "run.json": run,
         "plan.json": plan,
         "parameters.json": read_parameters(entry.master_uri) if ended is None else {},
         "environment.json": {name: value for name, value in sorted(environment.items()) if _NAMES.match(name)},
         "versions.json": read_versions(),
-        "system.json": read_system(),
+        "system.json": found,
     }
     return RunSources(texts, values)
 
@@ -117,19 +126,6 @@ def read_versions() -> dict[str, object]:
         "ros": os.environ.get("ROS_DISTRO", ""),
         "packages": dict(sorted(packages.items())),
     }
-
-
-def read_system() -> dict[str, object]:
-    """The load, memory and free disk of this computer now."""
-    found: dict[str, object] = {"time": _clock(time.time()), "load": list(os.getloadavg()), "cpus": os.cpu_count()}
-    with suppress(OSError, ValueError):
-        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()[:5]
-        found["memory"] = {line.partition(":")[0]: line.partition(":")[2].strip() for line in lines}
-    with suppress(OSError):
-        found["uptime in s"] = float(Path("/proc/uptime").read_text(encoding="ascii").split()[0])
-        status = os.statvfs("/")
-        found["free disk in MB"] = status.f_bavail * status.f_frsize // 1_000_000
-    return found
 
 
 def write_values(values: object) -> str:

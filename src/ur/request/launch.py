@@ -255,6 +255,12 @@ def make_run_options(request: LaunchRequest, call_started: Callable[[RunEntry], 
     options, selection, values = request.options, request.selection, request.values
     assert selection is not None
     base = values.get("robot_base", selection.base)
+    # Return the arguments of rosmaster that options set
+    found: list[str] = []
+    if options.timeout is not None:
+        found += ["-t", str(options.timeout)]
+    if options.master_logger_level is not None:
+        found += ["--master-logger-level", options.master_logger_level]
     return RunOptions(
         limits=make_limits(options),
         force_screen=options.screen,
@@ -263,7 +269,7 @@ def make_run_options(request: LaunchRequest, call_started: Callable[[RunEntry], 
         wait_for_master=options.wait and not options.detach,
         port=options.port,
         workers=options.numworkers,
-        master_words=make_master_arguments(options),
+        master_words=tuple(found),
         base=base,
         variant=values.get("robot_variant", selection.variant if base == selection.base else ""),
         events=1 if options.json else None,
@@ -282,13 +288,3 @@ def make_limits(options: LaunchOptions) -> TimeLimits:
         failures_count=bool(options.program),
         quick_deaths=defaults.quick_deaths if options.respawn_limit is None else options.respawn_limit,
     )
-
-
-def make_master_arguments(options: LaunchOptions) -> tuple[str, ...]:
-    """Return the arguments of rosmaster that options set."""
-    found: list[str] = []
-    if options.timeout is not None:
-        found += ["-t", str(options.timeout)]
-    if options.master_logger_level is not None:
-        found += ["--master-logger-level", options.master_logger_level]
-    return tuple(found)

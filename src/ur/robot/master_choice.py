@@ -25,7 +25,7 @@ def follow_master(
     host = _read_host(uri)
     own = hostname.split(".")[0].lower()
     name = host.removesuffix(".local")
-    if _is_loopback(host) or name == own:
+    if (host == "localhost" or (is_address(host) and ipaddress.ip_address(host).is_loopback)) or name == own:
         if own == selection.robot.lower():
             return selection
         return Selection(
@@ -56,10 +56,6 @@ def _read_host(uri: str) -> str:
         return (urlsplit(uri).hostname or "").lower()
     except ValueError:
         return ""
-
-
-def _is_loopback(host: str) -> bool:
-    return host == "localhost" or (is_address(host) and ipaddress.ip_address(host).is_loopback)
 
 
 def _find_address(host: str) -> str:

@@ -74,7 +74,7 @@ def find_script_faults(path: str, data: bytes, find_program: Callable[[str], str
         )
     actual = os.path.realpath(found).rpartition("/")[2] if found else name
     if name.startswith("python") and not re.match(r"python2|pypy", actual if found else name):
-        yield from _compile(path, data, text, _is_this_python(actual))
+        yield from _compile(path, data, text, (actual == f"python{sys.version_info[0]}.{sys.version_info[1]}"))
 
 
 def explain_script(path: str, search_path: str | None) -> str:
@@ -97,10 +97,6 @@ def _replace(name: str, file: str, find_program: Callable[[str], str]) -> str:
     if name.startswith("python") and find_program("python3"):
         return f"python3 is: sed -i '1s/{name}/python3/' {file}"
     return f"install {name}, or name another interpreter in the first line"
-
-
-def _is_this_python(name: str) -> bool:
-    return name == f"python{sys.version_info[0]}.{sys.version_info[1]}"
 
 
 def _compile(path: str, data: bytes, text: str, every: bool) -> Iterator[ScriptFault]:

@@ -123,13 +123,6 @@ def _frame(box: Vertical, palette: ScreenPalette) -> None:
     box.styles.border = ("round", palette.quiet)
 
 
-def read_page(name: str, path: str, palette: ScreenPalette) -> TextDialog:
-    """Return a dialog with the end of a node's log file."""
-    lines = read_last_lines(path, 2000, 512 * 1024)
-    text = Text.from_ansi("\n".join(lines)) if lines else Text("(empty)")
-    return TextDialog(f"{name}  {path}", text, palette, at_end=True)
-
-
 class LogActions(RunScreen):
     """The actions that change the display."""
 
@@ -244,7 +237,10 @@ class LogActions(RunScreen):
             return
         pager = self.services.find_pager()
         if pager is None:
-            self.push_screen(read_page(row.name, row.changed.log, self.palette))
+            # Return a dialog with the end of a node's log file
+            lines = read_last_lines(row.changed.log, 2000, 512 * 1024)
+            text = Text.from_ansi("\n".join(lines)) if lines else Text("(empty)")
+            self.push_screen(TextDialog(f"{row.name}  {row.changed.log}", text, self.palette, at_end=True))
         else:
             self.report(self.services.run_here([*pager, row.changed.log]))
 
@@ -303,11 +299,6 @@ class WatchApp(LogActions):
         """End the run after confirmation."""
         self._ask_end(detach=False)
 
-    def action_leave(self, _anyway: bool = False) -> None:
-        """Quit: end the run, or only this interface if the run continues without it."""
-        if not isinstance(self.screen, Question):
-            self._ask_end(detach=self._may_leave)
-
     @property
     def _may_leave(self) -> bool:
         return self.guest or self.state.run.detached
@@ -328,7 +319,8 @@ class WatchApp(LogActions):
     def action_interrupt(self) -> None:
         """Handle Ctrl-C: end the run immediately, as without an interface; for a detached run only ask."""
         if self._may_leave and not self._stops:
-            self.action_leave()
+            if not isinstance(self.screen, Question):
+                self._ask_end(detach=self._may_leave)
         else:
             self._stop_run()
 

@@ -73,7 +73,8 @@ class Journal:
         counts: dict[str, int] = {}
         for event in events:
             if isinstance(event, Notice):
-                self._add_notice(event, now)
+                lines = [clean(line) for line in event.text.split("\n")][:MOST_LINES]
+                self._append(now, "", event.severity or "info", lines)
                 continue
             count = counts.get(event.name, 0) + 1
             counts[event.name] = count
@@ -100,7 +101,11 @@ class Journal:
         if before is not None and not event.severity and _goes_on(before, text):
             if len(before.lines) < MOST_LINES:
                 before.lines.append(strip_styles(text) if before.severity else text)
-            _follow(before, text)
+            if before.open and _CLOSED.search(text):
+                before.open = False
+            if before.trace and not text.startswith((" ", "\t")):
+                before.trace = False
+                before.severity = "error"
             self._touch(before)
             return
         severity, shown = event.severity or find_severity(text), text
@@ -123,10 +128,6 @@ class Journal:
         before.flood += count
         before.lines[0] = f"... {before.flood:,} more lines arrived too fast to be read; the log file has them"
         self._touch(before)
-
-    def _add_notice(self, event: Notice, now: float) -> None:
-        lines = [clean(line) for line in event.text.split("\n")][:MOST_LINES]
-        self._append(now, "", event.severity or "info", lines)
 
     def _append(self, now: float, name: str, severity: Severity, lines: list[str]) -> Entry:
         entry = Entry(self._next, now, name, severity, lines)
@@ -174,11 +175,3 @@ def _goes_on(entry: Entry, text: str) -> bool:
     if entry.flood:
         return False
     return entry.open or entry.trace or (bool(entry.severity) and bare[:1] in (" ", "\t"))
-
-
-def _follow(entry: Entry, text: str) -> None:
-    if entry.open and _CLOSED.search(text):
-        entry.open = False
-    if entry.trace and not text.startswith((" ", "\t")):
-        entry.trace = False
-        entry.severity = "error"

@@ -126,7 +126,7 @@ class LogView(ScrollView, can_focus=False):
         first = self._journal.entries[0].number if self._journal.entries else 0
         kept = [row for row in self._rows if first <= row.entry.number < oldest]
         lost = sum(row.entry.number < first for row in self._rows) if oldest >= 0 else 0
-        room = self._width - self._gutter() - 1
+        room = self._width - ((9 if self._width >= CLOCK_FROM else 0) + self._name_cells + 4) - 1
         fresh: list[LogRow] = []
         for entry in reversed(self._journal.entries):
             if entry.number < oldest or len(fresh) >= MOST_ROWS:
@@ -142,9 +142,6 @@ class LogView(ScrollView, can_focus=False):
         elif lost:
             self.scroll_to(y=max(0, self.scroll_target_y - lost), animate=False, immediate=True)
         self.refresh()
-
-    def _gutter(self) -> int:
-        return (9 if self._width >= CLOCK_FROM else 0) + self._name_cells + 4
 
     def render_line(self, y: int) -> Strip:
         """Return one visible line."""

@@ -196,7 +196,14 @@ def describe_run(state: RunState, now: float, width: int, palette: ScreenPalette
     With few columns the labels get shorter, then the usage is left out, then the labels.
     """
     for words, use in ((_WORDS, True), (_SHORT, True), (_SHORT, False), ({}, False)):
-        left, right = _describe_nodes(state, words, palette), _describe_use(state, now, palette, use=use)
+        text = Text(style=palette.quiet)
+        used = [row for row in state.rows if row.memory is not None]
+        if used and use:
+            cpu, memory = sum(row.cpu or 0.0 for row in used), sum(row.memory or 0 for row in used)
+            text.append(f"cpu {format_cpu(cpu)}   memory {format_memory(memory)}   ")
+        if state.run.started:
+            text.append(format_duration(max(0.0, now - state.run.started)))
+        left, right = _describe_nodes(state, words, palette), text
         room = width - left.cell_len - right.cell_len
         if room > 1:
             return left.append(" " * room).append_text(right)
@@ -216,17 +223,6 @@ def _describe_nodes(state: RunState, words: Mapping[Mood, str], palette: ScreenP
         if count:
             word = f" {words[mood]}" if words else ""
             text.append(f"   {SIGNS[mood]} {count}", palette.of_mood(mood)).append(word, palette.quiet)
-    return text
-
-
-def _describe_use(state: RunState, now: float, palette: ScreenPalette, *, use: bool) -> Text:
-    text = Text(style=palette.quiet)
-    used = [row for row in state.rows if row.memory is not None]
-    if used and use:
-        cpu, memory = sum(row.cpu or 0.0 for row in used), sum(row.memory or 0 for row in used)
-        text.append(f"cpu {format_cpu(cpu)}   memory {format_memory(memory)}   ")
-    if state.run.started:
-        text.append(format_duration(max(0.0, now - state.run.started)))
     return text
 
 

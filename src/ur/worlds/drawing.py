@@ -69,7 +69,9 @@ def draw_picture(path: Path, width: float, cell: float = CELL) -> Drawing:
     height = width * pixels.shape[0] / pixels.shape[1]
     columns, rows = max(1, round(width / cell)), max(1, round(height / cell))
     _check_size(columns, rows, cell)
-    levels = _resample(_classify(pixels), columns, rows)
+    kinds = np.where(pixels < _DARK, OCCUPIED, FREE).astype(np.uint8)
+    kinds[pixels == UNKNOWN] = UNKNOWN
+    levels = _resample(kinds, columns, rows)
     levels, added = _close(_forget_outside(levels, cell))
     start = _find_start(levels, cell, path)
     return Drawing(levels, cell, start, added)
@@ -132,12 +134,6 @@ def _read_grey(path: Path) -> Levels:
     if wide:
         pixels = pixels.astype(np.float64) / 257.0
     return np.asarray(np.clip(pixels, 0, 255), dtype=np.uint8)
-
-
-def _classify(pixels: Levels) -> Levels:
-    kinds = np.where(pixels < _DARK, OCCUPIED, FREE).astype(np.uint8)
-    kinds[pixels == UNKNOWN] = UNKNOWN
-    return kinds
 
 
 def _resample(levels: Levels, columns: int, rows: int) -> Levels:

@@ -98,7 +98,17 @@ def name_cache(places: Sequence[str], chosen: frozenset[str], arguments: Mapping
 def load_recall(path: str, program: str, bounds: CacheBounds = _BOUNDS) -> Recall:
     """Load the findings of an earlier check by the same `program`; empty if no valid file exists."""
     try:
-        return Recall(_read_known(_read(path, bounds), program, bounds))
+        header, _, text = _read(path, bounds).decode().partition("\n")
+        expected = _Header(bounds.format, program, _digest(text.encode()))
+        if read_json_names(header, _Header, _HEADER) != expected:
+            raise ValueError("written by another program, or damaged")
+        body = read_json_names(text, _Body, bounds.bytes)
+        if not all(is_question(each[1:]) for each in body.questions):
+            raise ValueError("not a question")
+        count = len(body.questions)
+        if any(number >= count for unit in body.units.values() for number in unit.questions):
+            raise ValueError("not the questions of a file")
+        return Recall(KnownFindings([(each[1:], each[0]) for each in body.questions], body.units, body.outlines))
     except (OSError, ValueError, RecursionError, MemoryError):  # a text that is nested too deep raises the third
         return Recall()
 
@@ -133,20 +143,6 @@ def _read(path: str, bounds: CacheBounds) -> bytes:
         if not stat.S_ISREG(status.st_mode) or status.st_uid != os.geteuid() or status.st_size > bounds.bytes:
             raise ValueError(f"{path} is not a cache of this user")
         return file.read()
-
-
-def _read_known(data: bytes, program: str, bounds: CacheBounds) -> KnownFindings:
-    header, _, text = data.decode().partition("\n")
-    expected = _Header(bounds.format, program, _digest(text.encode()))
-    if read_json_names(header, _Header, _HEADER) != expected:
-        raise ValueError("written by another program, or damaged")
-    body = read_json_names(text, _Body, bounds.bytes)
-    if not all(is_question(each[1:]) for each in body.questions):
-        raise ValueError("not a question")
-    count = len(body.questions)
-    if any(number >= count for unit in body.units.values() for number in unit.questions):
-        raise ValueError("not the questions of a file")
-    return KnownFindings([(each[1:], each[0]) for each in body.questions], body.units, body.outlines)
 
 
 def _remove_oldest(folder: str, bounds: CacheBounds) -> None:

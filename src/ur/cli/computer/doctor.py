@@ -144,7 +144,16 @@ def _examine(
     hint = f"ur doctor {pair.remote.name} --fix"
     if not as_json:
         if verbose:
-            print_seen(pair)
+            # Print all inspected properties of both computers side by side
+            from rich.console import Console
+            from rich.table import Table
+
+            table = Table()
+            for column in ("", pair.local.name, pair.remote.name):
+                table.add_column(plain_text(column), overflow="fold")
+            for row in summarize(pair):
+                table.add_row(*map(plain_text, row))
+            Console(soft_wrap=not sys.stdout.isatty()).print(table)
         print_report(report, fixable="" if fix else hint)
 
     def apply(commands: Sequence[tuple[str, FixCommand]]) -> list[Finding]:
@@ -165,7 +174,12 @@ def _examine_alone(local: LocalShell, *, fix: bool, as_json: bool) -> int:
         known = {finding.rule for finding in report.findings}
         report.for_robot = [finding for finding in diagnose_alone(side) if finding.rule not in known]
     if not as_json:
-        print_alone(side, describe_system(find_root(os.environ), choose_ros(current_selection(os.environ), os.environ)))
+        # Print the inspected computer, and its ROS; `ros1` describes its ROS 1
+        ros1 = describe_system(find_root(os.environ), choose_ros(current_selection(os.environ), os.environ))
+        click.echo(f"a simulated robot is selected: this computer alone ({side.name})")
+        click.echo(ros1)
+        for line in describe_ros2(side.ros2):
+            click.echo(printable(line))
         print_report(report, fixable="" if fix else "ur doctor --fix")
 
     def apply(commands: Sequence[tuple[str, FixCommand]]) -> list[Finding]:
@@ -343,14 +357,6 @@ class DoctorReport:
     for_robot: Sequence[Finding] = ()
 
 
-def print_alone(side: Side, ros1: str) -> None:
-    """Print the inspected computer, and its ROS; `ros1` describes its ROS 1."""
-    click.echo(f"a simulated robot is selected: this computer alone ({side.name})")
-    click.echo(ros1)
-    for line in describe_ros2(side.ros2):
-        click.echo(printable(line))
-
-
 def print_report(report: DoctorReport, *, fixable: str = "") -> None:
     """Print the steps of the route, if the robot was not reached, and each finding with its fix.
 
@@ -403,19 +409,6 @@ def print_json(report: DoctorReport) -> None:
         "fixed": fixed,
     }
     click.echo(json.dumps(whole, indent=2))
-
-
-def print_seen(pair: ComputerPair) -> None:
-    """Print all inspected properties of both computers side by side."""
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table()
-    for column in ("", pair.local.name, pair.remote.name):
-        table.add_column(plain_text(column), overflow="fold")
-    for row in summarize(pair):
-        table.add_row(*map(plain_text, row))
-    Console(soft_wrap=not sys.stdout.isatty()).print(table)
 
 
 def _style(text: str, colour: str) -> str:

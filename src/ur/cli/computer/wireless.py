@@ -19,7 +19,7 @@ from ur.robot.discovery.seen import load_seen, seen_path
 from ur.robot.doctor.wifi import WirelessLink
 from ur.robot.ssh.address import Address
 from ur.robot.wireless.meter import Meter
-from ur.robot.wireless.sample import HEADER, Sample, Summary, advise, summarize, write_row
+from ur.robot.wireless.sample import HEADER, Sample, advise, summarize, write_row
 from ur.source.diagnostic import UserError, error, error_about
 from ur.source.progress_line import show_progress
 from ur.source.replace import check_output
@@ -141,15 +141,7 @@ def _print_summary(samples: Sequence[Sample], names: Names, meter: Meter, log: P
     table = Table(title=plain_text(f"{names[0]} - {names[1]}, {whole.seconds} s"), title_justify="left")
     for column in ("", "now", "median", "worst"):
         table.add_column(column)
-    for row in _rows(samples[-1], whole, names):
-        table.add_row(*map(plain_text, row))
-    Console(soft_wrap=not sys.stdout.isatty()).print(table)
-    for line in (_meter_note(meter, names), advise(samples, names), f"written to {log}" if log else ""):
-        if line:
-            click.echo(line)
-
-
-def _rows(latest: Sample, whole: Summary, names: Names) -> list[tuple[str, str, str, str]]:
+    latest = samples[-1]
     rows = [
         (f"signal at {name}", _link(link) if link else "", f"{signals[1]:.0f} dBm", f"{signals[0]:.0f} dBm")
         for name, link, signals in zip(names, (latest.here, latest.there), (whole.here, whole.there), strict=True)
@@ -158,7 +150,12 @@ def _rows(latest: Sample, whole: Summary, names: Names) -> list[tuple[str, str, 
     now = "no answer" if latest.latency is None else f"{latest.latency * 1000:.1f} ms"
     middle, worst = (f"{value * 1000:.1f} ms" for value in whole.latency[1:]) if whole.latency else ("", "")
     away = {0: "", 1: "away once"}.get(whole.gaps, f"away {whole.gaps} times")
-    return [*rows, ("latency", now, middle, worst), ("loss", f"{latest.loss:.0%}", f"{whole.loss:.1%}", away)]
+    for row in [*rows, ("latency", now, middle, worst), ("loss", f"{latest.loss:.0%}", f"{whole.loss:.1%}", away)]:
+        table.add_row(*map(plain_text, row))
+    Console(soft_wrap=not sys.stdout.isatty()).print(table)
+    for line in (_meter_note(meter, names), advise(samples, names), f"written to {log}" if log else ""):
+        if line:
+            click.echo(line)
 
 
 def _link(link: WirelessLink) -> str:

@@ -104,24 +104,20 @@ def _check(paths: Sequence[str], chosen: frozenset[str], form: str, *, fix: bool
 
     report = check()
     if fix:
-        _repair(report)
+        from ur.check.catalogue import load_rules
+        from ur.check.findings.fix import plan_repairs
+        from ur.cli.output import replace_file
+
+        repairs = plan_repairs(report.findings, load_rules())
+        for repair in repairs:
+            replace_file(repair.path, repair.text, "repaired")
+        repaired = sum(len(repair.findings) for repair in repairs)
+        click.echo(f"repaired {repaired} finding{'' if repaired == 1 else 's'} in {len(repairs)} files", err=True)
         report = check()
     _show(report, form)
     if note := describe_left_out(report.left_out):
         click.echo(note, err=True)
     return report
-
-
-def _repair(report: CheckReport) -> None:
-    from ur.check.catalogue import load_rules
-    from ur.check.findings.fix import plan_repairs
-    from ur.cli.output import replace_file
-
-    repairs = plan_repairs(report.findings, load_rules())
-    for repair in repairs:
-        replace_file(repair.path, repair.text, "repaired")
-    repaired = sum(len(repair.findings) for repair in repairs)
-    click.echo(f"repaired {repaired} finding{'' if repaired == 1 else 's'} in {len(repairs)} files", err=True)
 
 
 def _words(given: tuple[str, ...]) -> list[str]:

@@ -86,7 +86,16 @@ def _get(words: Sequence[str], index: Sequence[str], choices: _Choices) -> int:
 
     tried: set[str] = set()
     for _ in range(_ROUNDS):
-        plan = _find_plan(words, index, choices)
+        from ur.get.computer import ThisComputer, load_tables
+        from ur.get.plan import make_plan
+
+        with show_progress("reading what is needed") as progress:
+            needs = _find_needs(words, missing=choices.missing, progress=progress)
+            progress("looking for packages")
+            computer = ThisComputer(os.environ, index)
+            tables, found = load_tables(needs.missing, computer, _distribution(), needs.names)
+        notes = (*needs.notes, *found) if needs.missing else needs.notes
+        plan = make_plan(needs.missing, tables, needs.is_there, notes)
         if not plan.steps:
             scope = " of what was read" if plan.notes else ""
             click.echo("".join(f"note: {note}\n" for note in plan.notes) + f"nothing is missing{scope}")
@@ -103,19 +112,6 @@ def _get(words: Sequence[str], index: Sequence[str], choices: _Choices) -> int:
         install(plan, Path(own_packages(os.environ)))
         tried |= new
     return 1
-
-
-def _find_plan(words: Sequence[str], index: Sequence[str], choices: _Choices) -> GetPlan:
-    from ur.get.computer import ThisComputer, load_tables
-    from ur.get.plan import make_plan
-
-    with show_progress("reading what is needed") as progress:
-        needs = _find_needs(words, missing=choices.missing, progress=progress)
-        progress("looking for packages")
-        computer = ThisComputer(os.environ, index)
-        tables, found = load_tables(needs.missing, computer, _distribution(), needs.names)
-    notes = (*needs.notes, *found) if needs.missing else needs.notes
-    return make_plan(needs.missing, tables, needs.is_there, notes)
 
 
 def _take_others(plan: GetPlan, choices: _Choices) -> GetPlan:

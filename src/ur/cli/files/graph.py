@@ -67,10 +67,6 @@ def command(argv: tuple[str, ...], topics: bool, live: bool, form: str | None, o
     form = form or {".svg": "svg", ".dot": "dot", ".gv": "dot"}.get(Path(output or "").suffix, "text")
     if live:
         return _write(_show_live(argv, form), output)
-    return _draw_file(argv, topics, form, output)
-
-
-def _draw_file(argv: Sequence[str], topics: bool, form: str, output: str | None) -> int:
     from ur.graph.includes import build_trees, merge_trees
     from ur.graph.topics import graph_plan
     from ur.request.plan_files import load_tolerantly

@@ -23,7 +23,6 @@ from ur.tools.new.parts import BaseRequest, IncludedPart, NewFile, NodeRequest, 
 from ur.tools.new.target import TargetPackage, find_target
 
 if TYPE_CHECKING:
-    from ur.launchfile.world.protocol import World
     from ur.robot.description.reading import DescriptionReading
 
 
@@ -118,7 +117,9 @@ def find_parts(names: Sequence[str], target: TargetPackage) -> list[IncludedPart
     from ur.request.environment import apply_selection, current_selection
 
     apply_selection(current_selection(os.environ))
-    world = _world_of(target)
+    from ur.launchfile.world.system import SystemWorld
+
+    world = SystemWorld({**os.environ, "ROS_PACKAGE_PATH": f"{target.folder}:{os.environ.get('ROS_PACKAGE_PATH', '')}"})
     parts = []
     for given in names:
         package, _, name = given.rpartition("/")
@@ -178,13 +179,6 @@ def check_like(library: Path, name: str, like: str | None) -> str | None:
     raise UserError(
         error(f"unknown base '{like}' for --like, {expected}", rule="unknown-base", help=help_, subject=like)
     )
-
-
-def _world_of(target: TargetPackage) -> World:
-    """Return the packages of this computer, after the target package of the new files."""
-    from ur.launchfile.world.system import SystemWorld
-
-    return SystemWorld({**os.environ, "ROS_PACKAGE_PATH": f"{target.folder}:{os.environ.get('ROS_PACKAGE_PATH', '')}"})
 
 
 def urdf_files(

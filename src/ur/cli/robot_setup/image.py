@@ -110,12 +110,16 @@ def make_options(given: Given) -> SeedOptions:
     base = given.base or _ask("base", f"base of {name} ({', '.join(list_bases(PACKAGE))})")
     variant = given.variant or ""
     load_base(PACKAGE, base, variant)
+    zone = given.timezone
+    known = zone is None or re.fullmatch(r"[A-Za-z0-9_+-]+(/[A-Za-z0-9_+-]+)*", zone) is not None
+    if not known or (zone and _ZONES.is_dir() and not (_ZONES / zone).is_file()):
+        raise _bad(f"{zone!r} is not a time zone", "expected one such as Europe/Berlin (timedatectl list-timezones)")
     return SeedOptions(
         WantedRobot(name, base, variant),
         user,
         _read_keys(given.key),
         wifi=_wifi(given) if given.ssid else None,
-        timezone=_check_zone(given.timezone),
+        timezone=(zone or ""),
     )
 
 
@@ -182,13 +186,6 @@ def _read_keys(given: str | None) -> tuple[str, ...]:
             error(f"{path} holds no public ssh key, expected one a line", rule="no-key", help=help, subject=str(path))
         )
     return keys
-
-
-def _check_zone(zone: str | None) -> str:
-    known = zone is None or re.fullmatch(r"[A-Za-z0-9_+-]+(/[A-Za-z0-9_+-]+)*", zone) is not None
-    if not known or (zone and _ZONES.is_dir() and not (_ZONES / zone).is_file()):
-        raise _bad(f"{zone!r} is not a time zone", "expected one such as Europe/Berlin (timedatectl list-timezones)")
-    return zone or ""
 
 
 def _ask(option: str, what: str) -> str:

@@ -57,7 +57,17 @@ def command(robot: str | None, base: str | None, variant: str, rules: bool, as_j
         _print_json(snapshot, needs)
     else:
         _print_table(name, snapshot)
-        _print_needs(needs, snapshot)
+        for need in needs:
+            if need.state == "ready":
+                click.echo(printable(f"ok: {need.message}"))
+            else:
+                click.echo(printable(f"{need.state}: {need.message}"))
+                click.echo(printable(f"  help: {need.help}"))
+        reported = {need.device.path for need in needs if need.device}
+        for state, device, help in list_problems(snapshot):
+            if device.path not in reported:
+                click.echo(printable(f"{state}: {device.path}"))
+                click.echo(printable(f"  help: {help}"))
     return 1 if any(need.state != "ready" for need in needs) else 0
 
 
@@ -97,20 +107,6 @@ def _with_id(device: Device) -> str:
     what = describe_device(device)
     number = f", {device.serial}" if device.serial else ""
     return f"{what} [{device.usb}{number}]" if device.usb else what
-
-
-def _print_needs(needs: Sequence[Need], snapshot: DeviceSnapshot) -> None:
-    for need in needs:
-        if need.state == "ready":
-            click.echo(printable(f"ok: {need.message}"))
-        else:
-            click.echo(printable(f"{need.state}: {need.message}"))
-            click.echo(printable(f"  help: {need.help}"))
-    reported = {need.device.path for need in needs if need.device}
-    for state, device, help in list_problems(snapshot):
-        if device.path not in reported:
-            click.echo(printable(f"{state}: {device.path}"))
-            click.echo(printable(f"  help: {help}"))
 
 
 def _print_json(snapshot: DeviceSnapshot, needs: Sequence[Need]) -> None:

@@ -18,7 +18,6 @@ from ur.fleet.jobs import Fleet, Job, JobStatus, describe_end, describe_fleet, f
 from ur.fleet.processes import Output, Processes, logs_folder
 from ur.request.remote.connection import robot_address
 from ur.robot.discovery.record import load_records, records_folder
-from ur.robot.ssh.address import Address
 from ur.robot.ssh.failures import explain_failure
 from ur.robot.ssh.openssh import STRICT
 from ur.robot.ssh.secret import Secret
@@ -152,12 +151,9 @@ def _find_needing(robots: Sequence[str], *, root: bool) -> list[str]:
     return [
         status.name
         for status, text in zip(fleet, reported, strict=True)
-        if status.code and (status.code != 255 or _is_refused(robot_address(status.name), text))
+        if status.code
+        and (status.code != 255 or (explain_failure(robot_address(status.name), text).diagnostics[0].rule == "refused"))
     ]
-
-
-def _is_refused(address: Address, reported: str) -> bool:
-    return explain_failure(address, reported).diagnostics[0].rule == "refused"
 
 
 def _make_job(name: str, argv: Sequence[str], password: Secret | None, *, asks: bool = False) -> Job:

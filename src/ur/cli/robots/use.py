@@ -119,7 +119,10 @@ def check_robot(chosen: Selection, *, away: bool) -> str:
 
 def _advise(chosen: Selection, near: str | None) -> str:
     away = f"to select a robot that is away: ur use --away {chosen}"
-    bases = _list_bases()
+    from ur.robot.base import list_bases
+    from ur.robot.base.files import list_base_packages
+
+    bases = tuple(name for package in list_base_packages(PACKAGE, os.environ) for name in list_bases(package))
     if chosen.robot in bases:
         simulated = ":".join(part for part in ("sim", chosen.robot, chosen.base) if part)
         return f"the simulated one is 'ur use {simulated}'; {away}"
@@ -129,13 +132,6 @@ def _advise(chosen: Selection, near: str | None) -> str:
     if base:
         return f"did you mean the simulated robot 'ur use sim:{base}'? {away}"
     return f"'ur robots' lists the robots on the network; {away}"
-
-
-def _list_bases() -> tuple[str, ...]:
-    from ur.robot.base import list_bases
-    from ur.robot.base.files import list_base_packages
-
-    return tuple(name for package in list_base_packages(PACKAGE, os.environ) for name in list_bases(package))
 
 
 def check_base(chosen: Selection) -> None:

@@ -35,36 +35,29 @@ def command(
     shows what the recording holds. Without FILE, this terminal shows the replay that runs, and takes keys.
     """
     if recording is None:
-        return _show_running()
+        if (state := ask_replay(ReplayCommand("state"), os.environ)) is None:
+            message = "no replay runs on this computer, expected the file of a recording"
+            raise UserError(error(message, rule="no-replay", help="ur replay FILE starts one"))
+        if sys.stdin.isatty() and sys.stdout.isatty() and not is_plain(os.environ):
+            from ur.cli.runs.replay_screen import show_replay
+
+            return show_replay(os.environ)
+        sys.stdout.write(f"{describe_state(state)}\n")
+        return 0
     from ur.recordings.mcap_file import check_recording
 
     if info:
         check_recording(Path(recording))
-        return _describe(Path(recording))
+        path = Path(recording)
+        from ur.recordings.mcap_file import describe_recording, open_recording
+        from ur.request.requirements.python_packages import need_all
+
+        need_all(["mcap"], "recordings.lock", "what recordings need (8 MB to download)")
+        sys.stdout.write("".join(f"{line}\n" for line in describe_recording(open_recording(path))))
+        return 0
     played = _read_request(recording, program or "", arguments)
     check_recording(played.path)
     return _play(played, 1.0 if speed is None else speed, start or 0.0)
-
-
-def _show_running() -> int:
-    if (state := ask_replay(ReplayCommand("state"), os.environ)) is None:
-        message = "no replay runs on this computer, expected the file of a recording"
-        raise UserError(error(message, rule="no-replay", help="ur replay FILE starts one"))
-    if sys.stdin.isatty() and sys.stdout.isatty() and not is_plain(os.environ):
-        from ur.cli.runs.replay_screen import show_replay
-
-        return show_replay(os.environ)
-    sys.stdout.write(f"{describe_state(state)}\n")
-    return 0
-
-
-def _describe(path: Path) -> int:
-    from ur.recordings.mcap_file import describe_recording, open_recording
-    from ur.request.requirements.python_packages import need_all
-
-    need_all(["mcap"], "recordings.lock", "what recordings need (8 MB to download)")
-    sys.stdout.write("".join(f"{line}\n" for line in describe_recording(open_recording(path))))
-    return 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -61,7 +61,12 @@ def command(robot: str | None, at: Path | None, over: bool, folder: str, undo: b
             raise _problem(f"{address}: {folder} is not there, expected a folder", "name another one with --folder")
     made = _make_folder(target, hide=over)
     try:
-        _mount(address, folder, target)
+        what = f"mounting a folder of {address}"
+        with show_progress(what):
+            done = run_process(mount_command(address, folder, target), timeout=SECONDS, what=what)
+        if done.code:
+            reported = (done.err.strip().splitlines() or ["sshfs printed nothing"])[-1]
+            raise _problem(f"{address}: {folder} could not be mounted: {reported}", f"ur doctor {address}")
     except BaseException:
         if mounts_of(_mounts_at(target), address.host):  # sshfs mounts before its first request is answered
             _unmount(target)
@@ -104,15 +109,6 @@ def _is_dead(target: Path) -> bool:
     except OSError as problem:
         return problem.errno == errno.ENOTCONN
     return False
-
-
-def _mount(address: Address, folder: str, target: Path) -> None:
-    what = f"mounting a folder of {address}"
-    with show_progress(what):
-        done = run_process(mount_command(address, folder, target), timeout=SECONDS, what=what)
-    if done.code:
-        reported = (done.err.strip().splitlines() or ["sshfs printed nothing"])[-1]
-        raise _problem(f"{address}: {folder} could not be mounted: {reported}", f"ur doctor {address}")
 
 
 def _unmount(target: Path) -> None:

@@ -1,6 +1,6 @@
 """A launch file and all facts on its page, with the bases that it supports."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from ur.check.cases import resolve_cases
 from ur.check.rule import LaunchView
@@ -205,6 +205,10 @@ def _describe_node(node: NodeSpec, words: Words) -> NodeDoc:
             files.append(ParamFileDoc(value(source.path), ()))
         else:
             params += [ParamDoc(f"~{name}", value(str(each))) for name, each in source.values]
+    traits = [f"component in `{node.container}`"] if node.container else []
+    traits += [node.kind] if node.kind in ("lifecycle", "container", "program") else []
+    traits += [f"starts {describe_trigger(node.trigger)}"] if node.trigger is not None else []
+    traits += ["respawns"] if node.respawn else []
     return NodeDoc(
         names=value(node.full_name),
         package=value(node.package),
@@ -213,20 +217,12 @@ def _describe_node(node: NodeSpec, words: Words) -> NodeDoc:
         conditions=(),
         only_with="",
         cases=(),
-        traits=tuple(_list_traits(node)),
+        traits=tuple([*traits, "its end ends all"] if node.required else traits),
         params=tuple(params),
         param_files=tuple(files),
         remaps=tuple((words.show(source), words.show(target)) for source, target in node.remaps),
         topics=(),
     )
-
-
-def _list_traits(node: NodeSpec) -> Sequence[str]:
-    traits = [f"component in `{node.container}`"] if node.container else []
-    traits += [node.kind] if node.kind in ("lifecycle", "container", "program") else []
-    traits += [f"starts {describe_trigger(node.trigger)}"] if node.trigger is not None else []
-    traits += ["respawns"] if node.respawn else []
-    return [*traits, "its end ends all"] if node.required else traits
 
 
 _NAMES = 4
@@ -332,10 +328,11 @@ class LaunchDescriber:
         unreadable = list_unreadable(view.tree.diagnostics, view.path, words)
         trees = self.trees.make_trees(view.path, outcomes, words)
         path = self.show_path(view.path)
+        folder = path.rpartition("/")[0]
         return LaunchDoc(
             path=path,
             package=view.package.name if view.package is not None else "",
-            folder=_directory_of(path),
+            folder=(folder.removesuffix("/launch") if folder != "launch" else "launch"),
             summary=find_summary(view) or _summarise(node_docs, includes),
             overview=settle_links(find_overview(view), path.rpartition("/")[0], self.exists),
             needs=needs,
@@ -367,11 +364,6 @@ def _describe_arguments(view: LaunchView) -> Iterator[ArgumentDoc]:
             doc=next((text for text in documented if text), ""),
             condition=describe_condition(element),
         )
-
-
-def _directory_of(path: str) -> str:
-    folder = path.rpartition("/")[0]
-    return folder.removesuffix("/launch") if folder != "launch" else "launch"
 
 
 def _summarise(nodes: tuple[NodeDoc, ...], includes: tuple[IncludeDoc, ...]) -> str:

@@ -14,7 +14,7 @@ from ur.docs.repository.collect import is_elsewhere, is_unknown
 from ur.docs.words import Words, vary
 from ur.launchfile.plan.one_file import HERE
 from ur.launchfile.plan.specs import NodeSpec, ParamSpec
-from ur.launchfile.query.topics import NameUse, find_name_uses
+from ur.launchfile.query.topics import find_name_uses
 from ur.launchfile.syntax import Element
 
 MAX_DEPTH = 40
@@ -205,11 +205,13 @@ class NodeDescriber:
         first = _first_per_case(found)
         specs = [(outcome, node) for outcome, _, node in first]
         names = {node.full_name for _, node in specs}
+        machine = element.attributes.get("machine", "")
+        match = re.fullmatch(r"\$\(arg\s+(\w+)\)", machine)
         return NodeDoc(
             names=self.vary_or_written(specs, "full_name", element.attributes.get("name", "")),
             package=self.vary_or_written(specs, "package", element.attributes.get("pkg", "")),
             type=self.vary_or_written(specs, "type", element.attributes.get("type", "")),
-            machine=_written_machine(element),
+            machine=(match.group(1) if match else machine),
             conditions=conditions,
             only_with=list_switches((outcome, resolution) for outcome, resolution, _ in found),
             cases=tuple(outcome.case for outcome, resolution, _ in first if resolution is outcome.default),
@@ -296,14 +298,11 @@ class NodeDescriber:
         found: dict[TopicDoc, None] = {}
         for outcome, node in specs:
             for use in find_name_uses(node):
-                found[self.describe_topic(use, outcome)] = None
+                # Describe one name that a node uses
+                name = self.words.show(use.name.replace(HERE, ""), dict(outcome.given))
+                rate = f"{use.rate:g} Hz" if use.rate is not None else ""
+                found[TopicDoc(_USES[use.use], name, use.evidence, rate)] = None
         return tuple(found)
-
-    def describe_topic(self, use: NameUse, outcome: ResolvedCase) -> TopicDoc:
-        """Describe one name that a node uses."""
-        name = self.words.show(use.name.replace(HERE, ""), dict(outcome.given))
-        rate = f"{use.rate:g} Hz" if use.rate is not None else ""
-        return TopicDoc(_USES[use.use], name, use.evidence, rate)
 
 
 def _first_per_case(
@@ -324,12 +323,6 @@ def _list_traits(element: Element, nodes: Sequence[NodeSpec]) -> Iterator[str]:
         yield "the run ends with it"
     if any(node.respawn for node in nodes):
         yield "is started again when it ends"
-
-
-def _written_machine(element: Element) -> str:
-    machine = element.attributes.get("machine", "")
-    match = re.fullmatch(r"\$\(arg\s+(\w+)\)", machine)
-    return match.group(1) if match else machine
 
 
 def _show_plain(value: object) -> str:

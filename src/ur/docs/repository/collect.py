@@ -129,7 +129,11 @@ def collect_repository(path: str, world: World, progress: Progress = no_progress
     """
     cached = CachedWorld(world)
     targets = collect_targets([path], cached)
-    root = _root_of(path, cached)
+    folder = cached.absolute(path)
+    if cached.is_file(folder):
+        message = f"{path} is a file, expected the folder or the package that it is in"
+        raise UserError(error(message, rule="not-a-folder", help=f"ur docs {shlex.quote(_enclosing(folder, cached))}"))
+    root = folder if cached.list_folder(folder) else cached.absolute(cached.find_package(path))
     if not targets.launch_files:
         raise UserError(
             error(
@@ -155,14 +159,6 @@ def collect_repository(path: str, world: World, progress: Progress = no_progress
         tuple(findings),
         targets.left_out,
     )
-
-
-def _root_of(path: str, world: CachedWorld) -> str:
-    folder = world.absolute(path)
-    if world.is_file(folder):
-        message = f"{path} is a file, expected the folder or the package that it is in"
-        raise UserError(error(message, rule="not-a-folder", help=f"ur docs {shlex.quote(_enclosing(folder, world))}"))
-    return folder if world.list_folder(folder) else world.absolute(world.find_package(path))
 
 
 def _enclosing(file: str, world: CachedWorld) -> str:

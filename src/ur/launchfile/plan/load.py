@@ -41,7 +41,20 @@ def load_ros1(
         _check_arguments(values, ignored, declared, arguments, draft)
         for computer in computers:
             draft.machines.setdefault(computer.name, computer)
-        _check_machines(draft)
+        for name, element, scope in draft.machine_uses:
+            if name not in draft.machines:
+                near = did_you_mean(name, draft.machines)
+                help_ = f"did you mean {near}?" if near else f'define it: <machine name="{name}" address="..."/>'
+                draft.refuse(
+                    refuse(
+                        f"machine '{name}' is not defined, expected a <machine> of this name",
+                        element.value_span("machine"),
+                        "unknown-machine",
+                        help_,
+                        subject=name,
+                    ),
+                    scope,
+                )
     except TooMuch:
         pass
     except RecursionError:
@@ -103,20 +116,3 @@ def _check_arguments(
 def _place(line: SourceFile, text: str) -> Span:
     start = max(line.text.find(text), 0)
     return Span(line, start, start + len(text.removesuffix(":=")))
-
-
-def _check_machines(draft: Draft) -> None:
-    for name, element, scope in draft.machine_uses:
-        if name not in draft.machines:
-            near = did_you_mean(name, draft.machines)
-            help_ = f"did you mean {near}?" if near else f'define it: <machine name="{name}" address="..."/>'
-            draft.refuse(
-                refuse(
-                    f"machine '{name}' is not defined, expected a <machine> of this name",
-                    element.value_span("machine"),
-                    "unknown-machine",
-                    help_,
-                    subject=name,
-                ),
-                scope,
-            )

@@ -47,20 +47,16 @@ def _load(path: str, arguments: Mapping[str, str], draft: Draft, passes_all: boo
     scope = Scope(HERE, path, dict(arguments))
     scope.pass_all_args = passes_all
     if resolve_file(parsed, draft, scope) and not passes_all:
-        _check_declared(path, arguments, draft, scope)
-
-
-def _check_declared(path: str, arguments: Mapping[str, str], draft: Draft, scope: Scope) -> None:
-    for name in arguments:
-        if name not in scope.declared:
-            near = did_you_mean(name, set(scope.declared) - set(arguments))
-            declared = ", ".join(sorted(scope.declared)) or "none"
-            draft.add_diagnostic(
-                error(
-                    f"argument '{name}' is passed, but {path} does not declare it",
-                    rule="unknown-argument",
-                    help=f"did you mean {near}?" if near else f"that file declares: {declared}",
-                    subject=name,
-                ),
-                (),
-            )
+        for name in arguments:
+            if name not in scope.declared:
+                near = did_you_mean(name, set(scope.declared) - set(arguments))
+                declared = ", ".join(sorted(scope.declared)) or "none"
+                draft.add_diagnostic(
+                    error(
+                        f"argument '{name}' is passed, but {path} does not declare it",
+                        rule="unknown-argument",
+                        help=f"did you mean {near}?" if near else f"that file declares: {declared}",
+                        subject=name,
+                    ),
+                    (),
+                )

@@ -51,7 +51,12 @@ def read_arguments(
         raise UserError(error_about(path, f"{problem}, expected a launch file", rule="missing-file")) from None
     if tree.launch is None:
         raise UserError(*tree.diagnostics)
-    comments = _comments_after(tree.launch)
+    # The comment that follows an element, by the place of the element.
+    following: dict[int, Comment] = {}
+    for first, second in zip(tree.launch.children, tree.launch.children[1:], strict=False):
+        if isinstance(first, Element) and isinstance(second, Comment):
+            following[first.start] = second
+    comments = following
     found: dict[str, ArgumentSpec] = {}
     for element in tree.launch.elements:
         if element.name != "arg":
@@ -124,12 +129,3 @@ def _read_argument(
         title, colon, text = comment.text.partition(":")
         doc = " ".join(text.split()) if colon and title.strip() == name else ""
     return {name: ArgumentSpec(name, default, doc, element.value_span("name"))}
-
-
-def _comments_after(launch: Element) -> dict[int, Comment]:
-    # The comment that follows an element, by the place of the element.
-    following: dict[int, Comment] = {}
-    for first, second in zip(launch.children, launch.children[1:], strict=False):
-        if isinstance(first, Element) and isinstance(second, Comment):
-            following[first.start] = second
-    return following

@@ -125,7 +125,14 @@ class _Explainer:
                 yield self.explain_node(node)
         for full_name in dict.fromkeys(param.name for param in self.params):
             if _means(wanted, full_name):
-                yield self.explain_param([param for param in self.params if param.name == full_name])
+                *earlier, last = [param for param in self.params if param.name == full_name]
+                value = f"what `{last.command}` prints" if last.command is not None else _short(repr(last.value))
+                below = [self.tag_layer(last.origin), *self.includes(last.origin)]
+                below += [
+                    ExplanationStep(f"set to {_short(repr(step.value))} before, and replaced", step.origin.span)
+                    for step in reversed(earlier)
+                ]
+                yield ExplanationStep(f"parameter {last.name} = {value}", None, tuple(below))
         for argument in self.declared:
             if argument.name == name:
                 yield self.explain_argument(argument)
@@ -138,16 +145,6 @@ class _Explainer:
         more = self.describe(node, self.plan)
         below = (*((ExplanationStep(more),) if more else ()), self.tag_layer(node.origin), *self.includes(node.origin))
         return ExplanationStep(text, None, below)
-
-    def explain_param(self, steps: list[ParamSpec]) -> ExplanationStep:
-        *earlier, last = steps
-        value = f"what `{last.command}` prints" if last.command is not None else _short(repr(last.value))
-        below = [self.tag_layer(last.origin), *self.includes(last.origin)]
-        below += [
-            ExplanationStep(f"set to {_short(repr(step.value))} before, and replaced", step.origin.span)
-            for step in reversed(earlier)
-        ]
-        return ExplanationStep(f"parameter {last.name} = {value}", None, tuple(below))
 
     def explain_remap(self, step: RemapStep) -> ExplanationStep:
         pair = (step.source, step.target)

@@ -58,7 +58,11 @@ def find_written(source: SourceFile, offset: int) -> WrittenName | None:
         span = Span(source, start + found.start("text"), start + found.end("text"))
         if span.start <= offset <= span.end:
             around = list(_parents(source, number) if is_yaml else _tags_around(source.text, span.start))
-            return _in_entity(found["key"], span, around)
+            key = found["key"]
+            if key == "name" and around and around[0][0] in ("arg", "let"):
+                include = next((at for name, at in around if name == "include"), None)
+                return WrittenName("arg", span) if include is None else WrittenName("passed", span, include)
+            return WrittenName(_KEYS.get(key, "text"), span, around[0][1] if around else -1)
     return None
 
 
@@ -115,13 +119,6 @@ def _call_before(text: str, offset: int) -> int:
                 return at
             depth -= 1
     return -1
-
-
-def _in_entity(key: str, span: Span, around: list[tuple[str, int]]) -> WrittenName:
-    if key == "name" and around and around[0][0] in ("arg", "let"):
-        include = next((at for name, at in around if name == "include"), None)
-        return WrittenName("arg", span) if include is None else WrittenName("passed", span, include)
-    return WrittenName(_KEYS.get(key, "text"), span, around[0][1] if around else -1)
 
 
 def _tags_around(text: str, offset: int) -> Iterator[tuple[str, int]]:

@@ -170,7 +170,12 @@ class _Builder:
 
     def start_element(self, name: str, attributes: dict[str, str]) -> None:
         if self.may_have_prefixes:
-            name, attributes = self.resolve_prefixes(name, attributes)
+            # What roslaunch's parser makes of them: declarations are attributes, names keep the prefix that is written.
+            declared = {f"xmlns:{prefix}" if prefix else "xmlns": uri for prefix, uri in self.namespaces}
+            self.namespaces.clear()
+            for key, value in attributes.items():
+                declared[_qualified(key) if " " in key else key] = value
+            name, attributes = (_qualified(name) if " " in name else name), declared
         element = Element(self.source, name, attributes, self.here())
         stack = self.stack
         if stack:
@@ -189,14 +194,6 @@ class _Builder:
             self.stop(f"more than {MAX_ELEMENTS:,} elements in one file", element, "file-too-large")
         if self.may_be_long:
             self.check_lengths(element)
-
-    def resolve_prefixes(self, name: str, attributes: dict[str, str]) -> tuple[str, dict[str, str]]:
-        # What roslaunch's parser makes of them: declarations are attributes, names keep the prefix that is written.
-        declared = {f"xmlns:{prefix}" if prefix else "xmlns": uri for prefix, uri in self.namespaces}
-        self.namespaces.clear()
-        for key, value in attributes.items():
-            declared[_qualified(key) if " " in key else key] = value
-        return (_qualified(name) if " " in name else name), declared
 
     def check_lengths(self, element: Element) -> None:
         for key, value in element.attributes.items():

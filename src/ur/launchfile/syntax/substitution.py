@@ -83,7 +83,16 @@ def parse_substitutions(text: str) -> tuple[Substitution, ...]:
         if close == -1:
             break
         if close > after + 1:
-            found.append(_substitution(text, after - 1, close))
+            start = after - 1
+            content = text[start + 2 : close]
+            words: list[SubstitutionWord] = []
+            offset = start + 2
+            for part in content.split(" "):
+                if part:
+                    words.append(SubstitutionWord(part, offset, offset + len(part)))
+                offset += len(part) + 1
+            command = words[0].text if words else ""
+            found.append(Substitution(command, content, tuple(words[1:]), start, close + 1))
         dollar = text.find("$", close)
     return tuple(found)
 
@@ -107,15 +116,3 @@ def _content_end(text: str, start: int) -> int:
                 "'(' inside $(...), expected ')'", offset, offset + 1, help=help_ if _EVAL in text else None
             )
     return -1
-
-
-def _substitution(text: str, start: int, close: int) -> Substitution:
-    content = text[start + 2 : close]
-    words: list[SubstitutionWord] = []
-    offset = start + 2
-    for part in content.split(" "):
-        if part:
-            words.append(SubstitutionWord(part, offset, offset + len(part)))
-        offset += len(part) + 1
-    command = words[0].text if words else ""
-    return Substitution(command, content, tuple(words[1:]), start, close + 1)

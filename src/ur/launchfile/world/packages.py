@@ -16,12 +16,6 @@ class BrokenPackageError(UserError, ValueError):
     """A package.xml is invalid, so that rospack refuses to search packages. Its text begins with the path."""
 
 
-def broken_package(path: str, reason: object) -> BrokenPackageError:
-    """Return the error for an invalid package.xml, with the reason."""
-    help_ = "correct this file, or take its folder out of ROS_PACKAGE_PATH"
-    return BrokenPackageError(error_about(path, str(reason), rule="broken-package", help=help_))
-
-
 # Paths are texts here: pathlib would change what roslaunch prints, and costs too much in hot loops.
 # ruff: noqa: PTH113, PTH114, PTH118, PTH119
 
@@ -98,7 +92,11 @@ def _walk(top: str, found: dict[str, str]) -> None:
     while stack:
         folder = stack.pop()
         if folder.startswith(SHARE + "/"):
-            _visit_shared(folder, found, seen)
+            if not _visit_package(folder, found, seen) and os.path.isfile(folder + "/manifest.xml"):
+                name = os.path.basename(folder)
+                if name not in seen and not os.path.isfile(folder + "/CATKIN_IGNORE"):
+                    seen.add(name)
+                    found[name] = folder
         elif not _visit_package(folder, found, seen):
             stack.extend(_folders_in(folder, found, seen, links))
 
@@ -161,14 +159,6 @@ def _is_folder(entry: os.DirEntry[str]) -> bool:
         return False
 
 
-def _visit_shared(folder: str, found: dict[str, str], seen: set[str]) -> None:
-    if not _visit_package(folder, found, seen) and os.path.isfile(folder + "/manifest.xml"):
-        name = os.path.basename(folder)
-        if name not in seen and not os.path.isfile(folder + "/CATKIN_IGNORE"):
-            seen.add(name)
-            found[name] = folder
-
-
 def read_package_name(path: str) -> str | None:
     """Return the name in a package.xml; None for a metapackage. Raises OSError, and ValueError without a name."""
     return package_name_in(path, read_file(path, MAX_MANIFEST))
@@ -188,10 +178,6 @@ def package_name_in(path: str, data: bytes) -> str | None:
             return text.strip(" \n\r\t")
     elif simple and b"<!--" not in plain and plain.count(b"<export>") == 1 and _METAPACKAGE.search(plain):
         return None
-    return _parse_package_name(path, data)
-
-
-def _parse_package_name(path: str, data: bytes) -> str | None:
     from ur.source.foreign.xml_text import parse_xml  # rarely needed: most files are simple
 
     try:
@@ -208,4 +194,5 @@ def _parse_package_name(path: str, data: bytes) -> str | None:
 
 def _broken(path: str, reason: object) -> ValueError:
 
-    return broken_package(path, reason)
+    help_ = "correct this file, or take its folder out of ROS_PACKAGE_PATH"
+    return BrokenPackageError(error_about(path, str(reason), rule="broken-package", help=help_))

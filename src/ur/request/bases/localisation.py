@@ -24,7 +24,11 @@ def choose_localisation(values: Mapping[str, str], find_bases: Callable[[], Sequ
     method, base or variant.
     """
     if ARGUMENT in values:
-        _check(values[ARGUMENT])
+        method = values[ARGUMENT]
+        if method not in METHODS:
+            near = did_you_mean(method, METHODS)
+            message = f"{ARGUMENT}:={method}, expected one of {', '.join(METHODS)}"
+            raise UserError(error(message, rule="bad-argument", help=f"did you mean {near!r}?" if near else None))
         return []
     if not values.get("robot_base"):
         return []
@@ -46,10 +50,3 @@ def explain_no_map(problem: UserError, values: Mapping[str, str]) -> UserError:
             f"ur run fiducial_slam {chosen} (simulated: with world:=office)",
         )
     )
-
-
-def _check(method: str) -> None:
-    if method not in METHODS:
-        near = did_you_mean(method, METHODS)
-        message = f"{ARGUMENT}:={method}, expected one of {', '.join(METHODS)}"
-        raise UserError(error(message, rule="bad-argument", help=f"did you mean {near!r}?" if near else None))

@@ -253,15 +253,11 @@ def _unit(name: str, line: str, user: str, home: str, *, master: str = "", then:
         user=user,
         wait=_quote(_WAIT),
         back_off=_quote(back_off),
-        limits=_limit(user, home),
+        limits=(_LIMITS.format(home=_quote(f"-{home}")) + _CAPABILITIES["root" if user == "root" else ""]),
         start=start,
         after_start=f"ExecStartPost=-{after_start}\n" if then else "",
     )
     return UnitFile(service, text)
-
-
-def _limit(user: str, home: str) -> str:
-    return _LIMITS.format(home=_quote(f"-{home}")) + _CAPABILITIES["root" if user == "root" else ""]
 
 
 def _quote(word: str) -> str:

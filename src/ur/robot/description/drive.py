@@ -88,7 +88,9 @@ def find_drive(description: Description) -> DriveGeometry:
         alone = name not in known and name not in chosen
         if not solid or not alone or not _CASTER.search(name) or _has_wheel_below(children, name, known):
             continue
-        if _lowest(link, places[name]) <= axle:
+        pose = places[name]
+        shapes = (*link.collision, *link.visual)
+        if min((z for shape in shapes for _, _, z in list_corners(shape, pose)), default=pose.at[2]) <= axle:
             others.append(FreeSupport(name, places[name].at[0], places[name].at[1], _size(link)[0]))
     return DriveGeometry(sides[0], sides[1], tuple(others))
 
@@ -102,19 +104,7 @@ def _find_sides(description: Description, poses: Mapping[str, Pose], wheels: lis
         return sides
     swivels = _swivels(description, poses)
     own = [wheel for wheel in wheels if not _names_caster(wheel.joint)]
-    for candidates in (
-        [wheel for wheel in own if wheel.joint.child not in swivels],
-        _still_wheels(description, poses),
-        [wheel for wheel in own if wheel.joint.child in swivels],
-    ):
-        sides = _largest_pairs(_sides(candidates))
-        if sides[0]:
-            return sides
-    return (), ()
-
-
-def _still_wheels(description: Description, poses: Mapping[str, Pose]) -> list[Wheel]:
-    """Find the wheels of a description without movable joints: links with the name and the shape of a wheel."""
+    # Find the wheels of a description without movable joints: links with the name and the shape of a wheel
     links = {link.name: link for link in description.links}
     found = []
     for joint in description.joints:
@@ -122,12 +112,15 @@ def _still_wheels(description: Description, poses: Mapping[str, Pose]) -> list[W
         if joint.kind == "fixed" and _WHEEL.search(joint.child) and not _names_caster(joint):
             sideways = replace(joint, axis=place.rotation[1])  # the y axis of the root in the link's frame
             found.append(_wheel(description, sideways, links[joint.child], place))
-    return [wheel for wheel in found if wheel.radius]
-
-
-def _lowest(link: Link, pose: Pose) -> float:
-    shapes = (*link.collision, *link.visual)
-    return min((z for shape in shapes for _, _, z in list_corners(shape, pose)), default=pose.at[2])
+    for candidates in (
+        [wheel for wheel in own if wheel.joint.child not in swivels],
+        [wheel for wheel in found if wheel.radius],
+        [wheel for wheel in own if wheel.joint.child in swivels],
+    ):
+        sides = _largest_pairs(_sides(candidates))
+        if sides[0]:
+            return sides
+    return (), ()
 
 
 def _sides(wheels: list[Wheel]) -> Sides:

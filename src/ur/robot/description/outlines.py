@@ -33,7 +33,16 @@ def measure_extent(description: Description, leave_out: Collection[str], *, care
     box, and visual geometries only of links without collision geometry.
     """
     places = description.poses()
-    rigid = _rigid_links(description)
+    children: dict[str, list[str]] = {}
+    for joint in description.joints:
+        if joint.kind == "fixed":
+            children.setdefault(joint.parent, []).append(joint.child)
+    found, left = {description.root}, [description.root]
+    while left:
+        below = children.get(left.pop(), [])
+        found.update(below)
+        left += below
+    rigid = found
     points: list[Vector] = []
     estimated: list[str] = []
     unknown: list[str] = []
@@ -57,7 +66,15 @@ def draw_outline(points: Iterable[Point]) -> tuple[Point, ...]:
     """
     hull = find_hull((x, y) for x, y in points)
     if len(hull) > _MOST_POINTS:
-        hull = _wrap(hull)
+        turns = [2.0 * math.pi * n / _MOST_POINTS for n in range(_MOST_POINTS)]
+        lines = [(math.cos(turn), math.sin(turn)) for turn in turns]
+        reach = [max(x * nx + y * ny for x, y in hull) for nx, ny in lines]
+        sides = list(zip(lines, reach, strict=True))
+        step = math.sin(2.0 * math.pi / _MOST_POINTS)  # the determinant of two neighbours
+        hull = [
+            ((a * by - b * ay) / step, (b * ax - a * bx) / step)
+            for ((ax, ay), a), ((bx, by), b) in pairwise([*sides, sides[0]])
+        ]
     if len(hull) < 3:
         return ()
     x0, y0 = sum(x for x, _ in hull) / len(hull), sum(y for _, y in hull) / len(hull)
@@ -68,31 +85,6 @@ def draw_outline(points: Iterable[Point]) -> tuple[Point, ...]:
 def _away(value: float, middle: float) -> float:
     scaled = round(value * _FINEST, 3)
     return (math.ceil(scaled) if value >= middle else math.floor(scaled)) / _FINEST + 0.0
-
-
-def _wrap(hull: list[Point]) -> list[Point]:
-    turns = [2.0 * math.pi * n / _MOST_POINTS for n in range(_MOST_POINTS)]
-    lines = [(math.cos(turn), math.sin(turn)) for turn in turns]
-    reach = [max(x * nx + y * ny for x, y in hull) for nx, ny in lines]
-    sides = list(zip(lines, reach, strict=True))
-    step = math.sin(2.0 * math.pi / _MOST_POINTS)  # the determinant of two neighbours
-    return [
-        ((a * by - b * ay) / step, (b * ax - a * bx) / step)
-        for ((ax, ay), a), ((bx, by), b) in pairwise([*sides, sides[0]])
-    ]
-
-
-def _rigid_links(description: Description) -> set[str]:
-    children: dict[str, list[str]] = {}
-    for joint in description.joints:
-        if joint.kind == "fixed":
-            children.setdefault(joint.parent, []).append(joint.child)
-    found, left = {description.root}, [description.root]
-    while left:
-        below = children.get(left.pop(), [])
-        found.update(below)
-        left += below
-    return found
 
 
 def list_corners(shape: Shape, pose: Pose) -> Iterator[Vector]:

@@ -141,7 +141,15 @@ def parse_urdf(text: str, path: str) -> Description:
         _fail(path, f"cannot be read as a URDF: {problem}")
     if root.tag != "robot":
         _fail(path, f"begins with <{root.tag}>, expected a URDF, which begins with <robot>")
-    _check_counts(path, root)
+    for name, most in (("link", _MOST), ("joint", _MOST), ("gazebo", 2 * _MOST)):
+        if (count := len(root.findall(name))) > most:
+            _fail(path, f"{count:,} elements <{name}>, expected at most {most:,}")
+    if (count := len(root.findall("link/*/geometry/*"))) > _MOST_SHAPES:
+        _fail(path, f"{count:,} shapes and meshes, expected at most {_MOST_SHAPES:,}")
+    called = next((str(each.tag) for each in root.iter() if _XACRO.match(str(each.tag))), "")
+    if called and not path.endswith(".xacro"):
+        message = f"uses xacro (<xacro:{called.rpartition('}')[2]}>), and its name does not end with .xacro"
+        _fail(path, message, f"cp {shlex.quote(path)} {shlex.quote(path)}.xacro, and give that file, to expand it")
     links = tuple(_link(path, element) for element in root.findall("link"))
     if not links:
         _fail_without_links(path, root)
@@ -157,18 +165,6 @@ def parse_urdf(text: str, path: str) -> Description:
         drive=read_drive(plugins),
         sideways=drives_sideways(plugins),
     )
-
-
-def _check_counts(path: str, root: Element) -> None:
-    for name, most in (("link", _MOST), ("joint", _MOST), ("gazebo", 2 * _MOST)):
-        if (count := len(root.findall(name))) > most:
-            _fail(path, f"{count:,} elements <{name}>, expected at most {most:,}")
-    if (count := len(root.findall("link/*/geometry/*"))) > _MOST_SHAPES:
-        _fail(path, f"{count:,} shapes and meshes, expected at most {_MOST_SHAPES:,}")
-    called = next((str(each.tag) for each in root.iter() if _XACRO.match(str(each.tag))), "")
-    if called and not path.endswith(".xacro"):
-        message = f"uses xacro (<xacro:{called.rpartition('}')[2]}>), and its name does not end with .xacro"
-        _fail(path, message, f"cp {shlex.quote(path)} {shlex.quote(path)}.xacro, and give that file, to expand it")
 
 
 def _fail_without_links(path: str, root: Element) -> NoReturn:

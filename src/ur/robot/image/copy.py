@@ -39,7 +39,10 @@ def copied_image(source: Path, target: Path, progress: Progress) -> Iterator[tup
     function is not called, an error occurs or this process ends, `target` stays unchanged. Files of a killed process
     are removed by the next one. Raises UserError if the source is unreadable or damaged, or the disk is full.
     """
-    _remove_unfinished(target)
+    for path in target.parent.glob(f".{target.name}.*.{_UNFINISHED}"):
+        number = path.name.split(".")[-2]
+        if not Path("/proc", number).exists():
+            path.unlink(missing_ok=True)
     beside = target.with_name(f".{target.name}.{os.getpid()}.{_UNFINISHED}")
 
     def finish() -> None:
@@ -58,7 +61,17 @@ def copied_image(source: Path, target: Path, progress: Progress) -> Iterator[tup
 def _copy(source: Path, beside: Path, progress: Progress) -> None:
     try:
         with source.open("rb") as packed, open(beside, "xb", opener=_create_private) as copy:
-            _copy_sparsely(_unpack(packed, source), packed, copy, progress)
+            unpacked = _unpack(packed, source)
+            total = os.fstat(packed.fileno()).st_size
+            length = 0
+            while chunk := unpacked.read(CHUNK):
+                if chunk.count(0) == len(chunk):
+                    copy.seek(len(chunk), os.SEEK_CUR)
+                else:
+                    copy.write(chunk)
+                length += len(chunk)
+                progress(os.lseek(packed.fileno(), 0, os.SEEK_CUR), total)
+            copy.truncate(length)
     except _DAMAGE as problem:
         raise UserError(
             error_about(source, f"is damaged: {str(problem).lower()}", rule="damaged-image", help="download it again")
@@ -104,26 +117,6 @@ def _unpack(packed: IO[bytes], source: Path) -> IO[bytes]:
             )
         )
     return packed
-
-
-def _copy_sparsely(unpacked: IO[bytes], packed: IO[bytes], copy: IO[bytes], progress: Progress) -> None:
-    total = os.fstat(packed.fileno()).st_size
-    length = 0
-    while chunk := unpacked.read(CHUNK):
-        if chunk.count(0) == len(chunk):
-            copy.seek(len(chunk), os.SEEK_CUR)
-        else:
-            copy.write(chunk)
-        length += len(chunk)
-        progress(os.lseek(packed.fileno(), 0, os.SEEK_CUR), total)
-    copy.truncate(length)
-
-
-def _remove_unfinished(target: Path) -> None:
-    for path in target.parent.glob(f".{target.name}.*.{_UNFINISHED}"):
-        number = path.name.split(".")[-2]
-        if not Path("/proc", number).exists():
-            path.unlink(missing_ok=True)
 
 
 def _unusable(path: Path, doing: str, problem: OSError) -> UserError:

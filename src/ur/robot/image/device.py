@@ -58,18 +58,14 @@ def check_device(path: Path, *, system: Path = Path("/sys"), processes: Path = P
         raise _refuse(f"{path} is empty, expected a card in it")
     if not os.access(path, os.R_OK | os.W_OK):
         raise _refuse(f"{path} may not be written by you", f'run: sudo chown "$USER" {path} (until it is taken out)')
-    _check_unclaimed(path)
-    model = " ".join(
-        f"{_read(folder / 'device/vendor')} {_read(folder / 'device/model') or _read(folder / 'device/name')}".split()
-    )
-    return DiskDevice(path, model or "no model name", size)
-
-
-def _check_unclaimed(path: Path) -> None:
     try:
         os.close(os.open(path, os.O_RDONLY | os.O_EXCL))  # of a block device: fails while the kernel uses any of it
     except OSError as problem:
         raise _refuse(f"{path} cannot be opened: {(problem.strerror or str(problem)).lower()}") from None
+    model = " ".join(
+        f"{_read(folder / 'device/vendor')} {_read(folder / 'device/model') or _read(folder / 'device/name')}".split()
+    )
+    return DiskDevice(path, model or "no model name", size)
 
 
 def _mounts(processes: Path) -> list[tuple[str, str]]:

@@ -43,19 +43,6 @@ def read(path: str) -> str:
         return ""
 
 
-def find_installations() -> list[dict[str, Any]]:
-    """Find the releases below /opt/ros. Releases of ROS 1 have no ament index."""
-    found = []
-    for setup in sorted(glob.glob("/opt/ros/*/setup.bash")):
-        folder = os.path.dirname(setup)
-        index = f"{folder}/share/ament_index/resource_index"
-        if os.path.isdir(index):
-            kinds = glob.glob(f"{index}/rmw_typesupport/rmw_*")
-            middlewares = sorted({os.path.basename(each) for each in kinds} - {"rmw_implementation"})
-            found.append({"distro": os.path.basename(folder), "folder": folder, "middlewares": middlewares})
-    return found
-
-
 def find_processes(variables: list[str]) -> list[dict[str, Any]]:
     """Find processes that have loaded a client library of ROS 2, or whose command line refers to ROS 2."""
     found: list[dict[str, Any]] = []
@@ -266,7 +253,16 @@ def read_graph(request: dict[str, Any], installations: Any, processes: Any, shel
 def find(request: dict[str, Any]) -> dict[str, Any]:
     """Find all facts about ROS 2; see `ur.robot.ros2.seen_graph.Ros2`."""
     variables: list[str] = request["variables"]
-    installations = find_installations()
+    # Find the releases below /opt/ros. Releases of ROS 1 have no ament index.
+    found = []
+    for setup in sorted(glob.glob("/opt/ros/*/setup.bash")):
+        folder = os.path.dirname(setup)
+        index = f"{folder}/share/ament_index/resource_index"
+        if os.path.isdir(index):
+            kinds = glob.glob(f"{index}/rmw_typesupport/rmw_*")
+            middlewares = sorted({os.path.basename(each) for each in kinds} - {"rmw_implementation"})
+            found.append({"distro": os.path.basename(folder), "folder": folder, "middlewares": middlewares})
+    installations = found
     processes = find_processes(variables)
     if not installations and not processes:
         return {}

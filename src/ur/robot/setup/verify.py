@@ -79,7 +79,9 @@ def verify(
         checks.append(Check("ROS master", here.destination, found, f"http://{robot}:11311" if found else "no answer"))
         checks.append(_expect(there, "ROS master at boot", "systemctl is-enabled ubiquity-master", "enabled"))
     if task.robot.programs:
-        checks.append(_programs(there))
+        done = there.run(quote("bash", "-lc", _PROGRAMS), timeout=120.0)
+        last = (done.err.strip().splitlines() or [f"exit code {done.code}"])[-1]
+        checks.append(Check("programs", there.destination, done.code == 0, _one_line(last if done.code else done.out)))
     if task.robot_login and viewer.host_key:
         login = f"{STRICT} {quote(f'{viewer.user}@{laptop}')} cat /proc/sys/kernel/hostname"
         checks.append(_expect(there, "login by key", login, viewer.name))
@@ -132,12 +134,6 @@ def _file(there: Shell, task: Task) -> Check:
     done = there.run(f"cat {ROBOT_FILE}")
     good = done.code == 0 and done.out == robot_file(task.robot, done.out)
     return Check("robot file", there.destination, good, "as wanted" if good else _one_line(done.err or done.out))
-
-
-def _programs(there: Shell) -> Check:
-    done = there.run(quote("bash", "-lc", _PROGRAMS), timeout=120.0)
-    last = (done.err.strip().splitlines() or [f"exit code {done.code}"])[-1]
-    return Check("programs", there.destination, done.code == 0, _one_line(last if done.code else done.out))
 
 
 def _ros(here: Shell, robot: str, wanted: str) -> Check:

@@ -92,7 +92,11 @@ def open_descriptor(
     if "\0" in name:
         raise OSError(errno.EINVAL, "a path with a NUL character", name)
     if inside is not None:
-        name, flags = _resolve_below(name, os.fspath(inside)), flags | os.O_NOFOLLOW
+        folder = os.fspath(inside)
+        top, whole = os.path.realpath(folder), os.path.realpath(name)
+        if whole != top and not whole.startswith(top.rstrip("/") + "/"):
+            raise OSError(errno.EACCES, f"outside of the folder {folder}", name)
+        name, flags = whole, flags | os.O_NOFOLLOW
     _check(os.stat(name), limit, name)  # first: opening alone starts some devices
     descriptor = os.open(name, flags)
     try:
@@ -109,13 +113,6 @@ def refuse_file(path: str | os.PathLike[str], problem: OSError, expected: str, *
 
     reason = (problem.strerror or str(problem)).lower()
     return UserError(error_about(path, f"{reason}, expected {expected}", rule="unreadable-file", help=help))
-
-
-def _resolve_below(name: str, folder: str) -> str:
-    top, whole = os.path.realpath(folder), os.path.realpath(name)
-    if whole != top and not whole.startswith(top.rstrip("/") + "/"):
-        raise OSError(errno.EACCES, f"outside of the folder {folder}", name)
-    return whole
 
 
 def _check(status: os.stat_result, limit: int, name: str) -> None:

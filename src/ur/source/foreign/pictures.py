@@ -53,7 +53,14 @@ def open_picture(
 def _opened(file: IO[bytes], formats: Sequence[str], largest: int) -> Iterator[Image.Image]:
     from PIL import Image
 
-    _check_plain(file)
+    # Pillow copies a block of a PNM in digits for each comment in it.
+    head = file.read(2)
+    if head in _PLAIN_PNM:
+        data = file.read(_MAX_PLAIN + 1)
+        if len(data) > _MAX_PLAIN or data.count(b"#") > _MAX_COMMENTS:
+            limits = f"at most {_MAX_PLAIN:,} bytes and {_MAX_COMMENTS} comments"
+            raise ValueError(f"a PNM in digits, expected one of bytes, or of {limits}")
+    file.seek(0)
     try:
         with Image.open(cast("IO[bytes]", _Metered(file)), formats=list(formats)) as image:
             pixels = image.width * image.height
@@ -66,17 +73,6 @@ def _opened(file: IO[bytes], formats: Sequence[str], largest: int) -> Iterator[I
             yield image
     except Image.DecompressionBombError as problem:
         raise ValueError(str(problem)) from None
-
-
-def _check_plain(file: IO[bytes]) -> None:
-    # Pillow copies a block of a PNM in digits for each comment in it.
-    head = file.read(2)
-    if head in _PLAIN_PNM:
-        data = file.read(_MAX_PLAIN + 1)
-        if len(data) > _MAX_PLAIN or data.count(b"#") > _MAX_COMMENTS:
-            limits = f"at most {_MAX_PLAIN:,} bytes and {_MAX_COMMENTS} comments"
-            raise ValueError(f"a PNM in digits, expected one of bytes, or of {limits}")
-    file.seek(0)
 
 
 class _Metered:

@@ -53,7 +53,13 @@ class _Converter:
         """An expression whose value is used as `want`."""
         name = _argument_of(node)
         if name is not None:
-            return self._argument(name, want)
+            if not name.isidentifier():
+                raise NotConvertible(f"the argument name '{name}'", "rename the argument")
+            if want == "number":
+                self.numbers.add(name)
+                return ast.Name(f"{_NUMBER}{name}_", ast.Load())
+            text = ast.Constant(f"$(var {name})")
+            return _is_one_of(text, _FALSE, ast.NotIn()) if want == "truth" else text
         handler: Callable[[ast.expr, Want], ast.expr] | None = getattr(self, f"_{type(node).__name__}", None)
         if handler is None:
             raise NotConvertible(
@@ -61,15 +67,6 @@ class _Converter:
                 "compute it where the arguments are given, and pass the value",
             )
         return handler(node, want)
-
-    def _argument(self, name: str, want: Want) -> ast.expr:
-        if not name.isidentifier():
-            raise NotConvertible(f"the argument name '{name}'", "rename the argument")
-        if want == "number":
-            self.numbers.add(name)
-            return ast.Name(f"{_NUMBER}{name}_", ast.Load())
-        text = ast.Constant(f"$(var {name})")
-        return _is_one_of(text, _FALSE, ast.NotIn()) if want == "truth" else text
 
     def _Constant(self, node: ast.Constant, _want: Want) -> ast.expr:  # noqa: N802
         if isinstance(node.value, str) and "$(" in node.value:
@@ -233,7 +230,13 @@ def _kind(node: ast.expr) -> Want:
         kinds = {_kind(node.left), _kind(node.right)}
         return "text" if "text" in kinds else "any" if kinds == {"any"} and isinstance(node.op, ast.Add) else "number"
     if isinstance(node, ast.Call):
-        return _kind_of_call(node.func)
+        function = node.func
+        if isinstance(function, ast.Attribute):
+            return "text" if function.attr in _TEXT_METHODS - {"split", "startswith", "endswith"} else "any"
+        name = function.id if isinstance(function, ast.Name) else ""
+        if name in _TEXT_FUNCTIONS | {"env", "optenv", "find", "anon", "dirname"}:
+            return "text"
+        return "number" if name in _NUMBER_FUNCTIONS | _MATH else "any"
     return "any"
 
 
@@ -241,12 +244,3 @@ def _common(left: ast.expr, right: ast.expr) -> Want:
     kinds = {_kind(left), _kind(right)}
     known = kinds - {"any"}
     return known.pop() if len(known) == 1 and ("text" in kinds or len(kinds) == 1) else "any"
-
-
-def _kind_of_call(function: ast.expr) -> Want:
-    if isinstance(function, ast.Attribute):
-        return "text" if function.attr in _TEXT_METHODS - {"split", "startswith", "endswith"} else "any"
-    name = function.id if isinstance(function, ast.Name) else ""
-    if name in _TEXT_FUNCTIONS | {"env", "optenv", "find", "anon", "dirname"}:
-        return "text"
-    return "number" if name in _NUMBER_FUNCTIONS | _MATH else "any"

@@ -42,17 +42,13 @@ def convert_parameters(text: str, substitutes: bool) -> str:
 
 def _can_stay(text: str, value: object, converted: object) -> bool:
     """Test that a text means the same to ROS 2, which knows no angles, when each of its lines is indented."""
-    if "---" in text or "%" in text or _has_block(text):
+    if "---" in text or "%" in text or (re.search(r"[|>][+-]?\d*\s*$", text, re.MULTILINE) is not None):
         return False
     try:
         plain = load_yaml(text)
     except ValueError:
         return False
     return bool(plain == value == converted) and _same_kinds(plain, converted)
-
-
-def _has_block(text: str) -> bool:
-    return re.search(r"[|>][+-]?\d*\s*$", text, re.MULTILINE) is not None
 
 
 def _same_kinds(left: object, right: object) -> bool:

@@ -50,7 +50,9 @@ def _convert_files(findings: Findings, path: str, world: World) -> Iterator[Para
     for written, substitutes in findings.files.items():
         found = find_files(written, path, world)
         if not found:
-            findings.found.append(_no_file(written, path))
+            message = f"{path}: no file of parameters found for {written}, expected one to convert"
+            help_ = "convert it by hand: /** and ros__parameters above its values"
+            findings.found.append(Diagnostic(Severity.WARNING, message, RULE, help=help_, subject=written))
         for each in found:
             try:
                 text = world.read_bytes(each).decode("utf-8")
@@ -81,12 +83,6 @@ def _entries(folder: str, pattern: str, world: World) -> Sequence[str]:
     if "*" not in pattern:
         return (pattern,)
     return [name for name in world.list_folder(folder) if fnmatch.fnmatchcase(name, pattern)]
-
-
-def _no_file(written: str, path: str) -> Diagnostic:
-    message = f"{path}: no file of parameters found for {written}, expected one to convert"
-    help_ = "convert it by hand: /** and ros__parameters above its values"
-    return Diagnostic(Severity.WARNING, message, RULE, help=help_, subject=written)
 
 
 def _bad_file(path: str, problem: Exception) -> Diagnostic:

@@ -1,7 +1,7 @@
 """Comparison of two launch files by what they start, with the values of arguments that decide something."""
 
 import difflib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import fields
 
 from ur.launchfile.plan.specs import ArgumentStep, NodeSpec, ParameterValues, Plan, TraceStep, describe_trigger
@@ -44,23 +44,19 @@ def compare_plans(
     for each in (base, *([OtherVariables(world, texts, others)] if others else [])):
         trace: list[TraceStep] = []
         load_ros2(path, (), each, trace)
-        for arguments in _cases(trace):
+        steps = [each for each in trace if isinstance(each, ArgumentStep) and not each.origin.includes]
+        required = tuple(f"{each.name}:=value" for each in steps if each.kind == "required" and not each.choices)
+        cases: list[tuple[str, ...]] = [(), required] if required else [()]
+        for step in steps:
+            values = step.choices or [_FLIPPED.get(step.value or "", "")]
+            cases += [(*required, f"{step.name}:={value}") for value in values if value and value != step.value]
+        for arguments in cases[:_MOST_CASES]:
             first, second = (_describe_file(file, arguments, each) for file in (path, other))
             if first != second and (each is base or not any(line.startswith(_UNCLEAR) for line in first)):
                 changes = difflib.unified_diff(first, second, lineterm="", n=0)
                 lines = tuple(line[0] + " " + line[1:] for line in changes if line[:3] not in ("---", "+++", "@@ "))
                 return " ".join(arguments), lines
     return None
-
-
-def _cases(trace: Iterable[TraceStep]) -> list[tuple[str, ...]]:
-    steps = [each for each in trace if isinstance(each, ArgumentStep) and not each.origin.includes]
-    required = tuple(f"{each.name}:=value" for each in steps if each.kind == "required" and not each.choices)
-    cases: list[tuple[str, ...]] = [(), required] if required else [()]
-    for step in steps:
-        values = step.choices or [_FLIPPED.get(step.value or "", "")]
-        cases += [(*required, f"{step.name}:={value}") for value in values if value and value != step.value]
-    return cases[:_MOST_CASES]
 
 
 def _describe_file(path: str, arguments: tuple[str, ...], world: World) -> list[str]:

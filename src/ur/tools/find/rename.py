@@ -37,7 +37,7 @@ def rename_argument(
         if new in views[file].declared or new in views[file].used:
             _refuse(f"{file} has an argument '{new}' already, expected an unused name", "choose another name")
     spans = tuple(each.span for each in find_argument(path, old, views, programs))
-    texts = _edit(spans, new)
+    texts = {path: text.encode("utf-8") for path, text in apply_rename(spans, new).items()}
     touched = [view for view in views.values() if view.path in texts or _reads(view, texts, views)]
     before, after = CachedWorld(world), CachedWorld(OverlayWorld(world, texts))
     for view in touched:
@@ -59,10 +59,6 @@ def apply_rename(spans: Iterable[Span], new: str) -> dict[str, str]:
             text = text[:start] + new + text[end:]
         texts[path] = text
     return texts
-
-
-def _edit(spans: Iterable[Span], new: str) -> dict[str, bytes]:
-    return {path: text.encode("utf-8") for path, text in apply_rename(spans, new).items()}
 
 
 def _reads(view: LaunchView, texts: Mapping[str, bytes], views: Mapping[str, LaunchView]) -> bool:

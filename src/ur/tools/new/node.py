@@ -40,14 +40,10 @@ def _launch(request: NodeRequest, package: str) -> str:
     node = (
         [f"<node {attributes}>", *(f"  {line}" for line in inside), "</node>"] if inside else [f"<node {attributes}/>"]
     )
-    return write_launch(request.summary, _overview(request), arguments, (*LOCALHOST, *node))
-
-
-def _overview(request: NodeRequest) -> str:
     parts = [f"It runs `{request.type}` of the package `{request.package}`."]
     if request.observed.services:
         parts.append(f"It offers {', '.join(f'`{name}`' for name in request.observed.services)}.")
-    return " ".join(parts)
+    return write_launch(request.summary, " ".join(parts), arguments, (*LOCALHOST, *node))
 
 
 def _inside(request: NodeRequest, package: str) -> Iterator[str]:

@@ -174,21 +174,18 @@ class RunWatcher:
 
     async def _run(self) -> None:
         while True:
-            self._look()
+            computer, uid = read_computer(), os.getuid()
+            entries = {entry.run: entry for entry in list_runs(self._environment, uid, computer)}
+            for run in self._watched.keys() - entries.keys():
+                self._drop(run)
+            for run, entry in entries.items():
+                if run not in self._watched:
+                    self._follow(entry)
+            ended = tuple(list_ended(self._environment, uid, computer))
+            if ended != self._ended:
+                self._ended = ended
+                self._changed()
             await asyncio.sleep(_PERIOD)
-
-    def _look(self) -> None:
-        computer, uid = read_computer(), os.getuid()
-        entries = {entry.run: entry for entry in list_runs(self._environment, uid, computer)}
-        for run in self._watched.keys() - entries.keys():
-            self._drop(run)
-        for run, entry in entries.items():
-            if run not in self._watched:
-                self._follow(entry)
-        ended = tuple(list_ended(self._environment, uid, computer))
-        if ended != self._ended:
-            self._ended = ended
-            self._changed()
 
     def _follow(self, entry: RunEntry) -> None:
         try:

@@ -97,7 +97,16 @@ class DrivingPages:
             with suppress(ConnectionError, asyncio.TimeoutError):
                 await asyncio.wait_for(before.socket.close(code=WSCloseCode.GOING_AWAY, message=b"opened again"), 1.0)
         self._drivers[client] = driver
-        name = _number_name(name, self._choose_number(client, computer))
+        # Return the previous number of a page, or the lowest one that no other page of its browser has
+        others = (each for each, arrival in self._arrivals.items() if arrival["computer"] == computer)
+        taken = {self._numbers[each] for each in others if each != client}
+        number = self._numbers.pop(client, 1)
+        if number in taken:
+            number = next(each for each in itertools.count(1) if each not in taken)
+        self._numbers[client] = number
+        while len(self._numbers) > _MOST_NUMBERS and next(iter(self._numbers)) not in self._arrivals:
+            del self._numbers[next(iter(self._numbers))]
+        name = _number_name(name, number)
         self._arrivals[client] = {"do": "come", "page": client, "name": name, "computer": computer, "once": once}
         self._send(self._arrivals[client])
         return name
@@ -108,18 +117,6 @@ class DrivingPages:
             if arrival["computer"] == computer:
                 arrival["name"] = _number_name(name, self._numbers[client])
                 self._send({"do": "name", "page": client, "name": arrival["name"]})
-
-    def _choose_number(self, client: str, computer: str) -> int:
-        """Return the previous number of a page, or the lowest one that no other page of its browser has."""
-        others = (each for each, arrival in self._arrivals.items() if arrival["computer"] == computer)
-        taken = {self._numbers[each] for each in others if each != client}
-        number = self._numbers.pop(client, 1)
-        if number in taken:
-            number = next(each for each in itertools.count(1) if each not in taken)
-        self._numbers[client] = number
-        while len(self._numbers) > _MOST_NUMBERS and next(iter(self._numbers)) not in self._arrivals:
-            del self._numbers[next(iter(self._numbers))]
-        return number
 
     def sockets(self) -> list[web.WebSocketResponse]:
         """List the web sockets of all pages."""

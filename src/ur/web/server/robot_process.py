@@ -71,10 +71,7 @@ class RobotProcess:
         if self._view is not None:
             value = {"viewers": viewers, "layers": sorted(layers), "plots": sorted(plots), "camera": camera}
             self._view.write(json.dumps(value).encode() + b"\n")
-        self._note_pages(viewers)
-
-    def _note_pages(self, viewers: int) -> None:
-        """Inform the runs of this computer that end with the robot's loss whether pages show it."""
+        # Inform the runs of this computer that end with the robot's loss whether pages show it
         for run in list_runs(self._environment, os.getuid(), read_computer()):
             if run.master_uri.rstrip("/") != self.master.rstrip("/") or not read_claims(run.folder).base:
                 continue

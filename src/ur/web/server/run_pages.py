@@ -78,7 +78,19 @@ class _Viewer:
                 if (text := json.dumps(state)) != self._state:
                     self._state = text
                     await self.socket.send_str(text)
-                for message in self._take_lines(watcher):
+                messages = []
+                logs = watcher.lines()
+                self._cursors = {run: self._cursors.get(run, 0) for run in logs}
+                for run, lines in logs.items():
+                    first, found = lines.since(self._cursors[run], _MOST_LINES)
+                    if not found:
+                        continue
+                    self._cursors[run] = first + len(found)
+                    rows = [[each.node, each.severity, each.text] for each in found]
+                    messages.append({"t": "log", "run": run, "first": first, "lines": rows})
+                    if self._cursors[run] < lines.end:
+                        self.due.set()
+                for message in messages:
                     await self._send(message)
                 self.due.clear()
                 await asyncio.sleep(_STATE_PERIOD)
@@ -89,21 +101,6 @@ class _Viewer:
         number = next(self._numbers)
         self.beats = {each: at for each, at in self.beats.items() if now - at < self._oldest} | {number: now}
         return {"t": "beat", "n": number}
-
-    def _take_lines(self, watcher: RunWatcher) -> list[dict[str, object]]:
-        messages = []
-        logs = watcher.lines()
-        self._cursors = {run: self._cursors.get(run, 0) for run in logs}
-        for run, lines in logs.items():
-            first, found = lines.since(self._cursors[run], _MOST_LINES)
-            if not found:
-                continue
-            self._cursors[run] = first + len(found)
-            rows = [[each.node, each.severity, each.text] for each in found]
-            messages.append({"t": "log", "run": run, "first": first, "lines": rows})
-            if self._cursors[run] < lines.end:
-                self.due.set()
-        return messages
 
     async def _send(self, message: Mapping[str, object]) -> None:
         await self.socket.send_str(json.dumps(message))

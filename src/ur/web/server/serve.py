@@ -182,14 +182,11 @@ class _Log:
     def _run(self) -> None:
         while (line := self._lines.get()) is not None:
             with suppress(OSError):
-                self._write(line)
-
-    def _write(self, line: str) -> None:
-        if self._path.exists() and self._path.stat().st_size > _LONGEST_LOG:
-            self._path.replace(self._path.with_suffix(".log.1"))
-        descriptor = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, PRIVATE)
-        with os.fdopen(descriptor, "a", encoding="utf-8") as file:
-            file.write(line)
+                if self._path.exists() and self._path.stat().st_size > _LONGEST_LOG:
+                    self._path.replace(self._path.with_suffix(".log.1"))
+                descriptor = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, PRIVATE)
+                with os.fdopen(descriptor, "a", encoding="utf-8") as file:
+                    file.write(line)
 
 
 def _own_names() -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from ur.check.example_parts import (
 )
 from ur.check.queries.layout import KNOWN_HEADINGS, comments_after, find_heading, heading_of, launch_directory
 from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup
-from ur.launchfile.syntax import Comment, Element
+from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Severity
 from ur.source.file import Span
 from ur.source.suggest import did_you_mean
@@ -83,16 +83,13 @@ def _find_unknown_documentation(view: LaunchView) -> Iterable[RuleFinding]:
         # Other comments may contain a colon, too: a name has no capital letter, and follows an <arg>.
         near = did_you_mean(heading[0], view.declared)
         if near or (after_arg and heading[0].islower()):
+            name = heading[0]
+            start = child.span.file.text.find(name, child.span.start)
             yield RuleFinding(
-                _name_span(child, heading[0]),
+                Span(child.span.file, start, start + len(name)),
                 f"'{heading[0]}' is documented, and there is no argument of this name",
                 f"did you mean {near}?" if near else "remove the comment, or declare the argument",
             )
-
-
-def _name_span(comment: Comment, name: str) -> Span:
-    start = comment.span.file.text.find(name, comment.span.start)
-    return Span(comment.span.file, start, start + len(name))
 
 
 RULES = (

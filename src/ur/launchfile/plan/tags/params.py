@@ -196,7 +196,17 @@ def _load(
     try:
         document = read_yaml_once(text, reads_angles=True, budget=draft.budget)
     except YamlProblem as problem:
-        raise _bad_yaml(problem, source, element, same=text == written) from None
+        same = text == written
+        help_ = problem.help
+        offset = problem.offset
+        if source is not None:
+            span = Span(source, min(offset, len(source.text)), min(offset + 1, len(source.text)))
+        elif same:
+            start = element.text_offset(min(offset, len(element.text)))
+            span = Span(element.source, start, start + 1)
+        else:
+            span = element.span
+        raise refuse(f"not valid YAML: {problem}", span, "bad-yaml", help_) from None
     if document.value is None:
         document = Document({}, None)
     if not name and not isinstance(document.value, dict):
@@ -221,19 +231,6 @@ def _substitute_text(text: str, file: str | None, element: Element, draft: Draft
         else:
             span = Span(element.source, element.text_offset(problem.start), element.text_offset(problem.end))
         raise explain_problem(problem, span, scope) from None
-
-
-def _bad_yaml(problem: YamlProblem, source: SourceFile | None, element: Element, *, same: bool) -> TagRefused:
-    help_ = problem.help
-    offset = problem.offset
-    if source is not None:
-        span = Span(source, min(offset, len(source.text)), min(offset + 1, len(source.text)))
-    elif same:
-        start = element.text_offset(min(offset, len(element.text)))
-        span = Span(element.source, start, start + 1)
-    else:
-        span = element.span
-    return refuse(f"not valid YAML: {problem}", span, "bad-yaml", help_)
 
 
 class _Unroller:

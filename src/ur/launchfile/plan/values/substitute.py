@@ -63,7 +63,11 @@ def substitute(value: str, scope: Scope, world: World, budget: Budget) -> str:
     for piece in _pieces_of_result(resolved, value):
         _check_command(piece)
         if piece.command == "find":
-            resolved = _find(resolved, piece, world)
+            package = _only_word(piece, "a package")
+            before, _, after = resolved.partition(f"$({piece.content})")
+            path, space, rest = after.partition(" ")
+            path = path.replace("\\", "/").removeprefix("/")
+            resolved = before + find_path(package, path, piece.start, piece.end, world) + space + rest
             _check_length(resolved, piece)
     return resolved
 
@@ -168,14 +172,6 @@ def _anonymous(name: str, scope: Scope, world: World) -> str:
     if name not in scope.anonymous:
         scope.anonymous[name] = world.make_anonymous(name)
     return scope.anonymous[name]
-
-
-def _find(resolved: str, piece: Substitution, world: World) -> str:
-    package = _only_word(piece, "a package")
-    before, _, after = resolved.partition(f"$({piece.content})")
-    path, space, rest = after.partition(" ")
-    path = path.replace("\\", "/").removeprefix("/")
-    return before + find_path(package, path, piece.start, piece.end, world) + space + rest
 
 
 def find_path(package: str, path: str, start: int, end: int, world: World) -> str:

@@ -52,20 +52,17 @@ class Document:
         node = self._node
         place = (0, 0)
         for key in path:
-            found = self._keys_of(node).get(str(key))
+            known = self._keys.get(id(node))
+            if known is None:
+                pairs = [each for each in getattr(node, "value", ()) if isinstance(each, tuple)]
+                known = {each[0].value: each for each in pairs if isinstance(each[0].value, str)}
+                self._keys[id(node)] = known
+            found = known.get(str(key))
             if not found:
                 break
             name, node = found
             place = (name.start_mark.index, name.end_mark.index)
         return place
-
-    def _keys_of(self, node: yaml.Node | None) -> dict[str, tuple[yaml.Node, yaml.Node]]:
-        known = self._keys.get(id(node))
-        if known is None:
-            pairs = [each for each in getattr(node, "value", ()) if isinstance(each, tuple)]
-            known = {each[0].value: each for each in pairs if isinstance(each[0].value, str)}
-            self._keys[id(node)] = known
-        return known
 
 
 def read_yaml(text: str, reads_angles: bool, budget: Budget | None = None) -> Document:

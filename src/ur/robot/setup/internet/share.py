@@ -254,7 +254,7 @@ def share_internet(shell: SshShell, report: Callable[[str], None]) -> Iterator[R
 
 def _find_route(shell: SshShell, stack: ExitStack, report: Callable[[str], None]) -> Secret:
     direct = Secret("\n\n")
-    servers = find_servers(shell)
+    servers = parse_servers(shell.run(SCRIPT).out, default_index_servers())
     unreached = sorted(find_unreached(shell, servers)) if servers else []
     if not unreached:
         return direct
@@ -272,11 +272,6 @@ def _find_route(shell: SshShell, stack: ExitStack, report: Callable[[str], None]
     report(f"it has no internet: it fetches packages over this computer's connection ({names})")
     reached = ",".join(sorted({server.host for server in servers} - {server.host for server in shared}))
     return Secret(f"http://{USER}:{password.reveal()}@127.0.0.1:{there}\n{reached}\n")
-
-
-def find_servers(shell: Shell) -> frozenset[Server]:
-    """Return the servers that apt and pip use on the robot; none if they use a proxy already."""
-    return parse_servers(shell.run(SCRIPT).out, default_index_servers())
 
 
 def parse_servers(text: str, default_index: Iterable[Server]) -> frozenset[Server]:

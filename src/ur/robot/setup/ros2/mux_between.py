@@ -91,7 +91,9 @@ def take_over(shell: SshShell, robot: WantedRobot, report: Callable[[str], None]
 
 def give_back(shell: SshShell, report: Callable[[str], None]) -> int:
     """Revert the files that `take_over` has written; return the number of changes."""
-    texts = _parse_files(shell.run(_LIST).out)
+    output = shell.run(_LIST).out
+    parts = (part.partition("\n") for part in output.split("\x1e")[1:])
+    texts = {path: text for path, _, text in parts}
     mux = shell.run(f"cat {FOLDER}/{_MUX} 2>/dev/null").out if texts else ""
     items: list[Wanted] = []
     for path, text in texts.items():
@@ -140,8 +142,3 @@ def _want_files(unit: str, files: Mapping[str, str]) -> list[Wanted]:
         )
         for path, text in files.items()
     ]
-
-
-def _parse_files(output: str) -> dict[str, str]:
-    parts = (part.partition("\n") for part in output.split("\x1e")[1:])
-    return {path: text for path, _, text in parts}

@@ -148,13 +148,24 @@ class LoginGate:
 
     def _check(self, request: web.Request) -> None:
         host, path = request.headers.get("Host"), request.path
-        if not allows_host(self._origins, host, _own_address(request)):
+        name = request.transport.get_extra_info("sockname") if request.transport else None
+        if not allows_host(self._origins, host, (str(name[0]) if name else "")):
             raise web.HTTPMisdirectedRequest(text="expected the host name of this server\n")
         if path == VIEWER_PATH:
-            self._check_viewer(request)
+            # Check a viewer's request, which has no cookie: its address contains the secret
+            found = self.sessions.find_viewer(request.query.get("token"))
+            if found is None:
+                text = "expected the address that 'ur web --foxglove' has printed; it ends with the server\n"
+                raise web.HTTPForbidden(text=text)
+            origin = request.headers.get("Origin")
+            if not allows_viewer(request.headers.get("Host"), origin, self._viewer_origins):
+                self._log(f"{request.remote}: viewer refused: origin {origin}")
+                raise web.HTTPForbidden(text="this origin is not allowed, see --foxglove-origin of 'ur web'\n")
+            request[SESSION] = found
             self._limit(request)
             return
-        if _is_embedded(request):
+        site, mode = request.headers.get("Sec-Fetch-Site", "none"), request.headers.get("Sec-Fetch-Mode", "")
+        if site not in ("none", "same-origin") and mode != "navigate":
             raise web.HTTPForbidden(text="expected a request of the page itself\n")
         if (request.method != "GET" or path.startswith("/ws/")) and not allows_origin(
             host, request.headers.get("Origin")
@@ -194,18 +205,6 @@ class LoginGate:
             return False
         return any(self.sessions.find_viewer(each) for each in parse_qs(query).get("token", ())[:1])
 
-    def _check_viewer(self, request: web.Request) -> None:
-        """Check a viewer's request, which has no cookie: its address contains the secret."""
-        found = self.sessions.find_viewer(request.query.get("token"))
-        if found is None:
-            text = "expected the address that 'ur web --foxglove' has printed; it ends with the server\n"
-            raise web.HTTPForbidden(text=text)
-        origin = request.headers.get("Origin")
-        if not allows_viewer(request.headers.get("Host"), origin, self._viewer_origins):
-            self._log(f"{request.remote}: viewer refused: origin {origin}")
-            raise web.HTTPForbidden(text="this origin is not allowed, see --foxglove-origin of 'ur web'\n")
-        request[SESSION] = found
-
 
 def demand_drive(request: web.Request) -> None:
     """Refuse a request of a session without the right to drive. Raises HTTPForbidden."""
@@ -219,18 +218,6 @@ async def read_body(request: web.Request, kind: type[Body]) -> Body:
         return read_json(await request.read(), kind)
     except BadJsonError as problem:
         raise web.HTTPBadRequest(text=f"{problem}\n") from None
-
-
-def _is_embedded(request: web.Request) -> bool:
-    """Return whether a page of another origin caused the browser's request, other than by a link to this page."""
-    site, mode = request.headers.get("Sec-Fetch-Site", "none"), request.headers.get("Sec-Fetch-Mode", "")
-    return site not in ("none", "same-origin") and mode != "navigate"
-
-
-def _own_address(request: web.Request) -> str:
-    """Return the address of this computer to which the request was sent."""
-    name = request.transport.get_extra_info("sockname") if request.transport else None
-    return str(name[0]) if name else ""
 
 
 def name_device(user_agent: str | None) -> str:

@@ -17,7 +17,7 @@ def check_both(pair: ComputerPair) -> Iterator[Finding]:
     local, remote = pair.local, pair.remote
     if not (local.ros2.present and remote.ros2.present and pair.selected):
         return
-    mine, theirs = _local(local), remote.ros2.variables
+    mine, theirs = (local.ros2.called or local.ros2.shell), remote.ros2.variables
     yield from _check_releases(local, remote)
     if (own := domain_of(mine)) != (other := domain_of(theirs)):
         message = f"ROS_DOMAIN_ID in this shell is {own}, and {other} for the nodes of {remote.name}"
@@ -31,10 +31,6 @@ def check_both(pair: ComputerPair) -> Iterator[Finding]:
         return  # the following checks concern a single middleware
     yield from _check_servers(pair, mine, theirs)
     yield from _check_range(pair, mine, theirs)
-
-
-def _local(side: Side) -> Mapping[str, str]:
-    return side.ros2.called or side.ros2.shell
 
 
 def _check_releases(local: Side, remote: Side) -> Iterator[Finding]:
