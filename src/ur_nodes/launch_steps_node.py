@@ -55,7 +55,14 @@ class LaunchSteps:
         elif not result.success:
             self._node.end(f"{step.about}: {result.text}", failed=True)
         elif step.until is not None:
-            self._await(step.until, answer)
+            found = answer.get("current_state")
+            state = found.get("label") if isinstance(found, Mapping) else None
+            self._first = self._first or state
+            if state == step.until or (not step.until and state != self._first):
+                self._steps.pop(0)
+                self._call()
+            else:
+                self._node.after(_AGAIN, self._call, steady=True)
         elif answer.get("success") is False:
             reason = answer.get("error_message") or "it is refused"
             self._node.end(f"{step.about} by {step.service}: {reason}", failed=True)
@@ -64,16 +71,6 @@ class LaunchSteps:
             self._first = None
             self._steps.pop(0)
             self._call()
-
-    def _await(self, wanted: str, answer: Mapping[str, object]) -> None:
-        found = answer.get("current_state")
-        state = found.get("label") if isinstance(found, Mapping) else None
-        self._first = self._first or state
-        if state == wanted or (not wanted and state != self._first):
-            self._steps.pop(0)
-            self._call()
-        else:
-            self._node.after(_AGAIN, self._call, steady=True)
 
 
 if __name__ == "__main__":

@@ -175,24 +175,21 @@ class Loop:
 
     def _run(self) -> None:
         try:
-            self._work()
+            while not self._ended:
+                for beats in self._all_beats:
+                    if (beat := beats.pop()) is not None:
+                        beat()
+                wait = self._wait()
+                try:
+                    call = self._calls.get(timeout=wait) if wait > 0.0 else self._calls.get_nowait()
+                except queue.Empty:
+                    continue
+                call()
         except BaseException:
             try:
                 threading.excepthook(threading.ExceptHookArgs((*sys.exc_info(), threading.current_thread())))
             finally:
                 self._on_failure()  # after it is known why, also where the reason cannot be written
-
-    def _work(self) -> None:
-        while not self._ended:
-            for beats in self._all_beats:
-                if (beat := beats.pop()) is not None:
-                    beat()
-            wait = self._wait()
-            try:
-                call = self._calls.get(timeout=wait) if wait > 0.0 else self._calls.get_nowait()
-            except queue.Empty:
-                continue
-            call()
 
     def _wait(self) -> float:
         """The longest time (s) to wait for a call."""

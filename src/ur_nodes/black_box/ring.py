@@ -58,7 +58,11 @@ class Ring:
             raise ValueError("no room")
         place = self._head
         for part in (_LENGTH.pack(length), *parts):
-            self._write(place, part)
+            start = _DATA + place % self.size
+            first = min(len(part), len(self._block) - start)
+            self._block[start : start + first] = part[:first]
+            if first < len(part):
+                self._block[_DATA : _DATA + len(part) - first] = part[first:]
             place += len(part)
         self._head = place
         self._set(_HEAD, place)
@@ -88,13 +92,6 @@ class Ring:
     def _length(self, offset: int) -> int:
         length: int = _LENGTH.unpack(self._read(offset, _LENGTH.size))[0]
         return length
-
-    def _write(self, offset: int, part: bytes) -> None:
-        start = _DATA + offset % self.size
-        first = min(len(part), len(self._block) - start)
-        self._block[start : start + first] = part[:first]
-        if first < len(part):
-            self._block[_DATA : _DATA + len(part) - first] = part[first:]
 
     def _read(self, offset: int, length: int) -> bytes:
         start = _DATA + offset % self.size

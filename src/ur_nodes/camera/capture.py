@@ -46,7 +46,19 @@ class V4l2Camera:
             self._format = _set_format(device, path, name, settings)
             rate = _set_rate(device, settings.rate)
             missing, self._mirror, self._flip = apply_settings(device, settings)
-            self._buffers = _map_buffers(device)
+            request = abi.BufferRequest(count=BUFFERS, type=abi.CAPTURE, memory=abi.MMAP)
+            device.ioctl(abi.REQBUFS, request)
+            views = []
+            for index in range(request.count):
+                buffer = abi.Buffer(index=index, type=abi.CAPTURE, memory=abi.MMAP)
+                device.ioctl(abi.QUERYBUF, buffer)
+                if not 0 < buffer.length <= _LARGEST:
+                    raise OSError(errno.EIO, "a buffer of an impossible length")
+                views.append(device.map(buffer.length, buffer.m.offset))
+                device.ioctl(abi.QBUF, abi.Buffer(index=index, type=abi.CAPTURE, memory=abi.MMAP))
+            if not views:
+                raise OSError(errno.ENOMEM, "no buffers")
+            self._buffers = views
             device.ioctl(abi.STREAMON, abi.Integer(abi.CAPTURE))
         except BaseException:
             self.close()
@@ -210,19 +222,3 @@ def _set_rate(device: DeviceFile, rate: float) -> float:
         raise
     reported = capture.capability & abi.PARM_TIMEPERFRAME and capture.numerator
     return capture.denominator / capture.numerator if reported else 0.0
-
-
-def _map_buffers(device: DeviceFile) -> list[memoryview]:
-    request = abi.BufferRequest(count=BUFFERS, type=abi.CAPTURE, memory=abi.MMAP)
-    device.ioctl(abi.REQBUFS, request)
-    views = []
-    for index in range(request.count):
-        buffer = abi.Buffer(index=index, type=abi.CAPTURE, memory=abi.MMAP)
-        device.ioctl(abi.QUERYBUF, buffer)
-        if not 0 < buffer.length <= _LARGEST:
-            raise OSError(errno.EIO, "a buffer of an impossible length")
-        views.append(device.map(buffer.length, buffer.m.offset))
-        device.ioctl(abi.QBUF, abi.Buffer(index=index, type=abi.CAPTURE, memory=abi.MMAP))
-    if not views:
-        raise OSError(errno.ENOMEM, "no buffers")
-    return views

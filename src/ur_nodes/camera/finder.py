@@ -46,7 +46,13 @@ def choose_camera(snapshot: DeviceSnapshot, wanted: str, number: int, *, raspber
     if wanted == LIBCAMERA or (not wanted and ribbon):
         return CameraChoice("", number, ribbon[0] if ribbon else None)
     if wanted.startswith("/"):
-        return _choose_path(snapshot, cameras, wanted)
+        for device in cameras:
+            if wanted in (device.path, *device.links):
+                return CameraChoice("" if _is_ribbon(device) else device.path, 0, device)
+        other = next((each for each in snapshot.devices if wanted in (each.path, *each.links)), None)
+        if other:
+            raise CameraError(f"{wanted} is no camera but {describe_device(other)}", _list_names(cameras), waits=False)
+        return CameraChoice(wanted)
     fitting = [each for each in own if not wanted or wanted.casefold() in _names(each)]
     if number < len(fitting):
         return CameraChoice(fitting[number].path, number, fitting[number])
@@ -82,16 +88,6 @@ def describe_choice(choice: CameraChoice) -> str:
     number = f", number {choice.device.serial}" if choice.device.serial else ""
     usb = f", USB {choice.device.usb}{number}" if choice.device.usb else ""
     return f"{describe_device(choice.device)} ({choice.path or 'libcamera'}{usb})"
-
-
-def _choose_path(snapshot: DeviceSnapshot, cameras: Sequence[Device], wanted: str) -> CameraChoice:
-    for device in cameras:
-        if wanted in (device.path, *device.links):
-            return CameraChoice("" if _is_ribbon(device) else device.path, 0, device)
-    other = next((each for each in snapshot.devices if wanted in (each.path, *each.links)), None)
-    if other:
-        raise CameraError(f"{wanted} is no camera but {describe_device(other)}", _list_names(cameras), waits=False)
-    return CameraChoice(wanted)
 
 
 def _is_ribbon(device: Device) -> bool:
@@ -214,7 +210,15 @@ class CameraFinder:
             raise explain_failure(self._snapshot, choice.path, problem) from None
 
     def _inspect(self) -> None:
-        now, files = self._system.clock(), _list_files(self._system.devices)
+        # List the device files of cameras, with attributes that show a new device or changed permissions
+        found = []
+        for path in sorted(self._system.devices.glob("video*")):
+            try:
+                state = path.stat()
+            except OSError:
+                continue
+            found.append((path.name, state.st_ino, state.st_ctime_ns))
+        now, files = self._system.clock(), found
         if self._inspected and self._inspected[1] == files and now - self._inspected[0] < _INSPECT_EVERY:
             return
         self._snapshot = self._system.inspect()
@@ -225,15 +229,3 @@ def _is_same(device: Device, own: Device) -> bool:
     if (device.usb, device.serial) != (own.usb, own.serial):
         return False
     return bool(own.serial) or device.port == own.port
-
-
-def _list_files(folder: Path) -> Sequence[tuple[str, int, int]]:
-    """List the device files of cameras, with attributes that show a new device or changed permissions."""
-    found = []
-    for path in sorted(folder.glob("video*")):
-        try:
-            state = path.stat()
-        except OSError:
-            continue
-        found.append((path.name, state.st_ino, state.st_ctime_ns))
-    return found

@@ -55,7 +55,20 @@ class LibcameraCamera:
         self._output = self._process.stdout.fileno()
         self._data = b""
         try:
-            found = self._read_greeting()
+            end = time.monotonic() + _START_SECONDS
+            while b"\n" not in self._data:
+                if not self._fill(max(0.0, end - time.monotonic())):
+                    raise CameraError(f"libcamera did not start the camera within {_START_SECONDS:.0f} s")
+            line, _, self._data = self._data.partition(b"\n")
+            try:
+                reported = read_json(line, Greeting)
+            except BadJsonError:
+                raise CameraError("libcamera's process answered nonsense", "start it anew") from None
+            if reported.error:
+                raise CameraError(printable(reported.error), printable(reported.help))
+            if not reported.width or not reported.height:
+                raise CameraError("libcamera's process answered nonsense", "start it anew")
+            found = reported
         except CameraError:
             self.close()
             raise
@@ -85,22 +98,6 @@ class LibcameraCamera:
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
-
-    def _read_greeting(self) -> Greeting:
-        end = time.monotonic() + _START_SECONDS
-        while b"\n" not in self._data:
-            if not self._fill(max(0.0, end - time.monotonic())):
-                raise CameraError(f"libcamera did not start the camera within {_START_SECONDS:.0f} s")
-        line, _, self._data = self._data.partition(b"\n")
-        try:
-            reported = read_json(line, Greeting)
-        except BadJsonError:
-            raise CameraError("libcamera's process answered nonsense", "start it anew") from None
-        if reported.error:
-            raise CameraError(printable(reported.error), printable(reported.help))
-        if not reported.width or not reported.height:
-            raise CameraError("libcamera's process answered nonsense", "start it anew")
-        return reported
 
     def _fill(self, seconds: float) -> bool:
         """Read more data; False if none arrived within that time. Raises CameraError when the process has ended."""

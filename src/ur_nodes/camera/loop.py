@@ -79,16 +79,13 @@ class CameraLoop(Generic[Shot]):
 
     def _on_opened(self, opened: PictureSource | CameraError) -> None:
         if not isinstance(opened, CameraError):
-            self._use(opened)
+            self._source, self._last = opened, self._node.steady()
+            self._consumer.begin(opened.mode)
+            self._read(opened)
             return
         self._report(opened)
         self._release()
         self._timer = self._node.after(_TRY_EVERY, self._try, steady=True)
-
-    def _use(self, source: PictureSource) -> None:
-        self._source, self._last = source, self._node.steady()
-        self._consumer.begin(source.mode)
-        self._read(source)
 
     def _read(self, source: PictureSource) -> None:
         if self._paused:

@@ -139,6 +139,17 @@ class NavigationTopics:
         """Return the newest state, without mux, lease and silence."""
         seen, goal, pose = self._seen, self.goal(), self.robot.pose()
         speed, _, turn = self.robot.velocity()
+        # List what a goal needs and is missing
+        names = self._names
+        missing = []
+        if self._seen.grid is None:
+            missing.append(f"the map (topic {self._node.resolve('map')})")
+        if pose is None:
+            missing.append(f"the robot's pose (tf {names.map_frame} -> {names.base_frame})")
+        elif self.robot.silent:
+            missing.append(f"an update of the robot's pose (tf {names.map_frame} -> {names.base_frame} is silent)")
+        if not self._goals.servers() or self.status_age() > _STATUS_SILENT:
+            missing.append(f"navigation (action {self._node.resolve('move_base')})")
         return replace(
             seen,
             pose=pose,
@@ -147,7 +158,7 @@ class NavigationTopics:
             path=None if goal.over else seen.path,
             speed=speed,
             turn=turn,
-            missing=self._missing(pose),
+            missing=tuple(missing),
         )
 
     def goal(self) -> GoalReport:
@@ -188,20 +199,6 @@ class NavigationTopics:
 
     def on_goal_end(self, state: GoalState) -> None:
         self._tracker = track_result(self._tracker, state, self._node.steady())
-
-    def _missing(self, pose: Pose2 | None) -> tuple[str, ...]:
-        """List what a goal needs and is missing."""
-        names = self._names
-        missing = []
-        if self._seen.grid is None:
-            missing.append(f"the map (topic {self._node.resolve('map')})")
-        if pose is None:
-            missing.append(f"the robot's pose (tf {names.map_frame} -> {names.base_frame})")
-        elif self.robot.silent:
-            missing.append(f"an update of the robot's pose (tf {names.map_frame} -> {names.base_frame} is silent)")
-        if not self._goals.servers() or self.status_age() > _STATUS_SILENT:
-            missing.append(f"navigation (action {self._node.resolve('move_base')})")
-        return tuple(missing)
 
     def _on_map(self, value: Map) -> None:
         self._seen = replace(self._seen, grid=value.grid)

@@ -68,13 +68,8 @@ def pose3_of_transform(transform: Transform) -> Pose3:
 def transform_message(pose: Pose2 | Pose3) -> Transform:
     """A geometry_msgs/Transform, on the ground or in space."""
     message = Transform()
-    fill_transform(message, pose)
-    return message
-
-
-def fill_transform(message: Transform, pose: Pose2 | Pose3) -> None:
-    """Make a geometry_msgs/Transform that of a pose, without new objects."""
     _fill(message.translation, message.rotation, pose)
+    return message
 
 
 def _fill(place: Point | Vector3, turn: Quaternion, pose: Pose2 | Pose3) -> None:

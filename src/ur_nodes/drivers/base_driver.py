@@ -160,7 +160,8 @@ class BaseDriver:
         if not self._open:
             return
         if now - max(self._answered, self._handshaken) > _ASK_AGAIN:
-            self._report_silence()
+            expected = f"no answer of {self._board.name}; is it switched on, and is this its device (ur devices)?"
+            self._node.log.warn(f"{self._line.name}: {expected}", every=REPORT)
             self._handshake(now)
         speeds = self._drive.update(now)
         reason = self._obstacle(now)
@@ -203,10 +204,6 @@ class BaseDriver:
         self._health.note(open=False, reason=reason)
         self._node.log.error(describe_loss(self._line, reason, self._board.name))
 
-    def _report_silence(self) -> None:
-        expected = f"no answer of {self._board.name}; is it switched on, and is this its device (ur devices)?"
-        self._node.log.warn(f"{self._line.name}: {expected}", every=REPORT)
-
     def _received(self, data: bytes, stamp: int) -> None:
         late = (self._node.now() - stamp) / SECOND
         frames = 0
@@ -218,7 +215,16 @@ class BaseDriver:
 
     def _take(self, reading: Reading, stamp: int, time: float) -> None:
         if isinstance(reading, Counts):
-            self._on_counts(reading, stamp, time)
+            first = not self._odometer.begun
+            motion = self._odometer.update(reading, time)
+            if motion is not None:
+                self._bad_counts = max(0, self._bad_counts - 1)
+                self._topics.send_motion(motion, stamp)
+            elif not first:
+                self._bad_counts = min(_WORST, self._bad_counts + _BAD)
+                text = "wheel counts jumped, and are left out; a reset of the board, or noise on its line?"
+                self._node.log.warn(f"{self._line.name}: {text}", every=REPORT)
+            self._counted = time
         elif isinstance(reading, Power):
             self._topics.battery = reading
             self._health.note(voltage=_amount(reading.voltage), empty=reading.voltage < self._empty)
@@ -229,32 +235,17 @@ class BaseDriver:
         elif isinstance(reading, SonarEcho):
             self._topics.send_echo(reading, stamp)
         elif isinstance(reading, Motors):
-            self._on_motors(reading)
+            reason = "" if reading.ready else reading.reason
+            if reason and reason != self._problem:
+                self._drive.halt()
+                self._node.log.warn(f"{self._line.name}: {self._board.name} does not drive: {reason}")
+            elif self._problem and not reason:
+                self._node.log.info(f"{self._line.name}: {self._board.name} drives again")
+            self._problem = reason
+            self._health.note(held=reason)
         elif isinstance(reading, DeviceIdentity):
             self._on_identity(reading)
         self._answered = time
-
-    def _on_counts(self, counts: Counts, stamp: int, time: float) -> None:
-        first = not self._odometer.begun
-        motion = self._odometer.update(counts, time)
-        if motion is not None:
-            self._bad_counts = max(0, self._bad_counts - 1)
-            self._topics.send_motion(motion, stamp)
-        elif not first:
-            self._bad_counts = min(_WORST, self._bad_counts + _BAD)
-            text = "wheel counts jumped, and are left out; a reset of the board, or noise on its line?"
-            self._node.log.warn(f"{self._line.name}: {text}", every=REPORT)
-        self._counted = time
-
-    def _on_motors(self, motors: Motors) -> None:
-        reason = "" if motors.ready else motors.reason
-        if reason and reason != self._problem:
-            self._drive.halt()
-            self._node.log.warn(f"{self._line.name}: {self._board.name} does not drive: {reason}")
-        elif self._problem and not reason:
-            self._node.log.info(f"{self._line.name}: {self._board.name} drives again")
-        self._problem = reason
-        self._health.note(held=reason)
 
     def _on_identity(self, identity: DeviceIdentity) -> None:
         if identity.problem:

@@ -3,7 +3,7 @@
 import sys
 from dataclasses import replace
 
-from ur.robot.base import Base, Bumpers, Lidar, load_base
+from ur.robot.base import Base, Lidar, load_base
 from ur.source.diagnostic import UserError, error
 from ur.source.project import launch_library
 from ur_nodes.drivers.base_states import WHEEL_JOINTS, BumperStates, WheelStates
@@ -79,20 +79,16 @@ def start(node: Node) -> None:
         adapt_scan(node, base.lidar)
     kind = own.text("bumper_messages", "")
     if kind and base.bumpers:
-        _adapt_bumpers(node, base.bumpers, kind)
-
-
-def _adapt_bumpers(node: Node, bumpers: Bumpers, kind: str) -> None:
-    known = [bumper.name for bumper in bumpers.at]
-    names = read_names(node.parameters, known)
-    try:
-        adapt_bumpers(node, bumpers.topic, names, known, kind)
-    except LookupError:
-        expected = "a type of message as package/Name of an installed package"
-        node.parameters.fail("bumper_messages", kind, expected)
-    except ValueError:
-        text = f"messages {kind} have no name and value, expected those of bumpers"
-        raise UserError(error(text, rule="bad-parameter")) from None
+        known = [bumper.name for bumper in base.bumpers.at]
+        names = read_names(node.parameters, known)
+        try:
+            adapt_bumpers(node, base.bumpers.topic, names, known, kind)
+        except LookupError:
+            expected = "a type of message as package/Name of an installed package"
+            node.parameters.fail("bumper_messages", kind, expected)
+        except ValueError:
+            text = f"messages {kind} have no name and value, expected those of bumpers"
+            raise UserError(error(text, rule="bad-parameter")) from None
 
 
 def read_names(own: Parameters, known: list[str]) -> dict[str, str]:

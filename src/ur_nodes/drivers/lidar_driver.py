@@ -75,20 +75,17 @@ class LidarDriver:
                 for scan in self._sweep.add(reading, stamp):
                     self._scans.send(scan)
             elif isinstance(reading, DeviceIdentity):
-                self._on_identity(reading)
+                if reading.problem:
+                    self._health.note(problem=reading.problem)
+                    self._node.log.error(f"{self._line.name}: {self._protocol.name}: {reading.problem}", every=REPORT)
+                elif reading.text != self._known:
+                    self._known = reading.text
+                    self._health.note(firmware=reading.text)
+                    self._node.log.info(f"{self._line.name}: {self._protocol.name}: {reading.text}")
             elif isinstance(reading, Reply):
                 self._line.write(reading.data)
         self._health.count(frames, self._protocol.rejected - self._rejected)
         self._rejected = self._protocol.rejected
-
-    def _on_identity(self, identity: DeviceIdentity) -> None:
-        if identity.problem:
-            self._health.note(problem=identity.problem)
-            self._node.log.error(f"{self._line.name}: {self._protocol.name}: {identity.problem}", every=REPORT)
-        elif identity.text != self._known:
-            self._known = identity.text
-            self._health.note(firmware=identity.text)
-            self._node.log.info(f"{self._line.name}: {self._protocol.name}: {identity.text}")
 
     def _end(self) -> None:
         self._open = False

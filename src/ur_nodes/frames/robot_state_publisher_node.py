@@ -5,7 +5,7 @@ import sys
 from collections.abc import Mapping
 
 from ur.robot.description.parse import parse_urdf
-from ur.robot.description.pose import Pose, Vector
+from ur.robot.description.pose import Pose
 from ur.robot.description.urdf_parts import Description, Joint
 from ur_nodes.geometry.pose import Pose3
 from ur_nodes.ports.node import Node
@@ -36,16 +36,13 @@ def moving_frames(description: Description, positions: Mapping[str, float], stam
 
 
 def _move(joint: Joint, position: float) -> Pose3:
-    x, y, z = _unit(joint.axis)
+    axis = joint.axis
+    length = math.hypot(*axis)
+    x, y, z = (axis[0] / length, axis[1] / length, axis[2] / length) if length > 0.0 else (1.0, 0.0, 0.0)
     if joint.kind == _SLIDES:
         return Pose3(x * position, y * position, z * position, 0.0, 0.0, 0.0, 1.0)
     sine = math.sin(position / 2)
     return Pose3(0.0, 0.0, 0.0, x * sine, y * sine, z * sine, math.cos(position / 2))
-
-
-def _unit(axis: Vector) -> Vector:
-    length = math.hypot(*axis)
-    return (axis[0] / length, axis[1] / length, axis[2] / length) if length > 0.0 else (1.0, 0.0, 0.0)
 
 
 def _pose(pose: Pose) -> Pose3:

@@ -42,14 +42,8 @@ class Hull:
 
 def hull_of_outline(outline: Sequence[tuple[float, float]]) -> Hull:
     """Return the convex hull of an outline of three points or more that do not lie on a line."""
-    corners = np.array(_convex(sorted(set(outline))), dtype=np.float64)
-    edges = np.roll(corners, -1, axis=0) - corners
-    normals = np.column_stack((edges[:, 1], -edges[:, 0])) / np.hypot(*edges.T)[:, None]
-    return Hull(corners, normals, (normals * corners).sum(axis=1), float(np.hypot(*corners.T).max()))
-
-
-def _convex(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Corners of the convex hull of sorted points, counter-clockwise (Andrew's monotone chain)."""
+    # Corners of the convex hull of sorted points, counter-clockwise (Andrew's monotone chain)
+    points = sorted(set(outline))
     chains = []
     for ordered in (points, points[::-1]):
         chain: list[tuple[float, float]] = []
@@ -61,4 +55,7 @@ def _convex(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
                 chain.pop()
             chain.append((x, y))
         chains.append(chain[:-1])
-    return chains[0] + chains[1]
+    corners = np.array((chains[0] + chains[1]), dtype=np.float64)
+    edges = np.roll(corners, -1, axis=0) - corners
+    normals = np.column_stack((edges[:, 1], -edges[:, 0])) / np.hypot(*edges.T)[:, None]
+    return Hull(corners, normals, (normals * corners).sum(axis=1), float(np.hypot(*corners.T).max()))

@@ -109,15 +109,6 @@ class Amcl:
         estimate = self._localiser.update(odometry, points_of_scan(scan, mount, limits))
         if not estimate:
             return None
-        self._report_lost(estimate)
-        self._report_poses(self._localiser.poses, self._grid)
-        if self._localiser.lost:
-            return None
-        self.last = estimate
-        self.correction = estimate.pose.compose(odometry.inverse())
-        return estimate
-
-    def _report_lost(self, estimate: ClusterEstimate) -> None:
         assert self._localiser
         if self._localiser.lost and not self._lost:
             self._log.warn("lost: was the robot carried? The scan does not fit the map here; searching the whole map")
@@ -125,6 +116,12 @@ class Amcl:
             pose = estimate.pose
             self._log.info(f"found: at x {pose.x:.2f} m, y {pose.y:.2f} m, yaw {pose.yaw:.2f} rad")
         self._lost = self._localiser.lost
+        self._report_poses(self._localiser.poses, self._grid)
+        if self._localiser.lost:
+            return None
+        self.last = estimate
+        self.correction = estimate.pose.compose(odometry.inverse())
+        return estimate
 
     def _report_poses(self, poses: list[Pose2], grid: Grid) -> None:
         """Log when more than one place fits, with what would distinguish the best two, and when only one is left."""

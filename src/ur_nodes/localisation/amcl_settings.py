@@ -85,6 +85,9 @@ _INITIAL = (("xx", 0.25), ("yy", 0.25), ("aa", (math.pi / 12.0) ** 2))
 
 def _read_filter(p: Parameters) -> FilterSettings:
     minimum = p.integer("min_particles", 100, minimum=1)
+    kinds: tuple[OdometryKind, ...] = ("diff", "diff-corrected", "omni", "omni-corrected")
+    wanted = p.text("odom_model_type", "diff", choices=kinds)
+    alphas = [p.number(f"odom_alpha{number}", 0.2, minimum=0.0) for number in (1, 2, 3, 4, 5)]
     return FilterSettings(
         size=SampleSize(
             minimum=minimum,
@@ -92,7 +95,7 @@ def _read_filter(p: Parameters) -> FilterSettings:
             kld_err=p.number("kld_err", 0.01, minimum=1e-4, maximum=1.0),
             kld_z=p.number("kld_z", 0.99, minimum=0.0, maximum=10.0),
         ),
-        motion=_read_motion(p),
+        motion=MotionModel(next(kind for kind in kinds if kind == wanted), *alphas),
         max_beams=p.integer("laser_max_beams", 30, minimum=2, live="beams of a scan that are used"),
         update_min_d=p.number("update_min_d", 0.2, minimum=0.0, live="way between two updates, m"),
         update_min_a=p.number("update_min_a", math.pi / 6.0, minimum=0.0, live="turn between two updates, rad"),
@@ -103,13 +106,6 @@ def _read_filter(p: Parameters) -> FilterSettings:
         refine=p.boolean("refine", True, live="match the scan to the map"),
         notice_lost=p.boolean("notice_lost", True, live="search the whole map when scans no longer fit"),
     )
-
-
-def _read_motion(p: Parameters) -> MotionModel:
-    kinds: tuple[OdometryKind, ...] = ("diff", "diff-corrected", "omni", "omni-corrected")
-    wanted = p.text("odom_model_type", "diff", choices=kinds)
-    alphas = [p.number(f"odom_alpha{number}", 0.2, minimum=0.0) for number in (1, 2, 3, 4, 5)]
-    return MotionModel(next(kind for kind in kinds if kind == wanted), *alphas)
 
 
 def _frame(p: Parameters, name: str, default: str) -> str:

@@ -112,7 +112,11 @@ class LikelihoodField:
             exact[rows.start - top : rows.stop - top, columns.start - left : columns.stop - left] = signed[inner]
         distances = np.clip(exact, -model.max_distance, model.max_distance).astype(np.float32)
         self.distances[top:bottom, left:right] = distances
-        self.log_hits[top:bottom, left:right] = log_likelihoods(np.maximum(distances, 0.0), model)
+        # Return the log likelihood of beams that end so far (m) from a wall: 0 for a sure hit, bounded below by z_rand
+        hit = model.z_hit * np.exp(-0.5 * np.square(np.maximum(distances, 0.0) / model.sigma_hit))
+        floor = max(model.z_rand, 1e-6)
+        result: NDArray[np.float64] = np.log((hit + floor) / (model.z_hit + floor))
+        self.log_hits[top:bottom, left:right] = result
 
 
 def make_field(grid: Grid, model: BeamModel) -> LikelihoodField:
@@ -133,14 +137,6 @@ def signed_distances(walls: NDArray[np.bool_], resolution: float, reach: int = _
     inside = np.sqrt(squared_distances(~walls, reach).astype(np.float64))
     cells: NDArray[np.float64] = np.where(walls, 0.5 - inside, outside - 0.5)
     return cells * resolution
-
-
-def log_likelihoods(distances: NDArray[np.floating], model: BeamModel) -> NDArray[np.float64]:
-    """Return the log likelihood of beams that end so far (m) from a wall: 0 for a sure hit, bounded below by z_rand."""
-    hit = model.z_hit * np.exp(-0.5 * np.square(distances / model.sigma_hit))
-    floor = max(model.z_rand, 1e-6)
-    result: NDArray[np.float64] = np.log((hit + floor) / (model.z_hit + floor))
-    return result
 
 
 def score_poses(

@@ -199,15 +199,12 @@ class Host:
             if start.required and not self._over.is_set():
                 self._code = code
                 self._over.set()
-                self._interrupt()
+                # End the node that has the terminal
+                for each in self._plan.nodes:
+                    if each.terminal and (node := self._bus.nodes.get(each.name)):
+                        node.end("a required node has ended")
             if not start.respawn or self._over.wait(start.respawn_delay):
                 return
-
-    def _interrupt(self) -> None:
-        """End the node that has the terminal."""
-        for each in self._plan.nodes:
-            if each.terminal and (node := self._bus.nodes.get(each.name)):
-                node.end("a required node has ended")
 
     def _run_module(self, start: NodeStart, started: Callable[[], None]) -> int:
         """Run the module of a node on this thread. Returns its exit code."""

@@ -21,9 +21,8 @@ from ur.recordings.replays import (
 from ur.source.diagnostic import UserError, error_about
 from ur.source.foreign.json_values import write_json
 from ur_nodes.datagram_socket import DatagramSocket
-from ur_nodes.ports.node import Node, Publisher
+from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.raw import Fields
 from ur_nodes.ports.values import ClockTime
 
 _MOST_AT_ONCE = 2000  # messages of one step at most; the next step continues
@@ -132,7 +131,20 @@ class ReplayNode:
         left_out = _NOT_PLAYED | set(own.texts("left_out", ()))
         self._types = MessageTypes() if node.raw.encoding else None
         self._played: dict[RecordingTopic, RecordingTopic] = {}
-        self._publishers = self._publish(recording, left_out)
+        publishers = {}
+        kept = recording.kept_topics
+        missing: dict[str, None] = {}
+        for name, topic in recording.topics.items():
+            if name in left_out or not (bool(topic.type_name) and topic.encoding in ("ros1", "cdr")):
+                continue
+            quality = Quality.LATCHED if name in kept else Quality.EVERY
+            try:
+                publishers[name] = self._node.raw.publish(name, self._convert_topic(topic).type_name, quality)
+            except LookupError:
+                missing[topic.type_name] = None
+        if missing:
+            self._node.log.warn(f"not played, because their packages are not installed: {', '.join(missing)}")
+        self._publishers = publishers
         self._clock = node.publish("/clock", ClockTime, Quality.NEWEST) if node.facts.simulated_time else None
         self._player = Player(recording, self._publishers.keys(), node.steady() + _SETTLE, speed=speed)
         self._printed = 0.0
@@ -142,24 +154,6 @@ class ReplayNode:
         node.after(_SETTLE, lambda: self._jump(start), steady=True)
         node.every(_STEP, self._step, steady=True)
         node.on_end(open_control_socket(node, os.environ, self._control).close)
-
-    def _publish(
-        self, recording: RecordingFile, left_out: set[str] | frozenset[str]
-    ) -> dict[str, Publisher[Fields | bytes]]:
-        publishers = {}
-        kept = recording.kept_topics
-        missing: dict[str, None] = {}
-        for name, topic in recording.topics.items():
-            if name in left_out or not _can_be_sent(topic):
-                continue
-            quality = Quality.LATCHED if name in kept else Quality.EVERY
-            try:
-                publishers[name] = self._node.raw.publish(name, self._convert_topic(topic).type_name, quality)
-            except LookupError:
-                missing[topic.type_name] = None
-        if missing:
-            self._node.log.warn(f"not played, because their packages are not installed: {', '.join(missing)}")
-        return publishers
 
     def _on_goals(self, recording: RecordingFile) -> None:
         # Clients wait for who takes their goals; here nothing does.
@@ -230,10 +224,6 @@ class ReplayNode:
             self._jump(max(0.0, player.state.position + command.value * (1 if command.name == "ahead" else -1)))
         self._print(describe_state(player.state))
         return player.state
-
-
-def _can_be_sent(topic: RecordingTopic) -> bool:
-    return bool(topic.type_name) and topic.encoding in ("ros1", "cdr")
 
 
 def open_control_socket(

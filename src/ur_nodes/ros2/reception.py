@@ -85,23 +85,20 @@ class Reception(CallbackGroup):
     def _receive(self) -> None:
         while not self._closed:
             with ExitStack() as held:
-                self._receive_from(self._hold(held), held)
+                # Keep the subscriptions alive; returns the live ones by their addresses
+                with self._released:
+                    self._changed, self._held = False, self._subscriptions
+                found = {}
+                for each in self._held:
+                    try:
+                        held.enter_context(each.handle)
+                    except rclpy_implementation.InvalidHandle:
+                        continue
+                    found[each.handle.pointer] = each
+                self._receive_from(found, held)
             with self._released:
                 self._held = ()
                 self._released.notify_all()
-
-    def _hold(self, held: ExitStack) -> dict[int, Subscription]:
-        """Keep the subscriptions alive; returns the live ones by their addresses."""
-        with self._released:
-            self._changed, self._held = False, self._subscriptions
-        found = {}
-        for each in self._held:
-            try:
-                held.enter_context(each.handle)
-            except rclpy_implementation.InvalidHandle:
-                continue
-            found[each.handle.pointer] = each
-        return found
 
     def _receive_from(self, subscriptions: dict[int, Subscription], held: ExitStack) -> None:
         """Receive until the subscriptions change."""

@@ -95,7 +95,9 @@ def wait_until_settled(node: Node) -> None:
         seen, participants, named = look_at(node)
         if seen != known:
             known, since, turns = seen, now, 0
-        if participants < count_participants(read_udp_ports(), node.context.get_domain_id()):
+        ports = read_udp_ports()
+        first = 7410 + 250 * node.context.get_domain_id()
+        if participants < sum(port in ports for port in range(first, first + 240, 2)):
             missing = now
         elif (named and turns >= _TURNS and now - since >= SETTLE[0]) or now - missing >= SETTLE[1]:
             return
@@ -116,12 +118,6 @@ def look_at(node: Node) -> tuple[object, int, bool]:
     participants = {bytes(end.endpoint_gid)[:_PARTICIPANT] for end in ends}
     named = all(end.node_name != _UNNAMED for end in ends)
     return (nodes, len(topics), len(ends)), len(participants), named
-
-
-def count_participants(ports: set[int], domain: int) -> int:
-    """Count the participants of a domain on this computer: DDS gives each the next even port after 7410."""
-    first = 7410 + 250 * domain
-    return sum(port in ports for port in range(first, first + 240, 2))
 
 
 def read_udp_ports() -> set[int]:

@@ -162,7 +162,12 @@ class ScanMapper:
         `heading` (rad, from an arbitrary origin) replaces that of the odometry if two successive scans have one.
         """
         if not self.scans:
-            return self._begin(scan, odometry, heading)
+            self._graph.add_pose(_ORIGIN)
+            self.scans.append(scan)
+            self._leg = _Leg(odometry=odometry)
+            self._predictor.add(odometry, heading)
+            self._changed = True
+            return self._remember(MapEstimate(_ORIGIN, LEAST_NOISE, 1.0, located=True))
         assert self._estimate is not None
         predicted = self._predictor.predict(odometry, heading)
         if predicted.still:
@@ -195,14 +200,6 @@ class ScanMapper:
                 wheels=predicted.wheels,
             )
         )
-
-    def _begin(self, scan: MapScan, odometry: Pose2 | None, heading: float | None) -> MapEstimate:
-        self._graph.add_pose(_ORIGIN)
-        self.scans.append(scan)
-        self._leg = _Leg(odometry=odometry)
-        self._predictor.add(odometry, heading)
-        self._changed = True
-        return self._remember(MapEstimate(_ORIGIN, LEAST_NOISE, 1.0, located=True))
 
     def _pose(self) -> Pose2:
         return self._graph.poses[self._leg.reference].compose(self._relative)

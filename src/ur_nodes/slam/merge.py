@@ -1,7 +1,6 @@
 """Merge two maps: find scans of one on the other, join the pose graphs, and refuse maps that do not fit together."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -69,27 +68,23 @@ def merge_maps(first: MapState, second: MapState) -> Merged | NotMerged:
 def _find_place(first: MapState, second: MapState) -> Hypothesis | NotMerged:
     """Search for scans of the second map, in an order that covers it early, until they agree on one place."""
     whole, hypotheses = WholeMap(first.poses, first.scans), Hypotheses(on_map=False)
-    for number in _spread_out(second.poses, _TRIALS):
+    # Choose keyframes, each as far from the earlier ones as possible
+    places = np.array([pose[:2] for pose in second.poses])
+    chosen = [0]
+    gaps = np.hypot(*(places - places[0]).T)
+    while len(chosen) < min(_TRIALS, len(second.poses)):
+        farthest = int(np.argmax(gaps))
+        if gaps[farthest] == 0.0:
+            break
+        chosen.append(farthest)
+        gaps = np.minimum(gaps, np.hypot(*(places - places[farthest]).T))
+    for number in chosen:
         hypotheses.add(number, second.poses[number], whole.find(second.scans[number]))
         winner = hypotheses.winner()
         if winner:
             return winner
     rivals = tuple(each.pose for each in hypotheses.rivals() if len(each.fits) > 1)
     return NotMerged("several-places", rivals) if len(rivals) > 1 else NotMerged("no-overlap")
-
-
-def _spread_out(poses: Sequence[Pose2], most: int) -> list[int]:
-    """Choose keyframes, each as far from the earlier ones as possible."""
-    places = np.array([pose[:2] for pose in poses])
-    chosen = [0]
-    gaps = np.hypot(*(places - places[0]).T)
-    while len(chosen) < min(most, len(poses)):
-        farthest = int(np.argmax(gaps))
-        if gaps[farthest] == 0.0:
-            break
-        chosen.append(farthest)
-        gaps = np.minimum(gaps, np.hypot(*(places - places[farthest]).T))
-    return chosen
 
 
 class _Merger:

@@ -59,19 +59,13 @@ class MountWatch:
         self.forget()
         if math.dist(wheels[:2], scans[:2]) > _SLIPPED:
             return None
-        self._learn(wheels, scans)
-        return self._judge(described)
-
-    def _learn(self, wheels: Pose2, scans: Pose2) -> None:
-        """Add two equations for a scale and a rotation (as two numbers) of the motion, and a shift of the frame."""
+        # Add two equations for a scale and a rotation (as two numbers) of the motion, and a shift of the frame
         c, s = math.cos(scans.yaw), math.sin(scans.yaw)
         rows = np.array(((wheels.x, -wheels.y, 1.0 - c, s), (wheels.y, wheels.x, -s, 1.0 - c)))
         self._information += rows.T @ rows
         self._sums += rows.T @ scans[:2]
         self._squares += scans.x**2 + scans.y**2
         self._count += 1
-
-    def _judge(self, described: Pose2) -> MountError | None:
         if self._count < _FEWEST:
             return None
         covariance = np.linalg.inv(self._information)

@@ -34,20 +34,16 @@ def wall_points(scan: MapScan, depth: float) -> Floats:
     nearest = np.arange(len(hits)) // -(-len(hits) // len(scan.facing))
     facing = scan.facing[nearest].astype(np.float64)
     normals = np.column_stack((np.cos(facing), np.sin(facing)))
-    shift = np.where(scan.flat[nearest], _offsets(hits, normals) - depth, 0.0)
-    moved: Floats = hits + normals * shift[:, None]
-    return moved
-
-
-def _offsets(hits: Floats, normals: Floats) -> NDArray[np.float64]:
-    """The mean distance (n) of each hit's neighbours from it, along its normal."""
+    # The mean distance (n) of each hit's neighbours from it, along its normal
     places = np.arange(len(hits))[:, None] + np.arange(-_WINDOW, _WINDOW + 1)
     inside = (places >= 0) & (places < len(hits))
     delta = hits[np.clip(places, 0, len(hits) - 1)] - hits[:, None]
     along = (delta * normals[:, None]).sum(axis=2)
     counted = inside & (np.square(delta).sum(axis=2) <= _REACH * _REACH) & (np.abs(along) <= _STEP)
     offsets: NDArray[np.float64] = (along * counted).sum(axis=1) / counted.sum(axis=1)
-    return offsets
+    shift = np.where(scan.flat[nearest], offsets - depth, 0.0)
+    moved: Floats = hits + normals * shift[:, None]
+    return moved
 
 
 _MARGIN = 1.0  # m that the map grows beyond what was seen

@@ -103,14 +103,20 @@ class WholeMap:
         return self._verify(scan, scan.surface.sample(_POINTS), guess)
 
     def _verify(self, scan: MapScan, points: Floats, guess: Pose2) -> PlaceVerdict:
-        members = self._members(guess)
+        # Choose keyframes near a pose of which no two show the same, the nearest first
+        gaps = np.hypot(self._places[:, 0] - guess.x, self._places[:, 1] - guess.y)
+        nearest = np.argsort(gaps)
+        members = select_views(self._places, nearest[gaps[nearest] <= _ROUND].tolist(), _MEMBERS)
         if not members:
             return _UNCLEAR
         target = LocalMap([(self._poses[number], self._scans[number].surface) for number in members])
         found = search(target.pyramid, points, guess, _FINE, _LEAST_SCORE)
         match = match_surface(target, scan.surface, found.pose if found else guess)
         through = contradiction(target.surface, scan, match.pose)
-        against = through + self._looked_through(scan, match.pose, members)
+        # The share of a scan's points at a pose that keyframes in sight of them look through, in the mean of these
+        placed = scan.surface.moved(match.pose)
+        shares = [contradiction(placed, self._scans[number], self._poses[number]) for number in members]
+        against = through + float(np.mean(shares))
         uncertain = position_deviation(match.covariance) > _CERTAIN
         if found is None or uncertain or match.agreement < _FITS[0] or through > _FITS[1]:
             return PlaceVerdict(None, match.agreement < _REFUTED[0] and through > _REFUTED[1], against)
@@ -125,18 +131,6 @@ class WholeMap:
             against=against,
         )
         return PlaceVerdict(fit, refuted=False, against=against)
-
-    def _looked_through(self, scan: MapScan, pose: Pose2, members: Sequence[int]) -> float:
-        """The share of a scan's points at a pose that keyframes in sight of them look through, in the mean of these."""
-        placed = scan.surface.moved(pose)
-        shares = [contradiction(placed, self._scans[number], self._poses[number]) for number in members]
-        return float(np.mean(shares))
-
-    def _members(self, here: Pose2) -> list[int]:
-        """Choose keyframes near a pose of which no two show the same, the nearest first."""
-        gaps = np.hypot(self._places[:, 0] - here.x, self._places[:, 1] - here.y)
-        nearest = np.argsort(gaps)
-        return select_views(self._places, nearest[gaps[nearest] <= _ROUND].tolist(), _MEMBERS)
 
 
 def is_same_place(one: Pose2, other: Pose2) -> bool:

@@ -82,9 +82,21 @@ def parse_map(file: SourceFile) -> tuple[MapEntry, ...]:
         offset += len(line)
         try:
             if words and words[0] == "#covariance":
-                covariances[_whole(words[1])] = _symmetric([_number(word) for word in words[2:]])
+                upper = [_number(word) for word in words[2:]]
+                if len(upper) != len(_UPPER[0]):
+                    raise ValueError(f"a covariance of {len(upper)} values, not of {len(_UPPER[0])}")
+                matrix = np.zeros((6, 6))
+                matrix[_UPPER] = upper
+                made: Floats = matrix + matrix.T - np.diag(np.diag(matrix))
+                covariances[_whole(words[1])] = made
             elif words and not words[0].startswith("#"):
-                entry = _parse_entry(words)
+                if len(words) < 9:
+                    raise ValueError(f"{len(words)} values in a line")
+                x, y, z, roll, pitch, yaw, variance = map(_number, words[1:8])
+                angles = (math.radians(roll), math.radians(pitch), math.radians(yaw))
+                covariance = np.diag([_TURN_VARIANCE] * 3 + [max(variance, 1e-6)] * 3)
+                links = tuple(map(_whole, words[9:]))
+                entry = MapEntry(_whole(words[0]), from_angles((x, y, z), angles), covariance, _whole(words[8]), links)
                 if entry.id in entries:
                     raise ValueError(f"fiducial {entry.id} is given twice")
                 entries[entry.id] = entry
@@ -94,16 +106,6 @@ def parse_map(file: SourceFile) -> tuple[MapEntry, ...]:
     return tuple(
         MapEntry(e.id, e.pose, covariances.get(e.id, e.covariance), e.observations, e.links) for e in entries.values()
     )
-
-
-def _parse_entry(words: list[str]) -> MapEntry:
-    if len(words) < 9:
-        raise ValueError(f"{len(words)} values in a line")
-    x, y, z, roll, pitch, yaw, variance = map(_number, words[1:8])
-    angles = (math.radians(roll), math.radians(pitch), math.radians(yaw))
-    covariance = np.diag([_TURN_VARIANCE] * 3 + [max(variance, 1e-6)] * 3)
-    links = tuple(map(_whole, words[9:]))
-    return MapEntry(_whole(words[0]), from_angles((x, y, z), angles), covariance, _whole(words[8]), links)
 
 
 def _number(word: str) -> float:
@@ -121,12 +123,3 @@ def _whole(word: str) -> int:
         return int(word)
     except ValueError:
         raise ValueError(f"{word!r} is not a whole number") from None
-
-
-def _symmetric(upper: list[float]) -> Floats:
-    if len(upper) != len(_UPPER[0]):
-        raise ValueError(f"a covariance of {len(upper)} values, not of {len(_UPPER[0])}")
-    matrix = np.zeros((6, 6))
-    matrix[_UPPER] = upper
-    made: Floats = matrix + matrix.T - np.diag(np.diag(matrix))
-    return made

@@ -66,14 +66,6 @@ class SensorValues:
         self._node.subscribe(topic, kind, on_value, quality)
 
 
-def find_nearest(scan: Scan, width: float, direction: float) -> float:
-    """Return the shortest range (m) within `width` degrees about `direction` (degrees to the left); inf for none."""
-    angles = angles_of_beams(len(scan.ranges), scan.angle_min, scan.angle_increment) - math.radians(direction)
-    about = np.abs((angles + math.pi) % (2.0 * math.pi) - math.pi) <= math.radians(width) / 2.0
-    hits = classify_ranges(scan.ranges, (scan.range_min, scan.range_max)).hits & about
-    return float(scan.ranges[hits].min()) if hits.any() else math.inf
-
-
 def find_hindrance(snapshot: RobotSnapshot, *, started: bool = True) -> Lost | Refused | TakenOver | None:
     """Return the reason that keeps a program from driving. `started`: it drives already."""
     lease = snapshot.lease
@@ -108,14 +100,6 @@ def judge_goal(snapshot: RobotSnapshot, goal: int) -> Lost | Refused | TakenOver
     if snapshot.silence is not None and not report.over and report.state is not LastGoalState.HELD:
         return Lost(describe_silence(snapshot.silence.who, snapshot.silence.seconds))
     return Refused(report.text or f"the goal was {report.state.value}")
-
-
-def list_events(snapshot: RobotSnapshot) -> tuple[str, ...]:
-    """Return the reasons that keep this program from driving now, as lines for users."""
-    silence = describe_silence(snapshot.silence.who, snapshot.silence.seconds) if snapshot.silence else ""
-    emergency = describe_emergency(snapshot.mux, "it is to be released first")
-    driver = describe_driver(snapshot.lease, snapshot.conduct, hint="it has to let go first")
-    return tuple(each for each in (silence, emergency, driver) if each)
 
 
 Waypoint = tuple[float, float] | tuple[float, float, float]
@@ -196,7 +180,12 @@ class Robot:
         `direction` is in degrees to the left of ahead. inf if nothing is in range. Raises Lost.
         """
         check_finite(width=width, direction=direction)
-        return find_nearest(self.scan(), width, direction)
+        # Return the shortest range (m) within `width` degrees about `direction` (degrees to the left); inf for none
+        scan = self.scan()
+        angles = angles_of_beams(len(scan.ranges), scan.angle_min, scan.angle_increment) - math.radians(direction)
+        about = np.abs((angles + math.pi) % (2.0 * math.pi) - math.pi) <= math.radians(width) / 2.0
+        hits = classify_ranges(scan.ranges, (scan.range_min, scan.range_max)).hits & about
+        return float(scan.ranges[hits].min()) if hits.any() else math.inf
 
     def map(self) -> Map:
         """Return the newest map; its grid has the resolution in m, and 0 to 100 for free to occupied. Raises Lost."""
@@ -212,7 +201,12 @@ class Robot:
 
     def events(self) -> tuple[str, ...]:
         """Return the reasons that keep the robot from driving for this program now, as lines for users; () if none."""
-        return list_events(self._navigator.snapshot())
+        # Return the reasons that keep this program from driving now, as lines for users
+        snapshot = self._navigator.snapshot()
+        silence = describe_silence(snapshot.silence.who, snapshot.silence.seconds) if snapshot.silence else ""
+        emergency = describe_emergency(snapshot.mux, "it is to be released first")
+        driver = describe_driver(snapshot.lease, snapshot.conduct, hint="it has to let go first")
+        return tuple(each for each in (silence, emergency, driver) if each)
 
     # -- driving ---------------------------------------------------------------------------------------------------
 

@@ -197,29 +197,23 @@ class LokiFirmware:
         if self._letter == "b":
             return "115200"
         if self._letter == "e":
-            return "{} {}".format(*self._count())
+            counts = [int(each * self._ticks) + self._counted for each in self._plant.rolled()]
+            return "{} {}".format(*[(each + (1 << 31)) % (1 << 32) - (1 << 31) for each in counts])
         if self._letter == "m":
             self._turn(*self._kept)
             return "OK"
         if self._letter == "q":
-            return self._report()
+            now = self._plant.time
+            parts = [str(round((now - self._asked) * 1e6))]
+            self._asked = now
+            parts += [f"{number + 2}:{round((at - now) * 1e6)}:{mm}" for number, (at, mm) in sorted(self._news.items())]
+            self._news.clear()
+            return " ".join(parts)
         if self._letter == "u" and len(self._arguments) == 5:
             self.gains = tuple(self._arguments)
             return "OK\r\nOK"
         return {"r": "OK", "v": "OK", "s": "Bad s command"}.get(self._letter, "Invalid Command!")
 
-    def _count(self) -> list[int]:
-        counts = [int(each * self._ticks) + self._counted for each in self._plant.rolled()]
-        return [(each + (1 << 31)) % (1 << 32) - (1 << 31) for each in counts]
-
     def _turn(self, left: int, right: int) -> None:
         speeds = [max(-FASTEST, min(FASTEST, each * 50.0 / self._ticks)) for each in (left, right)]
         self._plant.turn_wheels(*speeds)
-
-    def _report(self) -> str:
-        now = self._plant.time
-        parts = [str(round((now - self._asked) * 1e6))]
-        self._asked = now
-        parts += [f"{number + 2}:{round((at - now) * 1e6)}:{mm}" for number, (at, mm) in sorted(self._news.items())]
-        self._news.clear()
-        return " ".join(parts)

@@ -96,7 +96,8 @@ class Neato:
         self._buffer = self._buffer[-_MOST:]
         for answer in answers:
             self._asked = False
-            self.rejected += _is_damaged(answer)
+            asked = answer.count(b"Get")
+            self.rejected += not answer.isascii() or asked > 1 or (asked == 1 and b"," not in answer)
             yield from self._read(answer.decode("ascii", "replace"))
 
     def _move(self, left: float, right: float) -> bytes:
@@ -153,12 +154,6 @@ class Neato:
             model = next((cell for cell in cells["ModelID"] if re.fullmatch(r"[A-Z]\w{1,20}", cell)), "of no model")
             software = ".".join(cell for cell in cells.get("Software", ()) if cell.isdigit())
             yield DeviceIdentity(f"{model}, software {software or 'unknown'}")
-
-
-def _is_damaged(answer: bytes) -> bool:
-    """Answers have no checksum: one with bytes that are no ASCII, without its table, or with the next one behind it."""
-    asked = answer.count(b"Get")
-    return not answer.isascii() or asked > 1 or (asked == 1 and b"," not in answer)
 
 
 def _line(text: str) -> bytes:

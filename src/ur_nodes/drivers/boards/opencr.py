@@ -206,7 +206,7 @@ class OpenCrFirmware:
                 continue
             self._bytes = self._bytes[size:]
             if packet[4] == 200:
-                answer += self._obey(_unstuff(packet[7:-2]))
+                answer += self._obey(packet[7:-2].replace(b"\xff\xff\xfd\xfd", b"\xff\xff\xfd"))
 
     def tick(self) -> bytes:
         if not self.power or self._plant.time - self._beat_time > HEARTBEAT_TIMEOUT:
@@ -219,7 +219,14 @@ class OpenCrFirmware:
             return b""
         code, address = body[0], body[1] + 256 * body[2]
         if code == 2 and len(body) == 5:
-            self._refresh()
+            volts = self._plant.battery()[0]
+            scale = 4096 / (2.0 * math.pi * self._plant.base.wheels.radius)
+            left, right = (_wrap(int(each * scale) + self._counted) for each in self._plant.rolled())
+            self._table[18] = 0 if self.power else 255
+            pressed = self._plant.bumpers()
+            self._table[28:30] = bytes((pressed.get("front", False), pressed.get("back", False)))
+            self._table[42:50] = struct.pack("<II", int(volts * 100), 5000)
+            self._table[136:144] = struct.pack("<ii", left, right)
             length = body[3] + 256 * body[4]
             inside = address + length <= _SIZE
             return self._status(0 if inside else 7, bytes(self._table[address : address + length]) if inside else b"")
@@ -246,26 +253,12 @@ class OpenCrFirmware:
         across = max(-most, min(most, angular * wheels.separation / 2.0))
         self._plant.turn_wheels(linear - across, linear + across)
 
-    def _refresh(self) -> None:
-        volts = self._plant.battery()[0]
-        scale = 4096 / (2.0 * math.pi * self._plant.base.wheels.radius)
-        left, right = (_wrap(int(each * scale) + self._counted) for each in self._plant.rolled())
-        self._table[18] = 0 if self.power else 255
-        pressed = self._plant.bumpers()
-        self._table[28:30] = bytes((pressed.get("front", False), pressed.get("back", False)))
-        self._table[42:50] = struct.pack("<II", int(volts * 100), 5000)
-        self._table[136:144] = struct.pack("<ii", left, right)
-
     @staticmethod
     def _status(problem: int, data: bytes) -> bytes:
         body = bytes((0x55, problem)) + data
         stuffed = body.replace(b"\xff\xff\xfd", b"\xff\xff\xfd\xfd")
         packet = b"\xff\xff\xfd\x00\xc8" + struct.pack("<H", len(stuffed) + 2) + stuffed
         return packet + struct.pack("<H", compute_crc(packet))
-
-
-def _unstuff(body: bytes) -> bytes:
-    return body.replace(b"\xff\xff\xfd\xfd", b"\xff\xff\xfd")
 
 
 def _wrap(count: int) -> int:

@@ -155,15 +155,12 @@ class ScipFirmware(TurningHead):
                 self._distances = []
             self._distances.append(distance)
             if step == STEPS - 1 and len(self._distances) == STEPS and self._scan:
-                sent += self._send_scan()
+                clock = int(self._plant.time * 1000.0) % (1 << 24)
+                characters = "".join(_encode(min(round(each), 65535), 3) for each in self._distances)
+                rows = [_encode(clock, 4), *(characters[at : at + 64] for at in range(0, len(characters), 64))]
+                body = "".join(f"{row}{_sum(row)}\n" for row in rows)
+                sent += f"{self._scan}\n99b\n{body}\n".encode("latin-1")
         return sent
-
-    def _send_scan(self) -> bytes:
-        clock = int(self._plant.time * 1000.0) % (1 << 24)
-        characters = "".join(_encode(min(round(each), 65535), 3) for each in self._distances)
-        rows = [_encode(clock, 4), *(characters[at : at + 64] for at in range(0, len(characters), 64))]
-        body = "".join(f"{row}{_sum(row)}\n" for row in rows)
-        return f"{self._scan}\n99b\n{body}\n".encode("latin-1")
 
     def _obey(self, line: str) -> bytes:
         lidar = self._lidar

@@ -62,13 +62,10 @@ class SonarDriver:
         self._health.count(int(echo is not None), int(echo is None))
         self._misses[frame] = 0 if echo else self._misses[frame] + 1
         if self._misses[frame] >= _MISSES:
-            self._report_miss(frame, pins, busy=listened.busy)
-
-    def _report_miss(self, frame: str, pins: SonarPins, *, busy: bool) -> None:
-        if all(misses >= _MISSES - 1 for misses in self._misses.values()):
-            text = "no echo of any sonar; is their board plugged in?"
-        elif busy:
-            text = f"the echo pin {pins.echo} of {frame} stays high; check the sonar and its cable"
-        else:
-            text = f"no echo of {frame}, at the pins {pins.trigger} and {pins.echo}; is it plugged in?"
-        self._node.log.warn(f"{self._name}: {text}", every=REPORT)
+            if all(misses >= _MISSES - 1 for misses in self._misses.values()):
+                text = "no echo of any sonar; is their board plugged in?"
+            elif listened.busy:
+                text = f"the echo pin {pins.echo} of {frame} stays high; check the sonar and its cable"
+            else:
+                text = f"no echo of {frame}, at the pins {pins.trigger} and {pins.echo}; is it plugged in?"
+            self._node.log.warn(f"{self._name}: {text}", every=REPORT)

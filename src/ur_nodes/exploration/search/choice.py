@@ -100,7 +100,16 @@ def choose_viewpoint(
     if len(near) < 2:
         return near[0] if near else None
     between = _distances_between(floor, near)
-    onward = _shortest_onward(between)
+    # From each place (n): the length of the shortest path through all others, after Held and Karp
+    count = len(between)
+    whole = (1 << count) - 1
+    # best[visited][last]: the shortest path that begins at `last` and goes through all that are not in `visited`.
+    best = np.zeros((whole + 1, count))
+    for visited in range(whole - 1, 0, -1):
+        left = [index for index in range(count) if not visited >> index & 1]
+        options = np.array([between[:, index] + best[visited | 1 << index, index] for index in left])
+        best[visited] = options.min(axis=0)
+    onward = np.array([best[1 << index, index] for index in range(count)])
     scores = []
     for index, each in enumerate(near):
         score = weights.distance * (each.distance + onward[index]) - weights.gain * each.frontier.gain
@@ -123,16 +132,3 @@ def _distances_between(floor: Floor, viewpoints: Sequence[Viewpoint]) -> NDArray
         costs = drive_distances(coarse, cell, floor.resolution * factor)
         lengths[index] = [costs[other] for other in cells]
     return lengths
-
-
-def _shortest_onward(between: NDArray[np.float64]) -> NDArray[np.float64]:
-    """From each place (n): the length of the shortest path through all others, after Held and Karp."""
-    count = len(between)
-    whole = (1 << count) - 1
-    # best[visited][last]: the shortest path that begins at `last` and goes through all that are not in `visited`.
-    best = np.zeros((whole + 1, count))
-    for visited in range(whole - 1, 0, -1):
-        left = [index for index in range(count) if not visited >> index & 1]
-        options = np.array([between[:, index] + best[visited | 1 << index, index] for index in left])
-        best[visited] = options.min(axis=0)
-    return np.array([best[1 << index, index] for index in range(count)])

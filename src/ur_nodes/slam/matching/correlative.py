@@ -118,7 +118,14 @@ class _Poses:
         step = cell / max(far, 20.0 * cell)
         reach = math.ceil(window.shift / cell)
         top = min(top, max(0, int(math.log2(max(1, 2 * reach))) - 1))
-        self._turns = _turns_of_blocks(float(lengths.max(initial=0.0)) * step / cell)[: top + 1]
+        # Return the turns of a block at each level that no point leaves; a turn moves a point by up to `swing` cells
+        swing = float(lengths.max(initial=0.0)) * step / cell
+        turns = []
+        for most, free in zip(_MOST_TURNS, _SWING, strict=True):
+            while most > 1 and 0.5 * (most - 1) * swing > free:
+                most //= 2
+            turns.append(most)
+        self._turns = turns[: top + 1]
         half = math.ceil(window.turn / step)
         count = -(-(2 * half + 1) // self._turns[top]) * self._turns[top]
         self._angles = np.asarray(guess.yaw + np.arange(-half, count - half) * step, np.float64)
@@ -250,16 +257,6 @@ def search_poses(
         found.append((within.pose(poses[winner]), float(scores[winner])))
         left &= within.apart(poses, poses[winner])
     return found
-
-
-def _turns_of_blocks(swing: float) -> list[int]:
-    """Return the turns of a block at each level that no point leaves; a turn moves a point by up to `swing` cells."""
-    turns = []
-    for most, free in zip(_MOST_TURNS, _SWING, strict=True):
-        while most > 1 and 0.5 * (most - 1) * swing > free:
-            most //= 2
-        turns.append(most)
-    return turns
 
 
 def _best_of(level: NDArray[np.uint8], step: int) -> NDArray[np.uint8]:

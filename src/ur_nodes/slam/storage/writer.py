@@ -19,11 +19,6 @@ from ur_nodes.slam.map_state import Edge
 from ur_nodes.slam.matching.scan import MapScan, restore_scan
 
 
-def store_scan(scan: MapScan) -> StoredScan:
-    """The fields of a scan that are stored."""
-    return StoredScan(scan.hits, scan.numbers, scan.misses, scan.origin)
-
-
 def store_graph(poses: Sequence[Pose2], edges: Sequence[Edge]) -> StoredGraph:
     """A pose graph as it is stored."""
     return StoredGraph(
@@ -116,7 +111,9 @@ class MapWriter:
                 names.append(self._full[number][0])
                 continue
             name = self._new_name("scans")
-            self._put(name, encode_scans([store_scan(each) for each in part]))
+            self._put(
+                name, encode_scans([StoredScan(each.hits, each.numbers, each.misses, each.origin) for each in part])
+            )
             names.append(name)
             if len(part) == CHUNK:
                 self._full[number : number + 1] = [(name, part)]

@@ -128,7 +128,7 @@ def step_drive(state: DriveState, event: KeyEvent | None, now: float) -> tuple[D
     """
     before = state
     state = _take(state, event, now)
-    if state.held and _ran_out(state, now):
+    if state.held and (now - state.received_at > LOST_AFTER if state.reports_release else now > state.hold_until):
         state = replace(state, held=(), note="stopped: the terminal does not answer" if state.reports_release else "")
     if before.held and not state.held:
         state = replace(state, zeros_left=ZEROS)
@@ -184,10 +184,6 @@ def _hold_for_a_while(state: DriveState, name: str, now: float) -> DriveState:
         state = replace(state, pause_seen=gap if gap < _LONGEST_FIRST_HOLD else 0.0)
     hold = state.settings.key_timeout or (REPEAT_HOLD if repeats else state.first_hold)
     return replace(state, held=(name,), hold_until=now + hold, last_key=name, last_key_at=now)
-
-
-def _ran_out(state: DriveState, now: float) -> bool:
-    return now - state.received_at > LOST_AFTER if state.reports_release else now > state.hold_until
 
 
 def _change_speeds(state: DriveState, speed_factor: float, turn_factor: float) -> DriveState:

@@ -89,17 +89,7 @@ class KeyDriver:
 
     def _take(self, event: KeyEvent, pressed_at: float) -> None:
         """Apply a key that was pressed at a time (s)."""
-        self._pass_on(event)
-        was_moving = self._state.moving
-        self._state, motion = step_drive(self._state, event, pressed_at)
-        if self._state.moving:  # it may have driven for long enough by now, or have waited for the connection
-            now = self._node.steady()
-            self._state, motion = step_drive(self._state, FocusLost() if self._is_cut(now) else None, now)
-        if motion is not None and self._state.moving != was_moving:
-            self._commander.send(motion)  # starts and stops are not kept waiting
-
-    def _pass_on(self, event: KeyEvent) -> None:
-        """Send the request to mux, lease, map or black box that a key stands for, if any."""
+        # Send the request to mux, lease, map or black box that a key stands for, if any
         for mux_request in (mux_request_of(event), obstacle_request_of(event, self._mux.view())):
             if mux_request is not None:
                 self._mux.ask(mux_request)
@@ -109,6 +99,13 @@ class KeyDriver:
             self._saving.ask()
         if asks_to_save_recording(event):
             self._recording.ask()
+        was_moving = self._state.moving
+        self._state, motion = step_drive(self._state, event, pressed_at)
+        if self._state.moving:  # it may have driven for long enough by now, or have waited for the connection
+            now = self._node.steady()
+            self._state, motion = step_drive(self._state, FocusLost() if self._is_cut(now) else None, now)
+        if motion is not None and self._state.moving != was_moving:
+            self._commander.send(motion)  # starts and stops are not kept waiting
 
     def _is_cut(self, now: float) -> bool:
         """Check the connection; return whether it is cut, or was cut less than `SETTLE` s ago."""

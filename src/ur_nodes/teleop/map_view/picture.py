@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from ur.tui.screen.half_blocks import Colour, Pixels
 from ur_nodes.client.snapshot import RobotSnapshot
 from ur_nodes.geometry.grid import Grid
-from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import MapPalette
 
 ROBOT_LENGTH = 0.45
@@ -125,7 +124,17 @@ def draw_overlay(picture: Pixels, snapshot: RobotSnapshot, view: Viewport, palet
     if snapshot.scan is not None and len(snapshot.scan):
         _dot(out, snapshot.scan, view, palette.scan)
     if snapshot.pose is not None and ROBOT_LENGTH / view.scale >= SMALL_ROBOT:
-        _fill_robot(out, snapshot.pose, view, palette)
+        # Draw a disc at the pose, with a stripe from its middle to its front
+        pose = snapshot.pose
+        size = ROBOT_LENGTH / view.scale
+        column, row = view.to_pixel(pose.x, pose.y)
+        ys, xs = np.mgrid[0 : view.height, 0 : view.width]
+        dx, dy = xs + 0.5 - column, row - (ys + 0.5)
+        c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+        along, aside = c * dx + s * dy, np.abs(c * dy - s * dx)
+        disc = along**2 + aside**2 <= (size / 2) ** 2
+        out[disc] = palette.robot
+        out[disc & (along >= 0.0) & (aside <= max(0.6, size * 0.08))] = palette.ink
     return out
 
 
@@ -190,16 +199,3 @@ def _dot(out: Pixels, points: NDArray[np.float64], view: Viewport, colour: Colou
     py = np.floor(rows - points[:, 1] / view.scale)
     inside = (px >= 0) & (px < view.width) & (py >= 0) & (py < view.height)
     out[py[inside].astype(np.intp), px[inside].astype(np.intp)] = colour
-
-
-def _fill_robot(out: Pixels, pose: Pose2, view: Viewport, palette: MapPalette) -> None:
-    """Draw a disc at the pose, with a stripe from its middle to its front."""
-    size = ROBOT_LENGTH / view.scale
-    column, row = view.to_pixel(pose.x, pose.y)
-    ys, xs = np.mgrid[0 : view.height, 0 : view.width]
-    dx, dy = xs + 0.5 - column, row - (ys + 0.5)
-    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-    along, aside = c * dx + s * dy, np.abs(c * dy - s * dx)
-    disc = along**2 + aside**2 <= (size / 2) ** 2
-    out[disc] = palette.robot
-    out[disc & (along >= 0.0) & (aside <= max(0.6, size * 0.08))] = palette.ink

@@ -91,7 +91,12 @@ class NavigateApp(NavigateView):
                 and not self._was_ready
                 and not reason_not_to_drive(self._snapshot)
             ):
-                self._wait_with(line)
+                # Keep a goal that was typed before the robot was first ready; a later goal replaces it
+                if self._waiting_timer is not None:
+                    self._waiting_timer.stop()
+                self._waiting_line = line
+                self._waiting_timer = self.set_timer(MOST_WAITING, self._give_up)
+                self._show_message(f"'{line}' is sent when the robot is ready; s cancels it")
             elif command is not None:
                 self._do(command)
         except UserError as problem:
@@ -111,14 +116,6 @@ class NavigateApp(NavigateView):
         self._show_message(
             f"{users}; it ends with this program. Press q again to end it, or any other key to stay", "bold yellow"
         )
-
-    def _wait_with(self, line: str) -> None:
-        """Keep a goal that was typed before the robot was first ready; a later goal replaces it."""
-        if self._waiting_timer is not None:
-            self._waiting_timer.stop()
-        self._waiting_line = line
-        self._waiting_timer = self.set_timer(MOST_WAITING, self._give_up)
-        self._show_message(f"'{line}' is sent when the robot is ready; s cancels it")
 
     def _give_up(self) -> None:
         if self._waiting_line:

@@ -151,7 +151,10 @@ class _Batch:
             case c.AskMux():
                 return self._ask_mux(command.request, text)
             case c.StoreMap():
-                return self._save_map(text)
+                # Save the map that is being made. Raises UserError if none is being made.
+                if self._around.saving is None:
+                    raise bad_command_error(c.NO_MAPPING)
+                return self._save(self._around.saving, text)
             case c.StoreRecording():
                 return self._save(self._around.recording, text)
             case _:
@@ -161,12 +164,6 @@ class _Batch:
     def _sleep(self, seconds: float) -> None:
         if self._around.sleep(seconds):
             raise InterruptedBatchError
-
-    def _save_map(self, text: str) -> bool:
-        """Save the map that is being made. Raises UserError if none is being made."""
-        if self._around.saving is None:
-            raise bad_command_error(c.NO_MAPPING)
-        return self._save(self._around.saving, text)
 
     def _save(self, saving: Saving, text: str) -> bool:
         """Call the service, and print its answer."""
@@ -239,20 +236,17 @@ class _Batch:
             case c.ContinueGoal():
                 raise bad_command_error("no goal to continue; commands run one at a time")
             case c.SetPose() | c.Relocalise():
-                return self._localise(command, text)
+                if reason := reason_not_to_drive(self._navigator.snapshot()):
+                    raise bad_command_error(f"not done: {reason}")
+                if isinstance(command, c.SetPose):
+                    self._navigator.set_pose(Pose2(command.x, command.y, command.yaw))
+                    return f"{text}: pose set"
+                self._navigator.relocalise()
+                return f"{text}: searching for the robot on the whole map"
             case c.Follow() | c.SwitchTheme():
                 raise bad_command_error("there is no map to show, expected a terminal for this command")
             case c.Help():
                 return "\n".join(f"{usage:<14} {meaning}" for usage, meaning in c.USAGE.values())
-
-    def _localise(self, command: c.SetPose | c.Relocalise, text: str) -> str:
-        if reason := reason_not_to_drive(self._navigator.snapshot()):
-            raise bad_command_error(f"not done: {reason}")
-        if isinstance(command, c.SetPose):
-            self._navigator.set_pose(Pose2(command.x, command.y, command.yaw))
-            return f"{text}: pose set"
-        self._navigator.relocalise()
-        return f"{text}: searching for the robot on the whole map"
 
     # -- goals -----------------------------------------------------------------------------------------------------
 
@@ -277,7 +271,13 @@ class _Batch:
             if report.number == number and report.over:
                 break
             if around.urgent and (typed := around.urgent()):
-                self._run_urgent(typed)
+                # Run a command that was typed while a goal is driven
+                if isinstance(typed, c.AskMux):
+                    self._ask_mux(typed.request, "emergency" if typed.request == "stop" else "release")
+                elif isinstance(typed, c.ContinueGoal):
+                    self._navigator.resume()
+                else:
+                    self._navigator.stop()
             if ended := reason_to_give_up(snapshot, seconds, self._limits, attended=around.urgent is not None):
                 navigator.stop()
                 around.out(f"{text}: {ended}")
@@ -297,15 +297,6 @@ class _Batch:
         while _is_undecided(snapshot := self._navigator.snapshot()) and self._around.clock() < deadline:
             self._sleep(0.05)
         return reason_not_to_drive(snapshot)
-
-    def _run_urgent(self, command: c.Command) -> None:
-        """Run a command that was typed while a goal is driven."""
-        if isinstance(command, c.AskMux):
-            self._ask_mux(command.request, "emergency" if command.request == "stop" else "release")
-        elif isinstance(command, c.ContinueGoal):
-            self._navigator.resume()
-        else:
-            self._navigator.stop()
 
     def _cancel(self) -> str:
         """Cancel the goal, and return a text about the result."""

@@ -97,7 +97,9 @@ class CommandLine(Input):
         if key in ("enter", "ctrl+j"):  # what was typed before the screen opened ends with the other one
             self._submit()
         elif key in ("up", "down"):
-            self._recall(self._at + (1 if key == "down" else -1))
+            self._at = max(0, min((self._at + (1 if key == "down" else -1)), len(self._history)))
+            self.value = self._history[self._at] if self._at < len(self._history) else ""
+            self.cursor_position = len(self.value)
         elif key == "escape":
             self.value = ""
         elif key in ("backspace", "ctrl+h"):
@@ -125,8 +127,3 @@ class CommandLine(Input):
             self._history.append(line)
         self._at = len(self._history)
         self._owner.enter(line)
-
-    def _recall(self, at: int) -> None:
-        self._at = max(0, min(at, len(self._history)))
-        self.value = self._history[self._at] if self._at < len(self._history) else ""
-        self.cursor_position = len(self.value)

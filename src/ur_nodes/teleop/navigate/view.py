@@ -131,7 +131,10 @@ class NavigateView(FullScreenApp[None]):
         self._shown_key, self._snapshot = key, snapshot
         self.map.show(snapshot, self._places)
         self.query_one("#status", Static).update(self._status())
-        self._show_driver()
+        # Show who drives; the line is hidden while it is empty
+        text, widget = driver_line(self._snapshot, self.size.width), self.query_one("#driver", Static)
+        widget.display = bool(text)
+        widget.update(Text(text))
         self._draw_head()
         if not self._was_ready and not snapshot.missing:
             self._was_ready = True
@@ -153,12 +156,6 @@ class NavigateView(FullScreenApp[None]):
         if snapshot.goal.over and not self._result_shown:
             snapshot = replace(snapshot, goal=GoalReport(snapshot.goal.number))
         return status_line(snapshot, self.size.width - 2)
-
-    def _show_driver(self) -> None:
-        """Show who drives; the line is hidden while it is empty."""
-        text, widget = driver_line(self._snapshot, self.size.width), self.query_one("#driver", Static)
-        widget.display = bool(text)
-        widget.update(Text(text))
 
     def _draw_head(self) -> None:
         view = self.map

@@ -76,13 +76,21 @@ def decode_keys(data: bytes, *, final: bool = False) -> tuple[tuple[KeyEvent, ..
 def _decode_one(data: bytes, final: bool) -> tuple[KeyEvent | None, int]:
     """Decode the event at the start of `data` (None: skip it) and its size in bytes (0: incomplete)."""
     if data[0] == _ESCAPE:
-        return _decode_escape(data, final)
+        if match := _CSI.match(data):
+            return _decode_csi(match[1].decode(), match[3].decode()), match.end()
+        incomplete = len(data) < 64 and (len(data) == 1 or data == b"\x1bO" or _CSI_PART.match(data) is not None)
+        if incomplete and not final:
+            return None, 0
+        if len(data) == 1:
+            return Key("escape"), 1
+        if data[1:2] == b"O" and len(data) > 2:
+            name = _LETTERS.get(chr(data[2]))
+            return (Key(name) if name else None), 3
+        if incomplete:
+            return None, len(data)
+        return None, 2  # alt and a key: not one of ours, and must not count as the key alone
     if data[0] < 0x20 or data[0] == 0x7F:
         return _control(data[0]), 1
-    return _decode_text(data, final)
-
-
-def _decode_text(data: bytes, final: bool) -> tuple[KeyEvent | None, int]:
     lead = data[0]
     size = 1 if lead < 0x80 else 2 if 0xC2 <= lead < 0xE0 else 3 if 0xE0 <= lead < 0xF0 else 4 if lead < 0xF5 else 1
     if len(data) < size:
@@ -92,22 +100,6 @@ def _decode_text(data: bytes, final: bool) -> tuple[KeyEvent | None, int]:
     except UnicodeDecodeError:
         return None, 1
     return Key("space" if text == " " else text), size
-
-
-def _decode_escape(data: bytes, final: bool) -> tuple[KeyEvent | None, int]:
-    if match := _CSI.match(data):
-        return _decode_csi(match[1].decode(), match[3].decode()), match.end()
-    incomplete = len(data) < 64 and (len(data) == 1 or data == b"\x1bO" or _CSI_PART.match(data) is not None)
-    if incomplete and not final:
-        return None, 0
-    if len(data) == 1:
-        return Key("escape"), 1
-    if data[1:2] == b"O" and len(data) > 2:
-        name = _LETTERS.get(chr(data[2]))
-        return (Key(name) if name else None), 3
-    if incomplete:
-        return None, len(data)
-    return None, 2  # alt and a key: not one of ours, and must not count as the key alone
 
 
 def _decode_csi(parameters: str, last: str) -> KeyEvent | None:

@@ -5,7 +5,6 @@ import os
 import select
 import termios
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 from ur.source.ansi import RESET, strip_colours
 from ur.tui.screen.query import measure_terminal
@@ -109,18 +108,14 @@ def own_terminal(source: int, screen: int, *, plain: bool = False, colours: bool
     before = termios.tcgetattr(source)
     terminal = PlainTerminal(source, screen) if plain else RawTerminal(source, screen, colours=colours)
     try:
-        termios.tcsetattr(source, termios.TCSAFLUSH, _raw(before))
+        attributes = [*before[:6], list(before[6])]
+        attributes[0] &= ~(termios.IXON | termios.ICRNL | termios.INLCR)
+        attributes[3] &= ~(termios.ICANON | termios.ECHO | termios.ISIG | termios.IEXTEN)
+        attributes[6][termios.VMIN], attributes[6][termios.VTIME] = 1, 0
+        termios.tcsetattr(source, termios.TCSAFLUSH, attributes)
         terminal._write("" if plain else _ENTER)  # noqa: SLF001 - the two are one thing
         yield terminal
     finally:
         terminal._write("" if plain else _LEAVE)  # noqa: SLF001 - the two are one thing
         with contextlib.suppress(termios.error):
             termios.tcsetattr(source, termios.TCSAFLUSH, before)
-
-
-def _raw(before: list[Any]) -> list[Any]:
-    attributes = [*before[:6], list(before[6])]
-    attributes[0] &= ~(termios.IXON | termios.ICRNL | termios.INLCR)
-    attributes[3] &= ~(termios.ICANON | termios.ECHO | termios.ISIG | termios.IEXTEN)
-    attributes[6][termios.VMIN], attributes[6][termios.VTIME] = 1, 0
-    return attributes

@@ -98,7 +98,9 @@ class FiducialLocaliser:
 
     def add(self, odometry: Pose2, observations: Iterable[Observation]) -> bool:
         """Add the observations of a moment. Returns whether a known fiducial was used."""
-        self._predict(odometry)
+        if self._odometry is not None and self._belief is not None:
+            self._belief = self._belief.predict(self._odometry.inverse().compose(odometry))
+        self._odometry = odometry
         seen = tuple(each for each in observations if each.id in self._known and each.sightings)
         if self._belief is None:
             place = find_robot(self._known, seen)
@@ -110,11 +112,6 @@ class FiducialLocaliser:
         if self._belief is not None and self.spread > self._limit:
             self.forget()
         return False
-
-    def _predict(self, odometry: Pose2) -> None:
-        if self._odometry is not None and self._belief is not None:
-            self._belief = self._belief.predict(self._odometry.inverse().compose(odometry))
-        self._odometry = odometry
 
     def _correct(self, belief: Belief, seen: tuple[Observation, ...]) -> bool:
         here = from_planar(belief.pose)
@@ -129,22 +126,19 @@ class FiducialLocaliser:
         self._contradicting -= {entry.id for entry, _ in used}
         self._contradicting |= wrong
         if 2 * len(wrong) > len(used):
-            self._doubt()
+            # Reject the picture; after several in a row, reject the estimate instead
+            self._contradictions += 1
+            several = len(self._contradicting) > 1
+            if self._contradictions >= (_CONTRADICTIONS if several else _LONE_CONTRADICTIONS):
+                odometry = self._odometry
+                self.forget()
+                self._odometry = odometry
             return False
         if wrong:
             better, covariance = _solve(belief, [each for each in used if each[0].id not in wrong])
         self._contradictions = 0
         self._belief = belief.correct(to_planar(better), covariance)
         return True
-
-    def _doubt(self) -> None:
-        """Reject the picture; after several in a row, reject the estimate instead."""
-        self._contradictions += 1
-        several = len(self._contradicting) > 1
-        if self._contradictions >= (_CONTRADICTIONS if several else _LONE_CONTRADICTIONS):
-            odometry = self._odometry
-            self.forget()
-            self._odometry = odometry
 
 
 def _solve(belief: Belief, used: Sequence[_Used]) -> tuple[Floats, Floats]:

@@ -144,9 +144,20 @@ class FiducialMapper:
         if guess is None or not (seen or self._count):
             return False
         factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
-        self._add_known(factors, values)
+        for entry in self._pending:
+            factors.push_back(known_factor(entry.id, entry.pose, entry.covariance))
+            values.insert(fiducial_key(entry.id), gtsam.Pose3(entry.pose))
+            self._poses[entry.id] = entry.pose
+            self._seen[entry.id] = entry.observations
+            self._links[entry.id] = set(entry.links)
+        self._pending.clear()
         trusted = [each for each in seen if not self._contradicts(each, guess, odometry)]
-        self._add_robot(factors, values, odometry, guess)
+        values.insert(robot_key(self._count), gtsam.Pose3(guess))
+        factors.push_back(level_factor(self._count, guess))
+        if self._count:
+            factors.push_back(odometry_factor(self._count - 1, self._count, self._motion(odometry)))
+        elif self._start is not None:
+            factors.push_back(start_factor(0, guess, 1e-3, 1e-3))
         self._add_sightings(factors, values, guess, trusted)
         self._isam.update(factors, values)
         self._isam.update()
@@ -202,25 +213,6 @@ class FiducialMapper:
             if observation.id in self._known and observation.clear:
                 return robot_from(self._known[observation.id].pose, observation.sightings[0])
         return None
-
-    def _add_known(self, factors: gtsam.NonlinearFactorGraph, values: gtsam.Values) -> None:
-        for entry in self._pending:
-            factors.push_back(known_factor(entry.id, entry.pose, entry.covariance))
-            values.insert(fiducial_key(entry.id), gtsam.Pose3(entry.pose))
-            self._poses[entry.id] = entry.pose
-            self._seen[entry.id] = entry.observations
-            self._links[entry.id] = set(entry.links)
-        self._pending.clear()
-
-    def _add_robot(
-        self, factors: gtsam.NonlinearFactorGraph, values: gtsam.Values, odometry: Pose2, guess: Floats
-    ) -> None:
-        values.insert(robot_key(self._count), gtsam.Pose3(guess))
-        factors.push_back(level_factor(self._count, guess))
-        if self._count:
-            factors.push_back(odometry_factor(self._count - 1, self._count, self._motion(odometry)))
-        elif self._start is not None:
-            factors.push_back(start_factor(0, guess, 1e-3, 1e-3))
 
     def _add_sightings(
         self,

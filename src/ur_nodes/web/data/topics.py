@@ -94,7 +94,12 @@ class TopicWatch:
         now = self._node.steady()
         echoed = {each.echo for each in shows.values() if each.echo}
         if self._list_every.due(now):
-            self._follow(self._choose(shows, graph, echoed))
+            chosen = {name: graph.topics[name] for name in echoed & graph.topics.keys()}
+            for name in sorted(name for each in shows.values() for name in each.topics or ()):
+                topic = graph.topics.get(name)
+                if len(chosen) < _MOST_MEASURED and topic is not None and topic.publishers and topic.kind not in _HEAVY:
+                    chosen[name] = topic
+            self._follow(chosen)
             rows = self._list(now, graph) if any(each.topics is not None for each in shows.values()) else []
             for page, each in shows.items():
                 if each.topics is not None:
@@ -104,14 +109,6 @@ class TopicWatch:
                 if each.echo:
                     self._print(page, each.echo)
         self._printed = {page: each for page, each in self._printed.items() if page in shows}
-
-    def _choose(self, shows: Mapping[int, Show], graph: Graph, echoed: set[str]) -> dict[str, Topic]:
-        chosen = {name: graph.topics[name] for name in echoed & graph.topics.keys()}
-        for name in sorted(name for each in shows.values() for name in each.topics or ()):
-            topic = graph.topics.get(name)
-            if len(chosen) < _MOST_MEASURED and topic is not None and topic.publishers and topic.kind not in _HEAVY:
-                chosen[name] = topic
-        return chosen
 
     def _follow(self, chosen: Mapping[str, Topic]) -> None:
         for name in [
@@ -152,14 +149,10 @@ def _describe(name: str, count: int, message: RawMessage) -> Mapping[str, object
     kind, size = message.type_name[:200], len(message.data)
     value: dict[str, object] = {"t": "echo", "topic": name, "kind": kind, "size": size, "count": count}
     try:
-        value["lines"] = print_message(message)
+        # Return a message as lines of text. Raises BadDefinitionError and BadMessageError.
+        if len(message.data) > _LONGEST:
+            raise BadMessageError(f"message of {len(message.data)} bytes, expected at most {_LONGEST} to print it")
+        value["lines"] = render(decode(read_definition(message.type_name, message.schema), message.data))
     except (BadDefinitionError, BadMessageError) as problem:
         value["problem"] = str(problem)[:300]
     return value
-
-
-def print_message(message: RawMessage) -> list[str]:
-    """Return a message as lines of text. Raises BadDefinitionError and BadMessageError."""
-    if len(message.data) > _LONGEST:
-        raise BadMessageError(f"message of {len(message.data)} bytes, expected at most {_LONGEST} to print it")
-    return render(decode(read_definition(message.type_name, message.schema), message.data))

@@ -64,22 +64,18 @@ def change_places(path: Path | None, request: NamePlace | ForgetPlace) -> Mappin
         if isinstance(request, ForgetPlace):
             store.forget(request.place)
         else:
-            _remember(store, request)
+            # Name a place, or move the one that has the name. Raises UserError, or ValueError: no such name is allowed.
+            if not PLACE_NAME.fullmatch(request.place):
+                raise ValueError("name")
+            places = store.places()
+            if request.place not in places and len(places) >= MOST_PLACES:
+                raise ValueError("full")
+            store.remember(request.place, Pose2(request.x, request.y, request.yaw))
     except ValueError as problem:
         return {"t": "refused", "what": what, "why": str(problem)}
     except UserError as problem:
         return {"t": "refused", "what": what, "why": printable(str(problem))[:300]}
     return {"t": "done", "what": what}
-
-
-def _remember(store: WaypointStore, request: NamePlace) -> None:
-    """Name a place, or move the one that has the name. Raises UserError, or ValueError: no such name is allowed."""
-    if not PLACE_NAME.fullmatch(request.place):
-        raise ValueError("name")
-    places = store.places()
-    if request.place not in places and len(places) >= MOST_PLACES:
-        raise ValueError("full")
-    store.remember(request.place, Pose2(request.x, request.y, request.yaw))
 
 
 def _signature_of(path: Path) -> tuple[int, ...]:

@@ -95,7 +95,14 @@ class _Reader:
             return round(seconds + rest * 1e-9, 9)
         form = PRIMITIVES[kind]
         found = struct.unpack_from("<" + form, self.data, self.take(struct.calcsize("<" + form)))[0]
-        return _clean(found, short=kind == "float32")
+        short = kind == "float32"
+        if isinstance(found, float):
+            if not math.isfinite(found):
+                return "nan" if math.isnan(found) else "inf" if found > 0 else "-inf"
+            return float(f"{found:.7g}") if short else found
+        if isinstance(found, int) and not isinstance(found, bool) and abs(found) > _SAFE:
+            return str(found)
+        return found
 
     def skip(self, kind: str) -> None:
         """Skip a value. Raises BadMessageError after too many, since the rest of the message is then unknown."""
@@ -195,13 +202,3 @@ def _text(value: object) -> str:
     if isinstance(value, float):
         return f"{value:.9g}" if abs(value) < 1e6 else repr(value)
     return f'"{printable(value)}"' if isinstance(value, str) and value not in ("nan", "inf", "-inf") else str(value)
-
-
-def _clean(value: object, *, short: bool) -> object:
-    if isinstance(value, float):
-        if not math.isfinite(value):
-            return "nan" if math.isnan(value) else "inf" if value > 0 else "-inf"
-        return float(f"{value:.7g}") if short else value
-    if isinstance(value, int) and not isinstance(value, bool) and abs(value) > _SAFE:
-        return str(value)
-    return value
