@@ -18,7 +18,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Literal
 
-from ur_nodes.codecs.genpy.fiducials import message_classes
+from ur_nodes.codecs.vision.fiducial_messages import message_classes
 
 ROOT = Path(__file__).parents[1]
 STUBS = ROOT / "stubs"

@@ -10,7 +10,7 @@ from geometry_msgs.msg import Point
 from sensor_msgs.msg import PointCloud2, PointField
 from visualization_msgs.msg import Marker, MarkerArray
 
-from ur_nodes.codecs.genpy.fiducials import make_classes
+from ur_nodes.codecs.vision.fiducial_messages import make_classes
 
 DIAGNOSTICS = {
     "std_msgs/Header": "uint32 seq\ntime stamp\nstring frame_id",

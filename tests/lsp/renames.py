@@ -20,8 +20,7 @@ from ur.launchfile.world import World
 from ur.launchfile.world.overlay import OverlayWorld
 from ur.lsp.workspace import encode_text
 from ur.source.diagnostic import UserError
-from ur.tools.find.arguments import find_sharing_files
-from ur.tools.find.rename import apply_rename, rename_argument
+from ur.tools.find.arguments import apply_rename, find_sharing_files, rename_argument
 from ur.tools.format.run import describe_plan
 
 NEW = "name_that_no_file_has"

@@ -10,7 +10,7 @@ from ur.lsp.definitions import find_definitions, find_references
 from ur.lsp.hover import describe_at
 from ur.lsp.workspace import Workspace
 from ur.source.file import Span
-from ur.tools.find.rename import apply_rename, rename_argument
+from ur.tools.find.arguments import apply_rename, rename_argument
 
 TOP = """import os
 from ament_index_python.packages import get_package_share_directory

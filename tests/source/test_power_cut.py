@@ -52,7 +52,7 @@ CASES = {
     "check --package": Case(PACKAGE, run_ur("check", "--package", "--fix", "p"), "p/CMakeLists.txt", "catkin_package"),
     "new files": Case(
         ":",
-        "from pathlib import Path\nfrom ur.tools.new.parts import NewFile\nfrom ur.tools.new.write import write_files\n"
+        "from pathlib import Path\nfrom ur.tools.new.parts import NewFile\nfrom ur.tools.new.parts import write_files\n"
         "write_files(Path(), [NewFile('n_a/launch/a', 'new'), NewFile('b', 'new')])",
         "n_a/launch/a",
         "new",

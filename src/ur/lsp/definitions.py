@@ -22,8 +22,8 @@ from ur.lsp.programs.starts import programs_of_tag
 from ur.lsp.workspace import Workspace
 from ur.source.file import Span
 from ur.tools.find.arguments import find_argument
-from ur.tools.find.occurrences import Kind, Occurrence, WantedName
 from ur.tools.find.programs import NodeProgram, program_files
+from ur.tools.find.search import Kind, Occurrence, WantedName
 
 LAUNCH_FILES = (".launch", ".xml", ".test")
 """Endings of the names of launch files."""

@@ -19,7 +19,7 @@ from ur.lsp.programs.places import list_programs
 from ur.lsp.symbols import IncludeStep, find_included, find_including
 from ur.source.diagnostic import UserError
 from ur.source.file import SourceFile, Span
-from ur.tools.find.rename import rename_argument
+from ur.tools.find.arguments import rename_argument
 
 if TYPE_CHECKING:
     from ur.lsp.server import LaunchServer

@@ -31,8 +31,7 @@ if ROS_2 and not TYPE_CHECKING:  # as in `dialect`
     except ImportError:
         from ur_nodes.codecs.bare import BareGridUpdate as GridUpdate
 else:
-    from ur_nodes.codecs.genpy.grid import GridMessage, GridService
-    from ur_nodes.codecs.genpy.grid_update import GridUpdate
+    from ur_nodes.codecs.genpy.grid import GridMessage, GridService, GridUpdate
 
 _MapRequest, _MapResponse = parts_of(GridService)
 _UseRequest, _UseResponse = parts_of(SetMap)

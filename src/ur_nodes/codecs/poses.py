@@ -21,7 +21,7 @@ from ur_nodes.ports.values import Outline, Path, PoseEstimate, Poses, Result, St
 if ROS_2 and not TYPE_CHECKING:  # as in `dialect`
     from geometry_msgs.msg import PoseArray as PosesMessage
 else:
-    from ur_nodes.codecs.genpy.poses import PosesMessage
+    from ur_nodes.codecs.genpy.scan import PosesMessage
 
 _PlanRequest, _PlanResponse = parts_of(GetPlan)
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from http.client import HTTPException
+from types import SimpleNamespace
 from typing import Any, TypeVar, cast
 from urllib.parse import urlsplit
 from xml.parsers.expat import ExpatError
@@ -22,16 +23,62 @@ from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalHandlers, GoalS
 from ur_nodes.ports.graph import Ends, Graph, make_graph
 from ur_nodes.ports.log import ThrottledLog
 from ur_nodes.ports.node import Location, Sender
-from ur_nodes.ports.parameters import Parameters
+from ur_nodes.ports.parameters import Declaration, Parameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import ClockTime, Result
-from ur_nodes.ros1.reconfigure import serve_changes
 from ur_nodes.ros1.repairs.own_clock import follow_clock
 from ur_nodes.ros1.repairs.sending import wait_until_sent
 from ur_nodes.ros1.services import call_service, serve_service
 from ur_nodes.ros1.topics import RosClock, RosPublisher, RosSubscription, sender_of
+
+Change = Callable[[dict[str, object]], str]
+Config = dict[str, object]
+
+_KINDS: dict[type, str] = {bool: "bool", int: "int", float: "double"}
+_UNUSED: dict[str, object] = {"level": 0, "edit_method": ""}
+
+
+def serve_changes(parameters: Parameters, change: Change) -> None:
+    """Let other programs set what is live; `change` returns '' or the refusal. Raises ImportError: not installed."""
+    from dynamic_reconfigure.server import Server
+
+    class RefusingServer(Server):
+        """Upstream's server. A value out of the limits is refused, and not moved into them."""
+
+        def _clamp(self, config: dict[str, object]) -> None:
+            """See Server."""
+
+    live = {name: each for name, each in parameters.declared().items() if each.live}
+    for folder in {name.rpartition("/")[0] for name in live}:
+        here = {name[len(folder) + 1 :]: each for name, each in live.items() if name.rpartition("/")[0] == folder}
+        RefusingServer(_describe(here), partial(_apply, parameters, change, folder), folder)
+
+
+def _apply(parameters: Parameters, change: Change, folder: str, config: Config, _level: int) -> Config:
+    """Apply a configuration, and return what is in use. Raises ServiceException with the reason of a refusal."""
+    known, given = parameters.declared(), {f"{folder}/{name}": config[name] for name in config if name != "groups"}
+    changed = {name: value for name, value in given.items() if name not in known or known[name].value != value}
+    if changed and (reason := change(changed)):
+        raise rospy.ServiceException(reason)
+    config.update({name.rpartition("/")[2]: parameters.declared()[name].value for name in given})
+    return config
+
+
+def _describe(live: Mapping[str, Declaration]) -> SimpleNamespace:
+    """Return what upstream generates as a class of constants."""
+    described = [
+        {"name": name, "type": _KINDS[type(each.value)], "description": f"{each.live} ({each.expected})", **_UNUSED}
+        for name, each in live.items()
+    ]
+    group = {"name": "Default", "type": "", "id": 0, "parent": 0, "state": True, "groups": [], "parameters": described}
+    return SimpleNamespace(
+        config_description=group,
+        defaults={name: each.value for name, each in live.items()},
+        min={name: each.limits[0] for name, each in live.items()},
+        max={name: each.limits[1] for name, each in live.items()},
+    )
 
 
 def read_graph(name: str) -> Graph | None:
@@ -125,7 +172,7 @@ class RosNode(LoopNode):
     @property
     def transforms(self) -> Transforms:
         if self._transforms is None:
-            from ur_nodes.ros1.transforms import TransformTopics
+            from ur_nodes.ros1.services import TransformTopics
 
             topics = TransformTopics()
             self._transforms = tree = Transforms(topics.send, self.log)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
 
 from ur_nodes.codecs import KindCodec, find_codec
 from ur_nodes.file_facts import FileFacts
@@ -23,11 +24,52 @@ from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
 from ur_nodes.ros2.names import resolve, type_name_of
-from ur_nodes.ros2.navigation.lifecycle import answer_for_managed_nodes
 from ur_nodes.ros2.parameters import RosParameters
 from ur_nodes.ros2.reception import ReceivingNode
 from ur_nodes.ros2.services import NodeServices
 from ur_nodes.ros2.topics import RosPublisher, RosSubscription
+
+if TYPE_CHECKING:
+    from lifecycle_msgs.srv import GetState
+    from std_srvs.srv import Trigger
+
+STANDS_IN: Final = {
+    "amcl": ("amcl",),
+    "map_server": ("map_server",),
+    "move_base": ("bt_navigator", "controller_server", "planner_server"),
+    "slam_gmapping": ("slam_toolbox",),
+}
+"""Nodes of ours by name, and the managed nodes whose tasks they have."""
+
+MANAGERS: Final = {"amcl": "lifecycle_manager_localization", "move_base": "lifecycle_manager_navigation"}
+"""The nodes that manage these."""
+
+
+def answer_for_managed_nodes(node: Node) -> None:
+    """Offer the services of the managed node that this one replaces; nothing for other nodes."""
+    name = node.get_name()
+    if name in STANDS_IN:
+        from lifecycle_msgs.srv import GetState
+
+        for managed in STANDS_IN[name]:
+            node.create_service(GetState, f"{managed}/get_state", _answer_state)
+    if name in MANAGERS:
+        from std_srvs.srv import Trigger
+
+        node.create_service(Trigger, f"{MANAGERS[name]}/is_active", _answer_active)
+
+
+def _answer_state(_request: GetState.Request, response: GetState.Response) -> GetState.Response:
+    from lifecycle_msgs.msg import State
+
+    response.current_state = State(id=State.PRIMARY_STATE_ACTIVE, label="active")
+    return response
+
+
+def _answer_active(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    response.success = True
+    return response
+
 
 if TYPE_CHECKING:
     from rclpy.clock import JumpHandle
@@ -90,7 +132,7 @@ class RosNode(LoopNode):
     @property
     def transforms(self) -> Transforms:
         if self._transforms is None:
-            from ur_nodes.ros2.transforms import TransformTopics
+            from ur_nodes.ros2.services import TransformTopics
 
             topics = TransformTopics(self._node)
             self._transforms = tree = Transforms(topics.send, self.log)

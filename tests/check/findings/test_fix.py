@@ -1,5 +1,5 @@
 from ur.check.catalogue import load_rules
-from ur.check.findings.fix import plan_repairs
+from ur.check.findings.suppress import plan_repairs
 from ur.check.run import check_paths
 from ur.launchfile.world import MemoryWorld
 

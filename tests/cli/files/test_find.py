@@ -7,7 +7,7 @@ import pytest
 
 from ur.cli.files import find
 from ur.cli.main import main
-from ur.tools.find.occurrences import KINDS
+from ur.tools.find.search import KINDS
 
 
 @pytest.fixture(autouse=True)

@@ -6,8 +6,8 @@ from pathlib import Path
 from tests.fuzz.target import Target
 
 from ur.launchfile.world.packages import package_name_in
-from ur.robot.image.content import describe_other, identify_filesystem, identify_packing
-from ur.robot.image.partitions import read_partitions
+from ur.robot.image.device import read_partitions
+from ur.robot.image.layout import describe_other, identify_filesystem, identify_packing
 from ur.run.master.tcpros import read_frames
 from ur.source.diagnostic import UserError
 from ur.tools.package.cmake import put_block, write_block

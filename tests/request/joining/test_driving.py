@@ -7,7 +7,7 @@ import pytest
 from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import NodeSpec
 from ur.launchfile.world import MemoryWorld
-from ur.request.joining.driving import ask_mode, choose_mode
+from ur.request.joining.running import ask_mode, choose_mode
 from ur.request.launch_request import LaunchOptions, check_options
 from ur.run.remote.lease import RobotLease
 from ur.source import UserError

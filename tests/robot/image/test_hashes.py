@@ -1,7 +1,7 @@
 import pytest
 from tests.robot.image.images import needs_tools
 
-from ur.robot.image.hashes import derive_network_key, hash_password, is_hash_of
+from ur.robot.image.seed import derive_network_key, hash_password, is_hash_of
 from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import UserError
 

@@ -4,8 +4,8 @@ from pathlib import Path
 import pytest
 from tests.robot.image.images import MIB, Part, make_image, needs_tools, run
 
+from ur.robot.image.device import Partition, read_partitions
 from ur.robot.image.layout import open_reader
-from ur.robot.image.partitions import Partition, read_partitions
 from ur.source.diagnostic import UserError
 
 

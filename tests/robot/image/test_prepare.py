@@ -18,8 +18,7 @@ from tests.robot.image.images import (
 )
 
 from ur.robot.image.layout import find_layout
-from ur.robot.image.prepare import Write, plan_undo, plan_writes, read_seed, write_all
-from ur.robot.image.seed import SeedNetwork, SeedOptions, make_seed
+from ur.robot.image.seed import SeedNetwork, SeedOptions, Write, make_seed, plan_undo, plan_writes, read_seed, write_all
 from ur.robot.setup.robot_states import WantedRobot
 
 pytestmark = needs_tools

@@ -11,7 +11,7 @@ from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.memory import MemoryWorld
 from ur.request.bases.robot_facts import read_facts as read_robot_facts
-from ur.request.joining.driving import rename_taken
+from ur.request.joining.running import rename_taken
 from ur.run.launch import find_middleware
 from ur.run.master.parameters import start_commands
 from ur.run.middleware.facts import read_facts

@@ -9,7 +9,7 @@ from ur.check.worlds import make_world
 from ur.launchfile.world import MemoryWorld
 from ur.source.diagnostic import UserError
 from ur.source.file import SourceFile
-from ur.tools.find.rename import apply_rename, rename_argument
+from ur.tools.find.arguments import apply_rename, rename_argument
 
 ROOT = Path(__file__).parents[3]
 TOP = """<launch>

@@ -9,12 +9,19 @@ import yaml
 
 from ur.robot.base import read_base
 from ur.source.diagnostic import UserError
-from ur.tools.new.group import plan_multi, plan_program
-from ur.tools.new.launch_text import as_comment
+from ur.tools.new.group import as_comment, plan_multi, plan_program
 from ur.tools.new.node import plan_node
 from ur.tools.new.package import write_base
-from ur.tools.new.parts import BaseRequest, IncludedPart, NewArgument, NewFile, NodeRequest, NodeTopic, Observed
-from ur.tools.new.write import write_files
+from ur.tools.new.parts import (
+    BaseRequest,
+    IncludedPart,
+    NewArgument,
+    NewFile,
+    NodeRequest,
+    NodeTopic,
+    Observed,
+    write_files,
+)
 
 
 def test_topics_become_arguments_and_remaps() -> None:
@@ -96,7 +103,7 @@ def test_texts_cannot_end_a_comment(text: str, said: str) -> None:
 
 
 def test_arguments_with_odd_characters_are_escaped() -> None:
-    from ur.tools.new.launch_text import write_launch
+    from ur.tools.new.group import write_launch
 
     assert """default='say "hi" &amp; &lt;go&gt;'""" in write_launch(
         "s", "", [NewArgument("a", "d", 'say "hi" & <go>')], []

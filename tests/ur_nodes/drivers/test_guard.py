@@ -21,8 +21,7 @@ from ur.run.host.cgroup import Cgroup, make_cgroup
 from ur.run.host.descendants import MOTOR_GUARD
 from ur_nodes.drivers.lines import guard_program
 from ur_nodes.drivers.lines.line import LineSettings, LineUser
-from ur_nodes.drivers.lines.motor_guard import MotorGuard
-from ur_nodes.drivers.lines.serial_line import SerialLine
+from ur_nodes.drivers.lines.serial_line import MotorGuard, SerialLine
 from ur_nodes.drivers.registry import BOARDS
 from ur_nodes.simulator.devices.bench import DeviceTerminal
 

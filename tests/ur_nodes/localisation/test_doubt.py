@@ -3,7 +3,7 @@ import pytest
 from tests.ur_nodes.navigation.synthetic import make_room, scan_points
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.localisation.doubt import LOST, PoseFit, share_through_walls, step_doubt
+from ur_nodes.localisation.localiser import LOST, PoseFit, share_through_walls, step_doubt
 
 HERE = Pose2(1.0, -0.6, 0.0)
 

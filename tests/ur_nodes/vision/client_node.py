@@ -15,8 +15,8 @@ from tests.ur_nodes.vision.synthetic import MOUNT
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
-from ur_nodes.codecs.genpy.fiducials import message_classes
 from ur_nodes.codecs.geometry import transform_message
+from ur_nodes.codecs.vision.fiducial_messages import message_classes
 from ur_nodes.geometry.rigid import to_pose
 
 

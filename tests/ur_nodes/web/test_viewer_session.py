@@ -12,7 +12,7 @@ from ur.web.wire.frames import NOTHING_RUNS, Kind, Layer, key_of
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
-from ur_nodes.memory.stores import MemoryParameters
+from ur_nodes.memory.node import MemoryParameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Battery, Map, PoseEstimate, Range, Scan, Transform
 from ur_nodes.ports.values import Path as PathValue

@@ -105,7 +105,7 @@ def _check(paths: Sequence[str], chosen: frozenset[str], form: str, *, fix: bool
     report = check()
     if fix:
         from ur.check.catalogue import load_rules
-        from ur.check.findings.fix import plan_repairs
+        from ur.check.findings.suppress import plan_repairs
         from ur.cli.output import replace_file
 
         repairs = plan_repairs(report.findings, load_rules())

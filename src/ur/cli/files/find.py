@@ -13,9 +13,9 @@ from ur.source.printable import printable
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ur.tools.find.occurrences import Occurrence
+    from ur.tools.find.search import Occurrence
 
-_KINDS = ("arg", "node", "topic", "param", "file")  # as ur.tools.find.occurrences has them; a test compares
+_KINDS = ("arg", "node", "topic", "param", "file")  # as ur.tools.find.search has them; a test compares
 
 
 @click.command("find")
@@ -35,8 +35,7 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
     from ur.check.worlds import make_world
     from ur.request.environment import add_own_package
     from ur.source.progress_line import show_progress
-    from ur.tools.find.occurrences import KINDS
-    from ur.tools.find.search import find_name
+    from ur.tools.find.search import KINDS, find_name
 
     places = list(paths) or ["."]
     world = make_world(places, add_own_package(os.environ))

@@ -145,8 +145,15 @@ def new_base(
     ARG:=VALUE are arguments of the xacro file.
     """
     from ur.cli.files.new_things import describe_base
-    from ur.tools.new.description import check_source, refuse_arguments
-    from ur.tools.new.drivers import check_driver, driver_files, driver_lines, driver_speeds, refuse_sideways
+    from ur.tools.new.description import (
+        check_driver,
+        check_source,
+        driver_files,
+        driver_lines,
+        driver_speeds,
+        refuse_arguments,
+        refuse_sideways,
+    )
     from ur.tools.new.package import write_base
     from ur.tools.new.parts import NewFile
     from ur.tools.new.target import next_step, target_of
@@ -199,8 +206,8 @@ _SCRIPT = re.compile(r"[a-z][a-z0-9_]*")
 @click.option("--summary", default="Drive half a metre ahead", help="One line that says what it does.")
 def new_script(name: str, summary: str) -> int:
     """Write a script NAME.py into this folder, which drives the selected robot half a metre ahead."""
-    from ur.tools.new.script import plan_script
-    from ur.tools.new.write import write_files
+    from ur.tools.new.package import plan_script
+    from ur.tools.new.parts import write_files
 
     name = name.removesuffix(".py")
     if not _SCRIPT.fullmatch(name):
@@ -265,8 +272,7 @@ def new_world(name: str | None, picture: str | None, width: float | None, size: 
 
 
 def _write(name: str, drawing: object, title: str) -> int:
-    from ur.tools.new.parts import NewFile
-    from ur.tools.new.write import write_files
+    from ur.tools.new.parts import NewFile, write_files
     from ur.worlds.drawing import Drawing, write_png, write_world
 
     assert isinstance(drawing, Drawing)

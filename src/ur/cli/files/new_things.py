@@ -236,7 +236,7 @@ class _Done:
     """Writes files, and prints their names and the next steps."""
 
     def __call__(self, target: TargetPackage, files: Sequence[NewFile], then: str) -> int:
-        from ur.tools.new.write import write_files
+        from ur.tools.new.parts import write_files
 
         files = [_formatted(target, file) for file in files]
         write_files(target.folder, files)

@@ -20,18 +20,25 @@ from ur.robot.base import list_bases, load_base
 from ur.robot.discovery.record import DEFAULT_USER, RobotRecord, records_folder, render_record
 from ur.robot.image.copy import copied_image, packing_of
 from ur.robot.image.device import DiskDevice, check_device, is_device
-from ur.robot.image.hashes import derive_network_key, hash_password, is_hash_of
-from ur.robot.image.host_key import know_host_key, make_host_key
 from ur.robot.image.layout import find_layout
-from ur.robot.image.prepare import Write, plan_undo, plan_writes, read_seed, write_all
 from ur.robot.image.seed import (
     SeedNetwork,
     SeedOptions,
+    Write,
     accepts_host_key,
+    derive_network_key,
+    hash_password,
     hide_secrets,
+    is_hash_of,
+    know_host_key,
+    make_host_key,
     make_seed,
+    plan_undo,
+    plan_writes,
     present_host_key,
     present_password,
+    read_seed,
+    write_all,
 )
 from ur.robot.image.volume import run_tool
 from ur.robot.setup.change import Change, show_difference

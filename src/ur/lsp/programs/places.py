@@ -11,9 +11,8 @@ from ur.lsp.programs.starts import find_loaders, find_starters, programs_of_yaml
 from ur.lsp.programs.yaml_keys import is_yaml
 from ur.lsp.workspace import Workspace
 from ur.source.file import SourceFile, Span
-from ur.tools.find.occurrences import Kind, Occurrence, WantedName
 from ur.tools.find.programs import NodeProgram, read_program
-from ur.tools.find.search import find_resolved
+from ur.tools.find.search import Kind, Occurrence, WantedName, find_resolved
 
 
 def define_elsewhere(workspace: Workspace, path: str, offset: int) -> list[Span]:

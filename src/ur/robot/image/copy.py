@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, cast
 
-from ur.robot.image.content import identify_packing
+from ur.robot.image.layout import identify_packing
 from ur.source.diagnostic import UserError, error_about
 from ur.source.replace import sync_folder
 

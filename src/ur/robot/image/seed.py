@@ -1,18 +1,29 @@
-"""The text files of a seed, which configure a robot's first boot."""
+"""The files of a seed, which configure a robot's first boot: their text, hashes of passwords, host key, and removal."""
 
+import getpass
 import hashlib
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Literal
 
 import yaml
 
-from ur.robot.image.layout import SEED_FOLDER, Layout, Scheme
+from ur.robot.image.layout import SEED_FOLDER, Layout, Scheme, find_layout
+from ur.robot.image.volume import Volume, run_tool
 from ur.robot.robot_file import ROBOT_FILE
+from ur.robot.setup.change import Change
+from ur.robot.setup.engine import apply_states
+from ur.robot.setup.facts import ComputerFacts, FactsRequest
+from ur.robot.setup.keys import known_host
 from ur.robot.setup.robot_states import KEEP_NAME, WantedRobot, announcement, robot_file
-from ur.robot.ssh.shell import quote
+from ur.robot.setup.wanted import Wanted, WantedFolder
+from ur.robot.ssh.guard import private_folder
+from ur.robot.ssh.host_key import parse_public_key
+from ur.robot.ssh.secret import Secret
+from ur.robot.ssh.shell import LocalShell, quote
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.yaml_text import load_yaml
 
@@ -265,3 +276,154 @@ _Dumper.add_representer(str, _Dumper.represent_str)
 def _dump(data: object) -> str:
     text: str = yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=1000)
     return text
+
+
+_SALT = re.compile(r"\$6\$([./A-Za-z0-9]{1,16})\$[./A-Za-z0-9]{86}")
+
+
+def hash_password(password: Secret, salt: str = "") -> str:
+    """Return the SHA-512 crypt(3) hash of a login password, with a random salt unless one is given.
+
+    Raises UserError.
+    """
+    words = ["openssl", "passwd", "-6", "-stdin", *(["-salt", salt] if salt else [])]
+    done = run_tool(words, password.reveal().encode() + b"\n")
+    hashed = done.stdout.decode().strip()
+    if done.returncode or not _SALT.fullmatch(hashed):
+        raise UserError(error("openssl made no hash of the password", rule="bad-password", help="choose another one"))
+    return hashed
+
+
+def is_hash_of(hashed: str, password: Secret) -> bool:
+    """Return whether a hash, made by `hash_password`, is that of this password."""
+    found = _SALT.fullmatch(hashed)
+    return found is not None and hash_password(password, found[1]) == hashed
+
+
+def derive_network_key(password: Secret, network: str) -> str:
+    """Return the 64 hexadecimal digits of the WPA2 key for a network's password; 64 such digits are returned unchanged.
+
+    The formula: IEEE 802.11i-2004, annex H.4 (PBKDF2 with HMAC-SHA1, 4096 rounds); wpa_passphrase computes the same.
+    Raises UserError for an invalid password.
+    """
+    text = password.reveal()
+    if re.fullmatch(r"[0-9A-Fa-f]{64}", text):
+        return text.lower()
+    if not 8 <= len(text) <= 63 or not all(" " <= letter <= "~" for letter in text):
+        raise UserError(
+            error(
+                f"that cannot be the password of {network}, expected 8 to 63 letters, digits and signs of ASCII",
+                rule="bad-password",
+                subject=network,
+            )
+        )
+    return hashlib.pbkdf2_hmac("sha1", text.encode(), network.encode(), 4096, 32).hex()
+
+
+def make_host_key(name: str) -> HostKeyPair:
+    """Generate a host key for the robot of this name. Raises UserError."""
+    with private_folder() as folder:
+        path = folder / "key"
+        done = run_tool(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-C", f"root@{name}", "-f", str(path)])
+        if done.returncode:
+            raise UserError(error("ssh-keygen cannot make a host key", rule="no-key", help="run: ur setup"))
+        public = parse_public_key(path.with_suffix(".pub").read_text())
+        return HostKeyPair(path.read_text(), public.key)
+
+
+def know_host_key(name: str, pair: HostKeyPair) -> None:
+    """Add the public key to this user's known_hosts, in place of an earlier key of a robot with this name."""
+
+    def make(_: ComputerFacts) -> list[Wanted]:
+        return [WantedFolder("ssh folder", "~/.ssh", mode=0o700), known_host(f"host key of {name}", name, pair.public)]
+
+    def ignore(_: Change) -> None:
+        return None
+
+    user = getpass.getuser()
+    apply_states(LocalShell(), make, user, FactsRequest(user), root=False, report=ignore)
+
+
+ORIGINAL = ".orig"
+_SEED_FILES = ("network-config", "ssh", "meta-data", "user-data")  # user-data last: a seed without it is ignored
+
+
+@dataclass(frozen=True, slots=True)
+class Write:
+    """A file to write into an image: its present and its future content; None if the file does not exist."""
+
+    volume: Literal["boot", "root"]
+    path: str
+    before: bytes | None
+    after: bytes | None
+
+
+def seed_places(layout: Layout) -> tuple[tuple[Literal["boot", "root"], str], ...]:
+    """Return the paths of all files that a seed may have in such an image, in the order of writing."""
+    if layout.scheme is Scheme.CUSTOM_TOML:
+        return (("root", str(ROBOT_FILE).lstrip("/")), ("boot", "custom.toml"))
+    if layout.scheme is Scheme.ROOT_SEED:
+        return tuple(("root", f"{SEED_FOLDER}/{name}") for name in _SEED_FILES if name != "ssh")
+    return tuple(("boot", name) for name in _SEED_FILES if name != "ssh" or layout.raspberry)
+
+
+def read_seed(layout: Layout) -> dict[tuple[str, str], bytes | None]:
+    """Read the present state: each path of a seed, and the original file that an earlier seed saved beside it."""
+    found: dict[tuple[str, str], bytes | None] = {}
+    for volume, path in seed_places(layout):
+        for name in (path, path + ORIGINAL):
+            found[volume, name] = _volume(layout, volume).read(name)
+    return found
+
+
+def plan_writes(layout: Layout, present: dict[tuple[str, str], bytes | None], seed: Iterable[SeedFile]) -> list[Write]:
+    """Plan the files to write for this seed; empty if the seed is already there.
+
+    Original files are kept as NAME.orig.
+    """
+    wanted = {(file.volume, file.path): file.text.encode() for file in seed}
+    return list(_plan(layout, present, wanted))
+
+
+def _plan(
+    layout: Layout,
+    present: dict[tuple[str, str], bytes | None],
+    wanted: dict[tuple[Literal["boot", "root"], str], bytes],
+) -> Iterator[Write]:
+    for place in seed_places(layout):
+        volume, path = place
+        before, original = present[volume, path], present[volume, path + ORIGINAL]
+        # A file of an earlier seed that this one lacks: restore the image's original.
+        after = wanted.get(place, original if _is_ours(path, before) else before)
+        if place in wanted and before not in (None, original) and not _is_ours(path, before):
+            yield Write(volume, path + ORIGINAL, original, before)
+        if after != before:
+            yield Write(volume, path, before, after)
+        if place not in wanted and original is not None and _is_ours(path, before):
+            yield Write(volume, path + ORIGINAL, original, None)
+
+
+def plan_undo(layout: Layout, present: dict[tuple[str, str], bytes | None]) -> list[Write]:
+    """Plan the changes that remove this project's seed and restore the image's original files."""
+    return list(_plan(layout, present, {}))
+
+
+def write_all(path: Path, writes: Sequence[Write]) -> None:
+    """Write files into an image or device. Raises UserError if a file cannot be read back afterwards."""
+    layout = find_layout(path)
+    for write in writes:
+        mode = 0o644 if write.path.endswith(ROBOT_FILE.name) else 0o600  # seeds hold hashes and keys
+        _volume(layout, write.volume).write(write.path, write.after, mode)
+
+
+def _is_ours(path: str, content: bytes | None) -> bool:
+    if content is None:
+        return False
+    head = content[:200].decode(errors="replace")
+    return MARK in head or (path.endswith(ROBOT_FILE.name) and "Written by ur" in head)
+
+
+def _volume(layout: Layout, name: Literal["boot", "root"]) -> Volume:
+    volume = layout.boot if name == "boot" else layout.root
+    assert volume is not None, "a layout whose scheme has no such file system"
+    return volume

@@ -9,7 +9,7 @@ from ur.launchfile.ros2.parameters import coerce
 from ur.source.file import Span
 from ur.tools.convert.state import Findings
 from ur.tools.convert.templates import Split, Templates, Unwritable
-from ur.tools.convert.xml_out import XmlTag
+from ur.tools.convert.yaml_out import XmlTag
 
 _NAMES = {tag.kind: name for name, tag in TAGS.items()} | {"LogInfo": "log"}
 _TYPES = {kind: name for name, kind in VALUE_TYPES.items() if kind is not None and name}

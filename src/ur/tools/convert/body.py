@@ -10,11 +10,10 @@ from collections.abc import Callable
 from ur.launchfile.plan.specs import LOCAL_ADDRESSES
 from ur.launchfile.syntax import Comment, Element
 from ur.tools.convert.expressions import NotConvertible
-from ur.tools.convert.nodes import convert_node, remap_tag
-from ur.tools.convert.parameters import convert_param
+from ur.tools.convert.nodes import convert_node, convert_param, remap_tag
 from ur.tools.convert.state import Findings, PlaceInFile, conditions_of, convert_attribute
 from ur.tools.convert.texts import convert_text
-from ur.tools.convert.xml_out import XmlTag, write_xml
+from ur.tools.convert.yaml_out import XmlTag, write_xml
 
 _DOCUMENTED = re.compile(r"\s*([A-Za-z_]\w*)\s*:\s*(.*\S)\s*\Z", re.DOTALL)
 _DIRECTIVE = re.compile(r"\s*(ur|terminal|ready)\s*:")

@@ -13,7 +13,7 @@ from ur.source.diagnostic import Diagnostic, Severity, UserError, error_about
 from ur.tools.convert.body import convert_launch
 from ur.tools.convert.parameter_files import ParameterFile, convert_parameters
 from ur.tools.convert.state import RULE, Findings
-from ur.tools.convert.xml_out import write_xml
+from ur.tools.convert.yaml_out import write_xml
 
 HEAD = "<?xml version='1.0'?>\n"
 _FIND = re.compile(r"\$\(find\s+([^()\s]+)\s*\)(.*)", re.DOTALL)

@@ -10,7 +10,7 @@ from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
 from ur.tools.convert.expressions import NotConvertible, Want
 from ur.tools.convert.texts import convert_text
-from ur.tools.convert.xml_out import XmlTag
+from ur.tools.convert.yaml_out import XmlTag
 
 RULE = "not-in-ros2"
 _ARGUMENT = re.compile(r"\$\(arg\s+(\w+)\s*\)")

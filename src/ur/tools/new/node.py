@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator, Mapping
 
 from ur.launchfile.plan.names import is_legal_name
-from ur.tools.new.launch_text import LOCALHOST, MACHINE, attribute, write_launch
+from ur.tools.new.group import LOCALHOST, MACHINE, attribute, write_launch
 from ur.tools.new.parts import NewArgument, NewFile, NodeRequest, NodeTopic
 
 _ORDINARY = re.compile(r"\W+")

@@ -1,4 +1,4 @@
-"""sensor_msgs/LaserScan with arrays, sent and received without lists of Python numbers."""
+"""sensor_msgs/LaserScan and geometry_msgs/PoseArray, sent and received without lists of Python numbers or objects."""
 
 from __future__ import annotations
 
@@ -8,8 +8,28 @@ from typing import BinaryIO, cast
 
 import genpy
 import numpy as np
+from geometry_msgs.msg import PoseArray
+from numpy.typing import NDArray
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header
+
+
+class PosesMessage(PoseArray):
+    """Many poses, written fast: `planar` is float64 (n, 3), m, m, rad; `poses` stays empty in what is sent."""
+
+    __slots__ = ("planar",)
+    planar: NDArray[np.float64]
+
+    def serialize(self, buff: BinaryIO) -> None:
+        """Write header, number and poses as http://wiki.ros.org/msg describes (little-endian)."""
+        self.header.serialize(buff)
+        buff.write(np.uint32(len(self.planar)).astype("<u4").tobytes())
+        poses = np.zeros((len(self.planar), 7), dtype="<f8")
+        poses[:, :2] = self.planar[:, :2]
+        poses[:, 5] = np.sin(0.5 * self.planar[:, 2])
+        poses[:, 6] = np.cos(0.5 * self.planar[:, 2])
+        buff.write(poses.tobytes())
+
 
 _HEADER = struct.Struct("<4I")  # sequence number, stamp, length of the frame's name
 _FIGURES = struct.Struct("<7f")

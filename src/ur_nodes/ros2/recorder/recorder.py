@@ -14,8 +14,26 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import RecordedMessage, RecordedTopic, RecordedType
-from ur_nodes.ros2.recorder.arrivals import Arrivals
 from ur_nodes.ros2.recorder.subscriptions import TopicPublishers, open_subscription, read_publishers
+
+
+@dataclass(slots=True)
+class Arrivals:
+    """`last` is the time of the newest message that was recorded, in ns."""
+
+    last: int = -(10**18)
+
+    def note(self, moment: int, period: int) -> int | None:
+        """Return the time of a message that arrived at a moment; None: less than a period (ns) after the last one.
+
+        Messages are read in the order in which they were sent. One that was lost and sent again arrives after those
+        that follow it: they have its time, so that the order stays.
+        """
+        if period and moment - self.last < period:
+            return None
+        self.last = max(moment, self.last)
+        return self.last
+
 
 if TYPE_CHECKING:
     from rclpy.node import Node, Subscription

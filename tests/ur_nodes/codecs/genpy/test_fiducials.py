@@ -12,7 +12,7 @@ from genmsg import MsgContext, compute_md5
 from genmsg.msg_loader import load_msg_from_string
 from std_msgs.msg import Header
 
-from ur_nodes.codecs.genpy.fiducials import message_classes
+from ur_nodes.codecs.vision.fiducial_messages import message_classes
 
 
 @pytest.mark.parametrize("name", ["FiducialArray", "FiducialTransformArray"])

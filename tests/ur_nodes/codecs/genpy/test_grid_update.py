@@ -10,8 +10,8 @@ from genpy import DeserializationError
 from std_msgs.msg import Header
 
 from ur_nodes.codecs import find_codec
-from ur_nodes.codecs.genpy.fiducials import make_classes
-from ur_nodes.codecs.genpy.grid_update import GridUpdate
+from ur_nodes.codecs.genpy.grid import GridUpdate
+from ur_nodes.codecs.vision.fiducial_messages import make_classes
 from ur_nodes.ports.values import MapUpdate
 
 

@@ -15,7 +15,7 @@ from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
-from ur_nodes.memory.stores import MemoryParameters
+from ur_nodes.memory.node import MemoryParameters
 from ur_nodes.missions.robot.patrol_node import start
 from ur_nodes.motion import cmd_vel_mux_node
 from ur_nodes.motion.lease.client import LeaseClient

@@ -6,7 +6,7 @@ from tests.ur_nodes.slam.rooms import ROOM, box, scan_at, walls_of
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.pose_graph.graph import PoseGraph
-from ur_nodes.slam.pose_graph.neighbours import NeighbourMatcher
+from ur_nodes.slam.pose_graph.loop_closer import NeighbourMatcher
 
 KNOWN = np.square((0.02, 0.02, 0.01))
 TRUTH = [Pose2(0.4 * n - 1.5, 0.3 * math.sin(n), 0.1 * n) for n in range(10)]

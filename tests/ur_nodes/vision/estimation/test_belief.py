@@ -7,8 +7,7 @@ from tests.ur_nodes.vision.estimation.test_robustness import known
 from tests.ur_nodes.vision.synthetic import drift, drive, look
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.vision.estimation.belief import UNKNOWN_ERRORS, Belief, guess
-from ur_nodes.vision.estimation.localise import FiducialLocaliser
+from ur_nodes.vision.estimation.localise import UNKNOWN_ERRORS, Belief, FiducialLocaliser, guess
 
 HERE = Pose2(0.0, 0.0, 0.0)
 EXACT = np.diag(np.square([0.001, 0.001, 0.001]))
