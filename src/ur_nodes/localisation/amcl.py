@@ -4,6 +4,7 @@ import numpy as np
 
 from ur_nodes.geometry.difference import describe_poses
 from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.motion_witness import MotionWitness
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.scan import SensorMount, points_of_scan
 from ur_nodes.localisation.amcl_settings import AmclSettings
@@ -17,6 +18,7 @@ from ur_nodes.ports.values import Map, PoseEstimate, Result, Scan
 class Amcl:
     """Localises on the map in use. `last` is the newest estimate, also that of an earlier map; None before the first.
 
+    What wheels turn in vain, as scans show, is no motion: a robot that pushes something does not become lost.
     `correction` is the pose of the odometry's frame in the map. Both are kept while the robot is lost.
     """
 
@@ -28,6 +30,8 @@ class Amcl:
         self._grid: Grid | None = None
         self._places = 0  # that fit, as reported last
         self._lost = False  # likewise
+        self._witness = MotionWitness()
+        self._slip = Pose2(0.0, 0.0, 0.0)  # of odometry without what wheels turned in vain, from odometry
         self.last: ClusterEstimate | None = None
         self.correction: Pose2 | None = None
 
@@ -106,7 +110,13 @@ class Amcl:
         assert self._grid
         low, high = self._settings.laser_limits
         limits = (max(low, scan.range_min), min(high, scan.range_max) if high > 0.0 else scan.range_max)
-        estimate = self._localiser.update(odometry, points_of_scan(scan, mount, limits))
+        points = points_of_scan(scan, mount, limits)
+        if slip := self._witness.update(odometry, points, (float(mount.offset[0]), float(mount.offset[1]))):
+            back = odometry.compose(slip.inverse()).compose(odometry.inverse())
+            self._slip = self._slip.compose(back)
+            self.correction = self.correction.compose(back) if self.correction else None
+            self._localiser.request_update()
+        estimate = self._localiser.update(self._slip.compose(odometry), points)
         if not estimate:
             return None
         assert self._localiser

@@ -1,0 +1,89 @@
+"""A second opinion on odometry: which share of the motion that wheels claim do two scans confirm?
+
+Each beam whose range the claimed motion would have changed is a witness; near 0 the wheels slip, near 1 the robot moves.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.geometry.pose import Pose2
+
+_STEP = (0.06, 0.12)  # m, rad of claimed motion between two scans that are compared
+_GAP, _EDGE = 0.06, 0.5  # rad, and share of the range: neighbouring beams with more between them meet different things
+_CHANGE = 0.4  # of the claimed motion: beams whose range changes by less do not matter
+_SECTORS, _BEAMS, _FEWEST = 12, 3, 3  # of the turn; beams in one that counts; such sectors: a person fills two at most
+_SLIP = 0.3  # less of the claimed motion is none
+
+
+def confirmed_share(
+    before: NDArray[np.float64], after: NDArray[np.float64], moved: Pose2, sensor: tuple[float, float]
+) -> float | None:
+    """Return the share of a claimed motion that two scans confirm; None where they cannot tell.
+
+    `before` (n, 2) and `after` (m, 2) are the ends of beams in the robot's frame, m; `moved` is the later pose of the
+    robot in its earlier frame, `sensor` the place of the lidar in the robot's frame.
+    """
+    if not len(before) or not len(after):
+        return None
+    bearings, ranges = _polar(after, sensor)
+    still, near_still = _ranges_at(bearings, *_polar(before, sensor))
+    driven, near_driven = _ranges_at(bearings, *_polar(moved.inverse().transform_points(before), sensor))
+    change = driven - still
+    reach = max(math.hypot(moved.x, moved.y), 0.5 * abs(moved.yaw))
+    told = near_still & near_driven & (np.abs(change) > _CHANGE * reach) & (np.abs(change) < 3.0 * reach)
+    shares = (ranges[told] - still[told]) / change[told]
+    sectors = (bearings[told] // (math.tau / _SECTORS)).astype(np.intp)
+    each = [float(np.median(shares[sectors == one])) for one in np.unique(sectors) if (sectors == one).sum() >= _BEAMS]
+    return float(np.median(each)) if len(each) >= _FEWEST else None
+
+
+def _polar(points: NDArray[np.float64], sensor: tuple[float, float]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return bearings (n), ascending, 0 to 2 pi, and ranges (n) of points (n, 2)."""
+    x, y = (points - sensor).T
+    bearings = np.arctan2(y, x) % math.tau
+    order = np.argsort(bearings)
+    return bearings[order], np.maximum(np.hypot(x, y)[order], 1e-3)
+
+
+def _ranges_at(
+    wanted: NDArray[np.float64], bearings: NDArray[np.float64], ranges: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Return the ranges (n) in wanted directions (n), on the line between two beams, and which have such beams."""
+    above = np.searchsorted(bearings, wanted) % len(bearings)
+    gap = (bearings[above] - bearings[above - 1]) % math.tau
+    far, near = ranges[above], ranges[above - 1]
+    along = ((wanted - bearings[above - 1]) % math.tau) / np.maximum(gap, 1e-9)
+    there = (gap <= _GAP) & (np.abs(far - near) < _EDGE * np.minimum(far, near))
+    return 1.0 / (along / far + (1.0 - along) / near), there
+
+
+class MotionWitness:
+    """Compares scans one after the other. `slipped` is how far (m, or rad) the wheels have turned in vain by now."""
+
+    def __init__(self) -> None:
+        self.slipped = 0.0
+        self._last: tuple[Pose2, NDArray[np.float64]] | None = None
+
+    def update(self, odometry: Pose2, points: NDArray[np.float64], sensor: tuple[float, float]) -> Pose2 | None:
+        """Take a scan: the ends (n, 2) of its beams in the robot's frame, and the odometry of its time.
+
+        Returns the claimed motion since the scan before, in the robot's frame then, if it did not happen.
+        """
+        before, self._last = self._last, self._last or (odometry, points)
+        if before is None:
+            return None
+        moved = before[0].inverse().compose(odometry)
+        way = math.hypot(moved.x, moved.y)
+        if way < _STEP[0] and abs(moved.yaw) < _STEP[1]:
+            return None
+        self._last = (odometry, points)
+        share = confirmed_share(before[1], points, moved, sensor)
+        slips = share is not None and abs(share) < _SLIP
+        self.slipped = self.slipped + max(way, abs(moved.yaw)) if slips else 0.0
+        return moved if slips else None
+
+    def restart(self) -> None:
+        """Begin anew with the next scan."""
+        self.slipped, self._last = 0.0, None
