@@ -29,13 +29,15 @@ DICTIONARIES = {f"{n}X{n}_{count}": (n, count) for n in (4, 5, 6, 7) for count i
 class Box:
     """A box. `pose` is x, y, z (m) of its centre and yaw (rad); `size` are its full edge lengths.
 
-    With a `mass` (kg) it is an obstacle that can be pushed and placed; without, it is fixed.
+    With a `mass` (kg) it is an obstacle that can be pushed and placed; without, it is fixed. Lidars and cameras look
+    through `glass`.
     """
 
     name: str
     pose: tuple[float, float, float, float]
     size: tuple[float, float, float]
     mass: float | None = None
+    glass: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,12 +147,13 @@ def _box(part: Section, *, movable: bool, seen: set[str]) -> Box:
     if movable:  # an obstacle stands on the floor
         x, y, yaw = part.numbers("pose", 3)
         pose = (x, y, size[2] / 2.0, yaw)
-        mass = part.number("mass", minimum=0.01)
+        mass, glass = part.number("mass", minimum=0.01), False
     else:
         x, y, z, yaw = part.numbers("pose", 4)
         pose, mass = (x, y, z, yaw), None
+        glass = part.boolean("glass", False)
     part.finish()
-    return Box(name, pose, (size[0], size[1], size[2]), mass)
+    return Box(name, pose, (size[0], size[1], size[2]), mass, glass)
 
 
 def _drop(part: Section) -> Drop:

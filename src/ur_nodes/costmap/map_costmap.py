@@ -46,6 +46,7 @@ class MapCostmap:
         self._zone_box: Box | None = None  # holds all of the zones
         self._occupied: NDArray[np.bool_] = sparse_zeros(costs.shape, bool)
         self._marked: Box | None = None  # holds all of _occupied
+        self._touched = np.empty((0, 2), np.intp)  # cells
         self._near = _disc(_KNOWN / grid.resolution)
         self._known: NDArray[np.int8] = sparse_zeros(costs.shape, np.int8)  # of `_is_known`: 1 and -1, 0 not looked at
         self._changed: Box | None = None
@@ -59,9 +60,10 @@ class MapCostmap:
 
     def mark_like(self, other: MapCostmap) -> None:
         """Mark what the scan has seen on another costmap of the same map."""
-        self._occupied, self._marked = other._occupied, other._marked
-        if self._marked is not None:
-            self._refresh(self._marked)
+        self._occupied, self._marked, self._touched = other._occupied, other._marked, other._touched
+        for box in (self._marked, _box_round(self._touched)):
+            if box is not None:
+                self._refresh(box)
 
     @property
     def static(self) -> Costmap:
@@ -103,6 +105,22 @@ class MapCostmap:
             self._marked = joined(self._marked, box)
             self._refresh(box)
         return box is not None
+
+    def touch(self, points: NDArray[np.float64]) -> None:
+        """Mark points (n, 2) in the map, in place of those of before, as obstacles that no ray clears."""
+        cells = self._plain.cells_of_points(points)
+        before, self._touched = self._touched, np.unique(cells[self._plain.contains(cells)], axis=0)
+        if not np.array_equal(before, self._touched):
+            box = _box_round(np.concatenate((before, self._touched)))
+            assert box is not None
+            self._refresh(box)
+
+    def untouched(self) -> Costmap:
+        """Return the costs without what was touched."""
+        costs, box = self._costs.copy(), _box_round(self._touched)
+        if box is not None:
+            inflate_window(costs, self._seen, self._plain.resolution, self.inflation, box)
+        return Costmap(costs, self._plain.resolution, self._plain.origin)
 
     def forbid(self, mask: Grid | None) -> None:
         """Keep out of the cells for which a mask has 100, in place of those of before; None: of none.
@@ -154,6 +172,13 @@ class MapCostmap:
 
     def _merged(self, box: Box) -> NDArray[np.uint8]:
         """The costs in a box before inflation."""
+        result, cells = self._seen(box), self._touched - (box[0].start, box[1].start)
+        inside = ((cells >= 0) & (cells < result.shape)).all(axis=1)
+        result[tuple(cells[inside].T)] = LETHAL
+        return result
+
+    def _seen(self, box: Box) -> NDArray[np.uint8]:
+        """Those of map, zones and what was seen."""
         result = self._fixed(box)
         result[self._occupied[box]] = LETHAL
         return result
@@ -188,6 +213,14 @@ class MapCostmap:
             found = (self._plain.costs[near_rows, near_columns] == LETHAL).any(axis=1)
             known[new] = self._known[rows[new], columns[new]] = np.where(found, 1, -1)
         return known > 0
+
+
+def _box_round(cells: NDArray[np.intp]) -> Box | None:
+    """Return the box of cells (n, 2); None without any."""
+    if not len(cells):
+        return None
+    (top, left), (bottom, right) = cells.min(axis=0).tolist(), cells.max(axis=0).tolist()
+    return slice(top, bottom + 1), slice(left, right + 1)
 
 
 def _disc(cells: float) -> NDArray[np.intp]:

@@ -12,7 +12,8 @@ from ur_nodes.geometry.pose import Pose2
 class RollingCostmap:
     """A square window of side `side` (m) in the odometry frame, always aligned with whole cells of it.
 
-    `behind` (m) is how far beyond the end of a ray an obstacle is marked.
+    `behind` (m) is how far beyond the end of a ray an obstacle is marked. `touched` (n, 2) are obstacles that no ray
+    clears, m.
     """
 
     def __init__(
@@ -26,6 +27,7 @@ class RollingCostmap:
         self._occupied = np.zeros((cells, cells), bool)
         self._mapped = np.zeros((cells, cells), bool)
         self._corner: tuple[int, int] | None = None
+        self.touched = np.empty((0, 2))
 
     def update(self, robot: Pose2, sensor: Pose2, beams: Beams) -> None:
         """Roll the window to the robot, then clear and mark with a scan taken from `sensor`; poses in its frame."""
@@ -59,6 +61,8 @@ class RollingCostmap:
         """The window with obstacles (254) and nothing else: what a footprint must not touch."""
         costs = np.where(self._occupied | self._mapped, np.uint8(LETHAL), np.uint8(FREE)).astype(np.uint8)
         frame = self._frame()
+        cells = frame.cells_of_points(self.touched)
+        costs[tuple(cells[frame.contains(cells)].T)] = LETHAL
         return Costmap(costs, frame.resolution, frame.origin)
 
     def inflated(self) -> Costmap:

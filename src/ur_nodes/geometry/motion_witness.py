@@ -1,6 +1,6 @@
-"""A second opinion on odometry: which share of the motion that wheels claim do two scans confirm?
+"""The share of the motion that wheels claim which two scans confirm.
 
-Each beam whose range the claimed motion would have changed is a witness; near 0 the wheels slip, near 1 the robot moves.
+Each beam whose range that motion would have changed is a witness: near 0 the wheels slip, near 1 the robot moves.
 """
 
 import math
@@ -60,10 +60,14 @@ def _ranges_at(
 
 
 class MotionWitness:
-    """Compares scans one after the other. `slipped` is how far (m, or rad) the wheels have turned in vain by now."""
+    """Compares scans one after the other. `slipped` is how far (m, or rad) the wheels have turned in vain by now.
+
+    `moves`: the newest scan has confirmed what the wheels claim.
+    """
 
     def __init__(self) -> None:
         self.slipped = 0.0
+        self.moves = False
         self._last: tuple[Pose2, NDArray[np.float64]] | None = None
 
     def update(self, odometry: Pose2, points: NDArray[np.float64], sensor: tuple[float, float]) -> Pose2 | None:
@@ -81,9 +85,10 @@ class MotionWitness:
         self._last = (odometry, points)
         share = confirmed_share(before[1], points, moved, sensor)
         slips = share is not None and abs(share) < _SLIP
+        self.moves = share is not None and share > 1.0 - _SLIP
         self.slipped = self.slipped + max(way, abs(moved.yaw)) if slips else 0.0
         return moved if slips else None
 
     def restart(self) -> None:
         """Begin anew with the next scan."""
-        self.slipped, self._last = 0.0, None
+        self.slipped, self.moves, self._last = 0.0, False, None

@@ -1,6 +1,7 @@
 """Goals of `move_base`: accepted as by upstream, and pursued by the navigator, which is stepped at a constant rate."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -9,6 +10,7 @@ from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.transform_tree import TransformError, TransformTree
 from ur_nodes.motion.challenge.link import ChallengeLink, FreshPublisher
+from ur_nodes.navigation.contacts import ContactSense
 from ur_nodes.navigation.goals import attendance
 from ur_nodes.navigation.goals.attendance import Act
 from ur_nodes.navigation.goals.goal_claim import has_any_heading
@@ -53,13 +55,13 @@ class VelocityOutput:
     def _on_limit(self, percent: float) -> None:
         self.share = percent / 100.0 if 0.0 < percent <= 100.0 else 1.0
 
-    def send(self, velocity: DriveVelocity) -> None:
-        """Publish a command. Without a fresh challenge nothing is sent, and the robot stops."""
+    def send(self, velocity: DriveVelocity) -> bool:
+        """Publish a command. Return False without a fresh challenge: nothing is sent, and the robot stops."""
         self._to_mux = self._to_mux or (self._stamped is not None and self._stamped.subscribers() > 0)
         if self._stamped is None or not self._to_mux:
             self._plain.send(Twist(*velocity))
-        else:
-            self._stamped.send(Twist(*velocity))
+            return True
+        return self._stamped.send(Twist(*velocity))
 
 
 _HOLD = 1.0  # s by which transforms may be older than a goal, which is stamped as it is sent
@@ -106,6 +108,7 @@ _IDLE_PERIODS = 5  # control periods between two updates of the costmaps without
 _PATH_CHECK_PERIODS = 3  # likewise, between two checks of the path on the global costmap
 _REPORT_PERIODS = 2  # likewise, between two reports of the robot's pose
 _NO_MUX = 5.0  # s without a challenge, after which goals are taken without a mux; a mux on ROS 2 starts in up to 4 s
+_WIDER = 0.1, 0.3  # m to both sides by which more is marked when the robot touches something, and touches it again
 _RESTART = 1.0  # s: a clock that goes back by more was reset, as by a simulator
 
 
@@ -115,7 +118,13 @@ class MoveBase:
     def __init__(self, node: Node, settings: MoveBaseSettings, watch: attendance.AttendanceSettings) -> None:
         self._node = node
         self._settings = settings
-        self._world = WorldView(node, settings)
+        outline = settings.footprint.outline
+        self._contacts = ContactSense(
+            node, settings.base_frame, outline, settings.bumpers, settings.imu_topic, settings.mux
+        )
+        self._world = WorldView(node, settings, self._contacts.see)
+        self._touches = 0  # of the goal
+        self._place: Pose2 | None = None  # of the last period, in the odometry frame
         self._view = MoveBaseView(node, settings, self._world)
         self._navigator = Navigator(settings.navigator, settings.limits, settings.footprint)
         self._handle: GoalHandle | None = None  # of the goal that is pursued or held
@@ -124,6 +133,7 @@ class MoveBase:
         self._answer: PlanAnswer | None = None  # that the next step of the navigator takes
         self._path_blocked = False
         self._sent = AT_REST  # the last command
+        self._in_force = AT_REST  # the last command, if it was sent
         self._stopped = False  # by the emergency stop
         self._beats = 0
         self._tick = 0  # of control periods
@@ -177,7 +187,7 @@ class MoveBase:
         handle.accept()
         self._handle, self._goal, self._answer = handle, goal, None
         self._key += 1
-        self._path_blocked = False
+        self._path_blocked, self._touches = False, 0
         self._navigator.start(goal, self._now(), any_heading=has_any_heading(handle.goal.id))
         self._view.show_goal(goal)
 
@@ -217,6 +227,7 @@ class MoveBase:
 
     def clear_costmaps(self, _request: Silent | ClearCostmap) -> Result:
         """Clear all obstacles that were seen."""
+        self._world.clear_touched()
         self._forget_obstacles(Behaviour.CLEAR_ALL)
         return Result(success=True)
 
@@ -238,6 +249,7 @@ class MoveBase:
         idle = self._navigator.phase is NavigatorPhase.IDLE
         if not idle or self._tick % _IDLE_PERIODS == 0:
             self._world.update()
+        contact = self._feel(now)
         if self._handle is None or not self._may_drive(self._handle, now):
             return
         if self._tick % _PATH_CHECK_PERIODS == 0:
@@ -250,10 +262,11 @@ class MoveBase:
                 odom=self._world.odom() or Pose2(0.0, 0.0, 0.0),
                 local=self._world.surroundings(now),
                 answer=answer,
-                trouble=self._world.trouble(now),
+                trouble=self._world.trouble(now) or ("" if contact else self._held()),
                 path_blocked=self._path_blocked,
                 speed_mask=self._world.zones.speed,
                 share=self._output.share,
+                contact=contact,
             )
         )
         self._apply(out)
@@ -263,6 +276,23 @@ class MoveBase:
         if self._tick % _REPORT_PERIODS == 0:
             self._view.show_drive(self._navigator.path, out.ahead)
             self._report()
+
+    def _feel(self, now: float) -> str:
+        """Mark what the robot touches, a wider part each time during a goal; return how it was stopped."""
+        place, before = self._world.robot_in_odom(), self._place
+        self._place = place
+        moved = before.inverse().compose(place) if before and place else Pose2(0.0, 0.0, 0.0)
+        widen = _WIDER[min(self._touches, 1)]
+        contact = self._contacts.step(now, self._in_force, place, DriveVelocity(moved.x, moved.yaw, moved.y), widen)
+        if contact is None:
+            return ""
+        self._world.touch(contact.points)
+        self._touches += self._handle is not None
+        return contact.text
+
+    def _held(self) -> str:
+        """Return the reason not to drive on while a bumper stays pressed after the robot has backed off."""
+        return "" if self._navigator.phase is NavigatorPhase.BACKING_OFF else self._contacts.held
 
     def _may_drive(self, handle: GoalHandle, now: float) -> bool:
         """Hold, cancel or continue the goal, as the watch decides. Return whether to step the navigator."""
@@ -307,7 +337,7 @@ class MoveBase:
 
     def _send(self, velocity: DriveVelocity) -> None:
         self._sent = velocity
-        self._output.send(velocity)
+        self._in_force = velocity if self._output.send(velocity) else AT_REST
 
     def _finish(self, ending: Ending, text: str) -> None:
         handle, self._goal = self._handle, None
@@ -331,6 +361,8 @@ class MoveBase:
         request = PlanRequest(
             self._key, place, goal, *costs, yaw=pose.yaw, heading=heading, careful=careful, people=people, waited=waited
         )
+        if self._world.global_costmap is not None and self._world.touched:
+            request = replace(request, untouched=self._world.global_costmap.untouched)
         self._plans.ask(request)
 
     def _any_heading(self) -> bool:

@@ -6,6 +6,7 @@ from ur_nodes.costmap.costmap import Inflation
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.costmap.layers import UsedRanges
 from ur_nodes.costmap.local_costmap_settings import read_footprint
+from ur_nodes.costmap.touched import BumperSource, read_bumpers
 from ur_nodes.navigation.navigator_step import NavigatorSettings
 from ur_nodes.navigation.planning.global_plan import PlanSettings
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits
@@ -61,6 +62,8 @@ class MoveBaseSettings:
     local_resolution: float
     lethal: int
     track_unknown: bool
+    bumpers: tuple[BumperSource, ...]
+    imu_topic: str
     map_topic: str
     keep_out_topic: str
     speed_topic: str
@@ -92,6 +95,8 @@ def read_settings(top: Parameters) -> MoveBaseSettings:
         local_resolution=resolution,
         lethal=static.integer("lethal_cost_threshold", 65, minimum=1),
         track_unknown=static.boolean("track_unknown_space", world.boolean("track_unknown_space", True)),
+        bumpers=read_bumpers(local.below("bumper_layer")),
+        imu_topic=top.text("imu_topic", "imu/data"),
         map_topic=static.text("map_topic", "map"),
         keep_out_topic=world.below("keepout_filter").text("mask_topic", "keepout_filter_mask"),
         speed_topic=world.below("speed_filter").text("mask_topic", "speed_filter_mask"),

@@ -21,7 +21,7 @@ from ur_nodes.navigation.planning.path_geometry import Points
 from ur_nodes.navigation.pursuit import DrivenTrack, GoalPursuit, blocked_at
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.local_plan import sweep_is_free
-from ur_nodes.navigation.steering.recovery import Behaviour, Recovery, begin_recovery, move_to_recover
+from ur_nodes.navigation.steering.recovery import SEQUENCE, Behaviour, Recovery, begin_recovery, move_to_recover
 from ur_nodes.navigation.steering.rollout import RolloutState, follow_settings
 from ur_nodes.navigation.steering.speed_profile import (
     AT_REST,
@@ -36,6 +36,8 @@ _ASTRAY, _ASTRAY_TIGHT = 0.4, 0.15  # m beside a path, and beside one that was m
 _SHUNTED, _MOST_SHUNTS = 0.12, 5  # rad off a heading, and manoeuvres for it, without turns on the spot
 _WAIT_PAUSE = 1.0  # s between two plans while people are in the way
 _TIGHT_PAUSE = 2.0  # s between plans of such a path, which take longer
+_MOST_CONTACTS = 3  # with what the lidar does not see
+_BACKING = 8.0, 2.0  # s to back off at most, and at first, in which the same contact comes again
 _ROOMY, _STAY = 1.3, 6.0  # m to people who have left, and s to make room for them at most
 
 
@@ -96,7 +98,12 @@ class Navigator:
             ended = self._on_answer(run, inputs.answer, inputs)
             if ended is not None:
                 return ended
+        if inputs.contact and not (
+            run.phase is NavigatorPhase.BACKING_OFF and inputs.now - run.phase_since < _BACKING[1]
+        ):
+            return self._on_contact(run, inputs.contact, inputs)
         step = {
+            NavigatorPhase.BACKING_OFF: self._back_off,
             NavigatorPhase.PLANNING: self._plan,
             NavigatorPhase.DRIVING: self._drive,
             NavigatorPhase.TURNING: self._turn,
@@ -273,7 +280,32 @@ class Navigator:
             return NavigatorOutputs(command=AT_REST, plan=True)
         return NavigatorOutputs(command=move.command)
 
+    def _on_contact(self, run: GoalPursuit, contact: str, inputs: NavigatorInputs) -> NavigatorOutputs:
+        """Back off from what stopped the robot, and plan around it; the third time, give up."""
+        assert inputs.motion is not None
+        run.contacts += 1
+        place = inputs.odom.inverse().compose(inputs.motion.pose)
+        text = f"something that the lidar does not see stopped the robot near ({place.x:.2f}, {place.y:.2f}): {contact}"
+        if run.contacts >= _MOST_CONTACTS:
+            return self._end(Ending.FAILED, f"{text}, for the {_MOST_CONTACTS}rd time")
+        run.backing, run.legs, run.sent = Recovery(SEQUENCE.index(Behaviour.BACK_OFF)), None, AT_REST
+        run.enter(NavigatorPhase.BACKING_OFF, inputs.now)
+        return NavigatorOutputs(command=AT_REST, log=f"{text}; backing off")
+
+    def _back_off(
+        self, run: GoalPursuit, motion: RolloutState, local: LocalObstacles, inputs: NavigatorInputs
+    ) -> NavigatorOutputs:
+        held = RolloutState(motion.pose, *run.sent)
+        move = move_to_recover(run.backing, held, local, self._footprint, self._limits, self._settings.period)
+        run.backing = move.recovery
+        if move.finished or inputs.now - run.phase_since > _BACKING[0]:
+            run.enter(NavigatorPhase.PLANNING, inputs.now)
+            return NavigatorOutputs(command=AT_REST, plan=True, careful=True)
+        return NavigatorOutputs(command=move.command)
+
     def _get_stuck(self, run: GoalPursuit, inputs: NavigatorInputs, reason: str) -> NavigatorOutputs:
+        if run.contacts and inputs.motion:
+            return self._on_contact(run, reason, inputs)
         if inputs.motion and inputs.local and not run.reason:  # there is a path, and it cannot be followed
             run.recovery = begin_recovery(run.recovery, inputs.motion, inputs.local, self._footprint, self._limits)
         behaviour = run.recovery.behaviour if self._settings.recovery_enabled else None

@@ -22,6 +22,7 @@ class NavigatorPhase(Enum):
     TURNING = "turning"
     RECOVERING = "recovering"
     MAKING_ROOM = "making room"
+    BACKING_OFF = "backing off"
 
 
 class Ending(Enum):
@@ -73,7 +74,8 @@ class NavigatorInputs:
     `motion` is in the odometry frame, `odom` the pose of the map in that frame, `local` the surroundings of the robot
     in that frame. `trouble` is the reason why the robot must not move, '' when it may. `path_blocked`: the map with all
     obstacles shows an obstacle on the path that is being followed. `speed_mask`: percentages of the speed limit, on the
-    map. `share` (0 to 1) of all speeds is allowed by the client that limits the robot.
+    map. `share` (0 to 1) of all speeds is allowed by the client that limits the robot. `contact` is how something that
+    the lidar does not see has stopped the robot in this step; it is marked already.
     """
 
     now: float
@@ -85,6 +87,7 @@ class NavigatorInputs:
     path_blocked: bool = False
     speed_mask: Grid | None = None
     share: float = 1.0
+    contact: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,6 +1,7 @@
 """Requests for global plans, and their answers."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,7 +31,8 @@ class PlanRequest:
     With `yaw` (rad), the robot's, the path is made for its outline; `heading` (rad) is that at the goal, None: any.
     `careful`: the robot could not follow the path before. `static` are the costs of the map and its keep-out zones,
     `zones` those of the zones alone. The path leads round `people` (in the map) who stand, unless
-    that is much longer: they leave sooner or later. `waited` is how long the robot has waited for them, s.
+    that is much longer: they leave sooner or later. `waited` is how long the robot has waited for them, s. `untouched`
+    gives the costs without what the robot has touched.
     """
 
     key: int
@@ -44,6 +46,7 @@ class PlanRequest:
     careful: bool = False
     people: TrackedPeople = NO_PEOPLE
     waited: float = 0.0
+    untouched: Callable[[], Costmap] | None = None
 
 
 def answer_request(
@@ -72,11 +75,21 @@ def answer_request(
         for name, (x, y), help_ in (("goal", request.goal, ""), ("robot at", request.start, "; drive it out by hand")):
             if request.zones.costs_at(np.array((x, y)), outside=FREE) == LETHAL:
                 return PlanAnswer(None, f"the {name} ({x:.2f}, {y:.2f}) is in a keep-out zone{help_}", hopeless=True)
+    if request.untouched is not None and _leads_to_goal(request.untouched(), request, settings):
+        return PlanAnswer(None, "what the robot touched and its lidar does not see blocks the only way", hopeless=True)
     try:
         plan_path(request.static, request.start, request.goal, settings)
     except NoPathError as problem:
         return PlanAnswer(None, str(problem), hopeless="goal" in str(problem))
     return PlanAnswer(None, f"{reason}, because of obstacles that the map does not show")
+
+
+def _leads_to_goal(costs: Costmap, request: PlanRequest, settings: PlanSettings) -> bool:
+    try:
+        plan_path(costs, request.start, request.goal, settings)
+    except NoPathError:
+        return False
+    return True
 
 
 def _plan_round_people(request: PlanRequest, settings: PlanSettings, footprint: Footprint | None) -> Points:

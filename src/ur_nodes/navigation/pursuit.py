@@ -41,6 +41,8 @@ class GoalPursuit:
     trouble_since: float | None = None
     moved_at: float = 0.0
     moved_from: Pose2 | None = None
+    contacts: int = 0
+    backing: Recovery = field(default_factory=Recovery)
     recovery: Recovery = field(default_factory=Recovery)
     reason: str = ""
     sent: DriveVelocity = AT_REST

@@ -12,6 +12,7 @@ from ur_nodes.costmap.layers import Beams, beams_of_scan, level_beams
 from ur_nodes.costmap.map_costmap import MapCostmap
 from ur_nodes.costmap.rolling_costmap import RollingCostmap
 from ur_nodes.costmap.sonar import beams_of_range, without_walls
+from ur_nodes.costmap.touched import TouchMarks
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.transform_tree import ExtrapolationError, TransformError
@@ -79,9 +80,15 @@ class _Place(NamedTuple):
 class WorldView:
     """Subscribes and stores inputs; scans change the costmaps in `update`, which the control loop calls."""
 
-    def __init__(self, node: Node, settings: MoveBaseSettings) -> None:
+    def __init__(
+        self, node: Node, settings: MoveBaseSettings, see: Callable[[Pose2, NDArray[np.float64], Pose2], object]
+    ) -> None:
+        """`see` takes each scan: odometry, the ends of its beams (n, 2) in the robot's frame, the lidar's place."""
         self._node = node
         self._settings = settings
+        self._see = see
+        self._touched = TouchMarks()  # in the map
+        self._looked_at = 0.0  # s: when their places were seen last
         self.frames = node.transforms
         self.local_costmap = RollingCostmap(
             settings.local_side,
@@ -141,12 +148,41 @@ class WorldView:
             self.local_costmap.overlay(robot.newest, self.global_costmap.zones or _NOTHING, place)
             self._laid = self.global_costmap.zones is not None
         sensor, beams = level_beams(mount, beams_of_scan(scan, inf_is_valid=source.inf_is_valid))
+        self._see(robot.in_odom, beams.ends(sensor), sensor)
+        if robot.in_map is not None:
+            self._look(robot.in_map, sensor, beams, seconds_of(scan.stamp))
         self.local_costmap.update(robot.newest, robot.in_odom.compose(sensor), beams)
         self._points = beams.ends(robot.in_odom.compose(sensor), source.reach.obstacle)
         if self.global_costmap is not None and robot.in_map is not None:
             walkers = self._track_people(seconds_of(scan.stamp), sensor, beams, robot, self.global_costmap)
             lasting = Beams(beams.angles, beams.ranges, beams.hits & ~walkers)
             self.global_costmap.update(robot.in_map.compose(sensor), lasting)
+
+    @property
+    def touched(self) -> bool:
+        """Return whether there is something that the robot has touched."""
+        return len(self._touched.points) > 0
+
+    def touch(self, points: NDArray[np.float64]) -> None:
+        """Mark what the robot touches: points (n, 2) in its frame."""
+        robot = self.robot_in_map()
+        if robot is not None:
+            self._touched.add(robot.transform_points(points))
+            self._show_touched()
+
+    def _look(self, robot: Pose2, sensor: Pose2, beams: Beams, stamp: float) -> None:
+        seconds, self._looked_at = min(max(stamp - self._looked_at, 0.0), 0.5), stamp
+        reach = self._settings.footprint.circumscribed
+        if self._touched.look(robot, reach, robot.compose(sensor), beams, seconds):
+            self._node.log.info("what was touched is forgotten where nothing is seen")
+        self._show_touched()
+
+    def _show_touched(self) -> None:
+        odom, points = self.odom(), self._touched.points
+        if odom is not None:
+            self.local_costmap.touched = odom.transform_points(points)
+        if self.global_costmap is not None:
+            self.global_costmap.touch(points)
 
     def surroundings(self, now: float) -> LocalObstacles:
         """Return the obstacles and people around the robot at a time in s."""
@@ -229,10 +265,16 @@ class WorldView:
         """Clear all inputs after time was reset."""
         self.frames.forget()
         self._scan, self._used = None, None
+        self.clear_touched()
         self._ranges.clear()
         self.local_costmap.clear()
         self._tracker.forget()
         self._points = np.empty((0, 2))
+
+    def clear_touched(self) -> None:
+        """Forget what the robot has touched."""
+        self._touched.clear()
+        self._show_touched()
 
     def costmaps(self) -> tuple[Costmap, Costmap, Costmap | None] | None:
         """The costs of the whole map: with obstacles, which change with the next update, without, and zones alone."""
@@ -283,6 +325,7 @@ class WorldView:
         beams = without_walls(beams, sensor, self.global_costmap.walls)
         self.local_costmap.update(robot.newest, robot.in_odom.compose(mount), beams)
         self.global_costmap.update(sensor, beams)
+        self._look(robot.in_map, mount, beams, stamp)
 
     def _place(self, stamp: float) -> _Place:
         """Return where the robot was at a time. Raises TransformError when its odometry is not known at that time.

@@ -1,7 +1,7 @@
 """World and robots as a MuJoCo model (MJCF text).
 
 Groups of shapes: lidars see 0 walls and boxes, 1 obstacles and people, 2 robots, but not 3 wheels and casters, 4 the
-floor.
+floor, 5 glass, which sonars hear.
 """
 
 import math
@@ -60,6 +60,7 @@ def _run(line: npt.NDArray[np.bool_] | np.bool_) -> int:
 TIME_STEP = 0.005
 GRAVITY = 9.81
 LIDAR_GROUPS = (1, 1, 1, 0, 0, 0)
+SONAR_GROUPS = (1, 1, 1, 0, 0, 1)
 
 PERSON_RADIUS = 0.2
 """Half the width of a person, m."""
@@ -146,7 +147,7 @@ def _box_geom(box: Box, name: str) -> str:
     x, y, z, yaw = box.pose
     return (
         f'<geom name={quoteattr(name)} type="box" pos="{x!r} {y!r} {z!r}" euler="0 0 {yaw!r}" size="{_half(box)}"'
-        f' contype="{_WALL}" conaffinity="0" friction="{_SCRAPE} 0.005 0.0001" group="0"/>'
+        f' contype="{_WALL}" conaffinity="0" friction="{_SCRAPE} 0.005 0.0001" group="{5 if box.glass else 0}"/>'
     )
 
 

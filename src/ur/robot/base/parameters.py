@@ -6,6 +6,7 @@ import re
 from ur.robot.base.properties import Base
 
 _OUTLINE = re.compile(r"^( *footprint:)\s*\[\[[^#]*?\]\]", re.MULTILINE)
+_BUMPERS = re.compile(r"^  bumper_layer:.*\n(?:    .*\n)+", re.MULTILINE)
 _SHARE = 0.6  # of the highest speed, at which a person starts to steer
 _EXPECTED = 8.0  # scans per second, the minimum unless a file sets another
 _LOOK = 1.0  # m beyond the way that navigation takes to brake
@@ -17,6 +18,7 @@ def fit_parameters(text: str, like: str, base: Base) -> str:
     """Return the parameter file of base `like`, adapted to another base's outline, speeds and scan rate."""
     points = ", ".join(f"[{x:g}, {y:g}]" for x, y in base.footprint)
     text = _OUTLINE.sub(rf"\1 [{points}]", text)
+    text = _BUMPERS.sub(lambda found: _list_bumpers(found[0], base), text)
     text = _fit_sideways(text, base)
     values = _list_values(base) | (_list_distances(base) if "rolling_window:" in text else {})
     for key, value in values.items():
@@ -45,6 +47,15 @@ def _fit_sideways(text: str, base: Base) -> str:
     if aside and "odom_alpha5" not in text:
         text = re.sub(r"^(odom_alpha)4(: .*)", r"\g<0>\n\g<1>5\2", text, flags=re.MULTILINE)
     return text
+
+
+def _list_bumpers(layer: str, base: Base) -> str:
+    """Return the layer of a costmap that marks what bumpers press, with those of a base; '' without any."""
+    if base.bumpers is None:
+        return ""
+    topics = ", ".join(f"{base.bumpers.topic}/{each.name}" for each in base.bumpers.at)
+    sectors = ", ".join(f"[{each.start:g}, {each.end:g}]" for each in base.bumpers.at)
+    return layer.splitlines()[0] + f"\n    topics: [{topics}]\n    sectors: [{sectors}]\n"
 
 
 def _list_values(base: Base) -> dict[str, float]:

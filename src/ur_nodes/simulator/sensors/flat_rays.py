@@ -20,11 +20,13 @@ class RayCaster:
     `reach` (m) is how far they go. The arrays are allocated once.
     """
 
-    def __init__(self, model: object, body: int, count: int, reach: float) -> None:
+    def __init__(
+        self, model: object, body: int, count: int, reach: float, groups: tuple[int, ...] = LIDAR_GROUPS
+    ) -> None:
         self._model = model
         self._body = body
         self._reach = reach
-        self._groups = np.array(LIDAR_GROUPS, np.uint8)
+        self._groups = np.array(groups, np.uint8)
         self._hit = np.zeros(count, np.int32)
         self._distance = np.zeros(count)
 

@@ -9,6 +9,7 @@ from ur.robot.base import Sonars
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Range
+from ur_nodes.simulator.mujoco_model import SONAR_GROUPS
 from ur_nodes.simulator.scenery import rotation_axes
 from ur_nodes.simulator.sensors.flat_rays import Floats, RayCaster, measured_ranges
 from ur_nodes.simulator.sensors.sense import Send, Sense, Site, draw_noise
@@ -18,7 +19,7 @@ CONE_RAYS = 32  # over the whole cone: table tops
 
 
 class SonarRing:
-    """The sonars of one robot, in the order of the base's file. They detect what lidars detect, but not the floor."""
+    """The sonars of one robot, in the order of the base's file. They detect what lidars do, and glass."""
 
     def __init__(self, model: mujoco.MjModel, sonars: Sonars, robot: int) -> None:
         self._sonars = sonars
@@ -27,7 +28,7 @@ class SonarRing:
         self._places = np.array([pose[:3] for pose in poses], np.float64).reshape(-1, 3)
         fan = cone_rays(sonars.field_of_view)
         self._fans = [fan @ np.array(rotation_axes(pose[3:])) for pose in poses]
-        self._rays = RayCaster(model, self._body, len(fan), sonars.range_max + 6.0 * sonars.noise)
+        self._rays = RayCaster(model, self._body, len(fan), sonars.range_max + 6.0 * sonars.noise, SONAR_GROUPS)
 
     def listen(self, data: mujoco.MjData, noise: Floats) -> Floats:
         """Ranges (m), shape (sonars,), with `noise` (standard normal, same shape) scaled to the sonars'.
