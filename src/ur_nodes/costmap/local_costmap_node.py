@@ -2,12 +2,14 @@
 
 import sys
 from collections import deque
+from functools import partial
 
 from ur_nodes.costmap.costmap import occupancy_of_costs
 from ur_nodes.costmap.layers import Beams, beams_of_scan, level_beams
 from ur_nodes.costmap.local_costmap_settings import LocalCostmapSettings, read_settings
 from ur_nodes.costmap.rolling_costmap import RollingCostmap
 from ur_nodes.costmap.sonar import beams_of_range
+from ur_nodes.costmap.touched import BumperSource, TouchMarks, touched_points
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.transform_tree import ExtrapolationError, TransformError, TransformTree
@@ -29,6 +31,8 @@ class LocalCostmap:
         self._settings = settings
         self._frames = frames
         self._costmap = RollingCostmap(settings.side, settings.resolution, settings.reach, settings.inflation)
+        self._marks = TouchMarks()
+        self._last = 0.0  # s: when the places of marks were seen last
         self._waiting: deque[tuple[str, float, Beams]] = deque(maxlen=_WAITING)
 
     def on_scan(self, scan: Scan) -> None:
@@ -40,6 +44,13 @@ class LocalCostmap:
         """Keep a range for the next update."""
         beams = beams_of_range(sonar.range, sonar.field_of_view, sonar.range_min, sonar.range_max)
         self._waiting.append((sonar.frame, seconds_of(sonar.stamp), beams))
+
+    def on_bumper(self, bumper: BumperSource, pressed: bool) -> None:
+        """Mark what a pressed bumper touches."""
+        if pressed and self.robot is not None:
+            points = touched_points(self._settings.footprint.outline, (0.0, 0.0, 0.0), bumper)
+            self._marks.add(self.robot.transform_points(points))
+            self._costmap.touched = self._marks.points
 
     def update(self, now: float) -> list[str]:
         """Work in what has come, at a time in s. Return what could not be worked in, for the log."""
@@ -60,7 +71,11 @@ class LocalCostmap:
                 else:
                     problems.append(f"data of {frame} ignored: {problem}")
                 continue
-            self._costmap.update(robot, *level_beams(sensor, beams))
+            place, level = level_beams(sensor, beams)
+            self._costmap.update(robot, place, level)
+            passed, self._last = min(max(stamp - self._last, 0.0), 0.5), stamp
+            self._marks.look(robot, settings.footprint.circumscribed, place, level, passed)
+            self._costmap.touched = self._marks.points
         self.robot = robot
         return problems
 
@@ -100,6 +115,8 @@ def start(node: Node) -> None:
         node.subscribe(settings.scan, Scan, costmap.on_scan)
     for topic in settings.sonars:
         node.subscribe(topic, Range, costmap.on_range, Quality.EVERY)
+    for bumper in settings.bumpers:
+        node.subscribe(bumper.topic, bool, partial(costmap.on_bumper, bumper), Quality.LATCHED)
     node.every(1.0 / settings.update_frequency, update)
     node.every(1.0 / settings.publish_frequency, publish)
 

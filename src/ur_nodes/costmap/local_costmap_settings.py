@@ -6,6 +6,7 @@ from ur.source.diagnostic import UserError, error
 from ur_nodes.costmap.costmap import Inflation
 from ur_nodes.costmap.footprint import Footprint, footprint_of_outline, footprint_of_radius
 from ur_nodes.costmap.layers import UsedRanges
+from ur_nodes.costmap.touched import BumperSource, read_bumpers
 from ur_nodes.ports.parameters import Parameters
 
 
@@ -40,6 +41,7 @@ class LocalCostmapSettings:
     inflation: Inflation
     scan: str
     sonars: tuple[str, ...]
+    bumpers: tuple[BumperSource, ...]
     update_frequency: float
     publish_frequency: float
 
@@ -70,6 +72,7 @@ def read_settings(own: Parameters) -> LocalCostmapSettings:
         ),
         scan=source.text("topic", sources[0]) if sources else "",
         sonars=sonars.texts("topics", ()),
+        bumpers=read_bumpers(own.below("bumper_layer")),
         update_frequency=own.number("update_frequency", 5.0, minimum=0.1, maximum=50.0),
         publish_frequency=own.number("publish_frequency", 2.0, minimum=0.1, maximum=50.0),
     )

@@ -1,5 +1,6 @@
 """Sensor inputs of `move_base`: frames, the newest scan, the map, and the two costmaps made from them."""
 
+import math
 from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple
@@ -57,6 +58,7 @@ class ZoneMasks:
 _WAITING = 100  # ranges that are not worked in yet
 _PATIENCE = 0.2  # s for which a range waits for the odometry of its time
 _BEHIND = 0.4  # cells behind the end of a ray in which a long robot marks: passages are as wide as they are
+_ECHO = 1.2  # m: what sonars hear farther away is no obstacle beside a lidar
 _SLACK = 0.02  # s by which the newest odometry may be older than a scan
 
 LOCALISER_SILENCE = 3.0
@@ -114,7 +116,7 @@ class WorldView:
         self._ranges: deque[Range] = deque(maxlen=_WAITING)
         if settings.local.scan:
             node.subscribe(settings.local.scan.topic, Scan, self._on_scan)
-        for topic in () if settings.local.scan else settings.local.sonars:
+        for topic in settings.local.sonars:
             node.subscribe(topic, Range, self._ranges.append, Quality.EVERY)
 
     def use(self, settings: MoveBaseSettings) -> None:
@@ -131,6 +133,8 @@ class WorldView:
             for _ in range(len(self._ranges)):
                 self._use_range(self._ranges.popleft())
             return
+        for _ in range(len(self._ranges)):
+            self._use_range(self._ranges.popleft())
         if scan is None or scan.stamp == self._used:
             return
         try:
@@ -322,10 +326,24 @@ class WorldView:
         if robot.in_map is None:
             return
         sensor = robot.in_map.compose(mount)
+        if self._settings.local.scan is not None:
+            self._use_echo(robot.in_map, mount, beams)
+            return
         beams = without_walls(beams, sensor, self.global_costmap.walls)
         self.local_costmap.update(robot.newest, robot.in_odom.compose(mount), beams)
         self.global_costmap.update(sensor, beams)
         self._look(robot.in_map, mount, beams, stamp)
+
+    def _use_echo(self, robot: Pose2, mount: Pose2, beams: Beams) -> None:
+        """Mark the echo of what neither map nor scan have there, until the sonar sees the place free."""
+        assert self.global_costmap is not None
+        sensor, near = robot.compose(mount), Beams(beams.angles, beams.ranges, beams.hits & (beams.ranges < _ECHO))
+        if self._touched.look(robot, 0.0, sensor, near, math.inf):
+            self._show_touched()
+        ends = without_walls(near, sensor, self.global_costmap.costmap).ends(sensor)
+        if len(ends):
+            self._touched.add(ends)
+            self._show_touched()
 
     def _place(self, stamp: float) -> _Place:
         """Return where the robot was at a time. Raises TransformError when its odometry is not known at that time.
