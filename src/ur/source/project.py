@@ -1,7 +1,7 @@
 """The files of this project in each kind of installation: a clone, a copy on a robot, or an installed wheel.
 
 A clone and a copy have the same folders. A wheel contains the Python packages, and all other files in `_project`, a
-folder of the package `ur` that `setup.py` creates. Only this module depends on the difference.
+folder of the package `ur` that `tools/build_wheel.py` creates. Only this module depends on the difference.
 """
 
 import os
@@ -17,10 +17,10 @@ PARTS = (
     "ubiquity_launches",
     "requirements",
     "tools/set_up.bash",
+    "tools/build_wheel.py",
     "tools/debian_root.bash",
     "ur",
     "pyproject.toml",
-    "setup.py",
     "README.md",
     "LICENSE",
 )

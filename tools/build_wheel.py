@@ -1,18 +1,18 @@
-"""The build of sdist and wheel: everything that runs and is no Python module becomes data of the package `ur`.
+"""The build of sdist and wheel, for `pyproject.toml`: what runs and is no Python module becomes data of `ur`.
 
 No file is committed twice: folders are copied as they are when a wheel is built, and left alone in a clone, where
 `pip install --editable` leads to them. `ur.source.project` finds either.
+No `setup.py`: colcon would take the repository for one package of Python, and not find the package of ROS in it.
 """
 
 import shutil
 import sys
 from pathlib import Path
 
-from setuptools import setup
 from setuptools.command.build_py import build_py
 from setuptools.command.sdist import sdist
 
-ROOT = Path(__file__).resolve().parent
+ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "src"))
 
 from ur.source.project import DATA_FOLDER, LINKS, list_files  # noqa: E402 - found by the line above
@@ -57,6 +57,3 @@ def write_links(folder: Path) -> None:
     """Write down which of the files, which are copies in this folder, are links in the project."""
     lines = [f"{name} {target}\n" for name, _, target in list_files(ROOT) if target]
     (folder / LINKS).write_text("".join(lines), encoding="utf-8")
-
-
-setup(cmdclass={"build_py": BuildWithProject, "sdist": ArchiveWithLinks})
