@@ -28,6 +28,7 @@ if __name__ == "__main__":
     signal.signal(signal.SIGINT, _leave)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy is imported
     import runpy
+    from importlib.util import find_spec
 
     from ur_nodes.run import backend_name
 
@@ -41,6 +42,9 @@ if __name__ == "__main__":
         load_when_used()
     if sys.flags.isolated:
         sys.path += list_message_folders(os.environ.get("PYTHONPATH", ""))
+    if backend_name() == "ros2" and find_spec("rclpy") is None:
+        sys.stderr.write(f"error: {sys.argv[1]}: rclpy is not found\n  help: source the setup file of ROS 2 first\n")
+        sys.exit(2)
     del sys.argv[0]
     if sys.argv[0].endswith(".py"):
         sys.path.append(os.path.dirname(os.path.abspath(sys.argv[0])))  # noqa: PTH100, PTH120 - as Python itself does

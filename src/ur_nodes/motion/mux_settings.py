@@ -134,6 +134,7 @@ def _fail(where: str, problem: str, help: str | None = None) -> NoReturn:
 STOPPED = "emergency_stop"  # on the parameter server, so that an emergency outlives the process
 LIMIT = "speed_limit_percent"  # likewise
 LEAST_LIMIT = 5.0  # percent
+BESIDE = "cmd_vel_nav2"  # the topic that is taken over where there are no other sources
 FOREIGN = "program"  # the source whose topic is taken over
 _FOREIGN_PRIORITY = 5
 _FOREIGN_TIMEOUT = 0.2  # s
@@ -165,11 +166,12 @@ def read_settings(own: Parameters) -> MuxNodeSettings:
     base = load_base(own.text("package", str(launch_library())), own.text("base"), own.text("variant", ""))
     base, slowed = _slow_to_sight(base)
     forward, turn = axes_of(base.limits)
-    sources = read_sources(own.any("topics"), own.name("topics"))
+    alone = not own.has("topics")  # without sources of its own it is the obstacle stop of one program
+    sources = () if alone else read_sources(own.any("topics"), own.name("topics"))
     return MuxNodeSettings(
         base,
         MuxSettings(
-            (*sources, *_read_foreign(own, sources)),
+            (*sources, *_read_foreign(own, sources, BESIDE if alone else "")),
             forward,
             turn,
             read_locks(own.any("locks", []), own.name("locks")),
@@ -182,7 +184,7 @@ def read_settings(own: Parameters) -> MuxNodeSettings:
         ),
         stopped=own.any(STOPPED, False) is True,
         share=read_limit(own) / 100.0,
-        obstacle_stop=own.boolean("obstacle_stop", False),
+        obstacle_stop=own.boolean("obstacle_stop", alone),
         sonars=own.boolean("use_sonars", True),
         challenge_rate=own.number("challenge_rate", 50.0, minimum=20.0, maximum=100.0),
         freshness=own.number("freshness", FRESHNESS, minimum=0.05, maximum=0.5),
@@ -203,9 +205,9 @@ def _slow_to_sight(base: Base) -> tuple[Base, str]:
     return replace(base, limits=limits), f"{line} {base.limits.way_to_rest:.1f} m, and its lidar sees {sight:.1f} m"
 
 
-def _read_foreign(own: Parameters, sources: tuple[Source, ...]) -> tuple[Source, ...]:
+def _read_foreign(own: Parameters, sources: tuple[Source, ...], default: str) -> tuple[Source, ...]:
     """Read the source of the commands that third-party programs send to a base, whose topic the mux takes over."""
-    topic = own.text("takes_over", "")
+    topic = own.text("takes_over", default)
     if topic in (source.topic for source in sources) or FOREIGN in (source.name for source in sources):
         own.fail("takes_over", topic, f"a topic that is none of the sources, and no source named {FOREIGN}")
     return (Source(FOREIGN, topic, _FOREIGN_PRIORITY, _FOREIGN_TIMEOUT, foreign=True),) if topic else ()
