@@ -90,6 +90,7 @@ def test_way_back_brings_up_what_was_used_and_keeps_all_profiles() -> None:
     assert "up uuid u-home ifname wlan0" in change.back
     assert "up uuid u-wired ifname eth0" in change.back
     assert change.also_kept == KEPT
+    assert "netplan generate" in change.early  # its profiles were made of the changed files before the guard ran
 
 
 @pytest.mark.parametrize(

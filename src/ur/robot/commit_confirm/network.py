@@ -203,7 +203,14 @@ def _guard(networks: Networks, title: str, wanted: tuple[WantedProfile, ...], li
         *again,
     ]
     return GuardedChange(
-        title, wanted, live="\n".join(["set -e", *live]), back="\n".join(script), also_kept=KEPT, words=tuple(live)
+        title,
+        wanted,
+        live="\n".join(["set -e", *live]),
+        back="\n".join(script),
+        # At boot, netplan has made NetworkManager's profiles of the changed files already.
+        early="! command -v netplan >/dev/null || netplan generate",
+        also_kept=KEPT,
+        words=tuple(live),
     )
 
 
