@@ -5,7 +5,7 @@ import random
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -39,10 +39,11 @@ class Blow:
     cut: bool = False
     kill: bool = False
     power: bool = False
+    given: Sequence[str] = ()
 
     def __str__(self) -> str:
         parts = ["link cut"] * self.cut + ["viewer killed"] * self.kill + ["power lost"] * self.power
-        return f"{'rename' if self.change == RENAME else 'network'}, {' and '.join(parts)} when {self.moment}"
+        return f"{self.change.split(' robot ')[1].split(' --p')[0]}, {' and '.join(parts)} when {self.moment}"
 
 
 MOMENTS = {
@@ -113,7 +114,7 @@ def strike(pair: Bench, blow: Blow) -> Callable[[], str]:
     )
     assert process.stdin
     assert process.stdout
-    process.stdin.write(f"{PASSWORD}\n")
+    process.stdin.write("".join(f"{password}\n" for password in (*blow.given, PASSWORD)))
     process.stdin.close()
     number = find_command(laptop, blow.change)
     wait_until(lambda: exists(robot, MOMENTS["told"]), f"{blow}", 60)

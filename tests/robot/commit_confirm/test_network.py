@@ -5,15 +5,13 @@ import pytest
 from ur.robot.commit_confirm.guarded import list_changes
 from ur.robot.commit_confirm.network import (
     KEPT,
+    NetworkManager,
     WirelessNetwork,
     check_managed,
     check_password,
     choose_management,
     find_profile,
     parse_addressing,
-    plan_addressing,
-    plan_forget,
-    plan_join,
     render_profile,
 )
 from ur.robot.commit_confirm.network_facts import NetworkDevice, Networks, Profile, SeenNetwork
@@ -29,7 +27,7 @@ FACTS = ComputerFacts("ros", "/home/ros", "bob", "", "1", frozenset())
 
 
 def test_password_stands_in_the_profile_and_nowhere_else() -> None:
-    change = plan_join(NETWORKS, WirelessNetwork("Lab", Secret("pass word"), "wpa-psk"), WLAN)
+    change = NetworkManager(NETWORKS).join(WirelessNetwork("Lab", Secret("pass word"), "wpa-psk"), WLAN)
     (planned,) = list_changes(change, FACTS)
     (command,) = planned.commands
     assert isinstance(command.stdin, Secret)
@@ -72,20 +70,20 @@ def test_open_network_has_no_security() -> None:
 
 
 def test_known_network_is_joined_by_its_own_profile_without_a_password() -> None:
-    change = plan_join(NETWORKS, WirelessNetwork("Home", None, "wpa-psk"), WLAN)
+    change = NetworkManager(NETWORKS).join(WirelessNetwork("Home", None, "wpa-psk"), WLAN)
     assert list_changes(change, FACTS) == []
     assert "connection up uuid u-home ifname wlan0" in change.live
 
 
 def test_new_password_of_a_known_network_makes_a_profile() -> None:
     wifi = WirelessNetwork("Home", Secret("12345678"), "wpa-psk")
-    change = plan_join(NETWORKS, wifi, WLAN)
+    change = NetworkManager(NETWORKS).join(wifi, WLAN)
     assert len(list_changes(change, FACTS)) == 1
     assert f"connection up uuid {wifi.uuid}" in change.live
 
 
 def test_way_back_brings_up_what_was_used_and_keeps_all_profiles() -> None:
-    change = plan_forget(NETWORKS, HOME)
+    change = NetworkManager(NETWORKS).forget(HOME)
     assert "nmcli connection delete u-home" in change.live
     assert "up uuid u-home ifname wlan0" in change.back
     assert "up uuid u-wired ifname eth0" in change.back
@@ -109,7 +107,7 @@ def test_address_is_set_on_the_profile_of_the_device(
 ) -> None:
     address, gateway, names = options
     wanted = parse_addressing(address, gateway, names, dhcp=address is None)
-    change = plan_addressing(NETWORKS, WIRED, NETWORKS.devices[1], wanted)
+    change = NetworkManager(NETWORKS).address(NETWORKS.devices[1], wanted)
     assert change.live.splitlines()[1:] == [
         f"nmcli connection modify u-wired {words}",
         "nmcli --wait 40 connection up uuid u-wired ifname eth0",
@@ -167,18 +165,18 @@ def test_password_that_no_network_has_is_refused_without_being_shown(password: s
 @pytest.mark.parametrize(
     ("networks", "said", "help"),
     [
-        (
-            Networks(False, others=("systemd-networkd",), netplan=("/etc/netplan/50.yaml",)),
-            "netplan and",
-            "netplan try",
-        ),
         (Networks(False, others=("dhcpcd",)), "managed by dhcpcd", "settings of dhcpcd"),
         (Networks(False), "something else", "network-manager"),
+        (
+            Networks(False, others=("dhcpcd",), supplicant=("/etc/wpa_supplicant/wpa_supplicant.conf",)),
+            "dhcpcd with /etc/wpa_supplicant/wpa_supplicant.conf",
+            "wpa_cli reconfigure",
+        ),
         (Networks(True, others=("systemd-networkd",)), "eth0 is managed by systemd-networkd", "systemd-networkd"),
     ],
 )
 def test_other_managers_are_named_with_what_to_do(networks: Networks, said: str, help: str) -> None:
-    device = NetworkDevice("eth0", "ethernet", "unmanaged") if networks.running else None
+    device = NetworkDevice("eth0", "ethernet", "unmanaged", owner="") if networks.running else None
     with pytest.raises(UserError) as caught:
         check_managed(networks, "ros@bob.local", device)
     (problem,) = caught.value.diagnostics

@@ -48,7 +48,7 @@ def network(
     """Show a robot's network devices; change an address, and revert if the robot cannot be reached.
 
     The robot takes the address and waits for this computer to reach it there. If that does not happen, it returns to
-    its previous address. Needs NetworkManager on the robot.
+    its previous address. Needs NetworkManager on the robot, or netplan with systemd-networkd.
     """
     from ur.robot.commit_confirm.network import parse_addressing
 
@@ -60,21 +60,13 @@ def network(
     (password,) = read_lines(password_from, "--password-from", 1)
 
     def plan(shell: SshShell, networks: Networks) -> GuardedChange | None:
-        from ur.robot.commit_confirm.network import check_managed, plan_addressing
+        from ur.robot.commit_confirm.choice import choose_manager
 
         chosen = _find_device(shell, networks, device)
         if wanted is None:
             _show_devices(networks)
             return None
-        check_managed(networks, shell.destination, chosen)
-        profile = networks.profile(chosen.profile)
-        if profile is None:
-            raise UserError(
-                error_about(
-                    chosen.name, f"it is in no network ({chosen.state}), expected a device in use", rule="bad-device"
-                )
-            )
-        return plan_addressing(networks, profile, chosen, wanted)
+        return choose_manager(networks, shell.destination, chosen).address(chosen, wanted)
 
     literal = str(wanted.address.ip) if wanted and wanted.address else None
     return change_network(robot, password, plan, wait, dry_run=dry_run, literal=literal)
@@ -96,6 +88,7 @@ def change_network(
     """
     from ur.request.remote.connection import connect_robot, robot_address
     from ur.robot.commit_confirm.guarded import change_request
+    from ur.robot.commit_confirm.netplan import side_command
     from ur.robot.commit_confirm.network_facts import FACTS_SCRIPT, SCAN_SCRIPT, parse_networks
     from ur.robot.commit_confirm.perform import ChangeAddresses
     from ur.robot.setup.engine import gather
@@ -104,7 +97,7 @@ def change_network(
     address = robot_address(robot)
     with connect_robot(address) as shell:
         sudo = become_root(shell, password)
-        script = FACTS_SCRIPT + (SCAN_SCRIPT if scan else "")
+        script = FACTS_SCRIPT + f"mark names; {side_command('names')} 2>/dev/null\n" + (SCAN_SCRIPT if scan else "")
         change = plan(shell, parse_networks(shell.run(script, root=True, timeout=LOOK_SECONDS).out))
         if change is None:
             return 0
@@ -154,9 +147,8 @@ def _show_devices(networks: Networks) -> None:
             rows.append((each.name, each.kind, each.state, profile.name if profile else "", ", ".join(each.addresses)))
     print_table(("device", "kind", "state", "network", "addresses"), rows)
     if not networks.running:
-        print_line(
-            f"NetworkManager does not run there, but: {', '.join(networks.others) or 'no network service known'}"
-        )
+        services = ", ".join((*networks.others, *networks.netplan)) or "no network service known"
+        print_line(f"NetworkManager does not run there, but: {services}")
 
 
 def print_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
@@ -200,7 +192,7 @@ def wifi(
 
     The robot joins the network and waits for this computer to reach it there: join the same network meanwhile. If that
     does not happen, it returns to its previous network. Networks that it knew before are kept, for places where the new
-    one is out of range. Needs NetworkManager on the robot.
+    one is out of range. Needs NetworkManager on the robot, or netplan with systemd-networkd.
     """
     if ssid is not None and forget is not None:
         raise click.UsageError("--ssid and --forget cannot be used together")
@@ -209,22 +201,20 @@ def wifi(
     network_password, own_password = read_lines(passwords_from, "--passwords-from", 2)
 
     def plan(shell: SshShell, networks: Networks) -> GuardedChange | None:
-        from ur.robot.commit_confirm.choice import choose_network, find_known, refuse_wireless
-        from ur.robot.commit_confirm.network import check_managed, plan_forget, plan_join
+        from ur.robot.commit_confirm.choice import choose_manager, choose_network, find_known, refuse_wireless
 
         device = networks.wireless
         if device is None:
             refuse_wireless(shell.destination, networks)
-        check_managed(networks, shell.destination, device)
-        assert device is not None
+        manager = choose_manager(networks, shell.destination, device)
         if ssid is not None:
             wanted = choose_network(
                 networks, ssid, network_password, partial(_ask_password, ssid), hidden=hidden, band=band or ""
             )
             print_line(f"while the robot waits, this computer has to be in {ssid}, or in a network that leads there")
-            return plan_join(networks, wanted, device)
+            return manager.join(wanted, device)
         if forget is not None:
-            return plan_forget(networks, find_known(networks, forget))
+            return manager.forget(find_known(networks, forget))
         _show(networks, device)
         return None
 

@@ -3,21 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
+from ur.robot.commit_confirm.netplan import Netplan
 from ur.robot.commit_confirm.network import (
+    NetworkChanges,
+    NetworkManager,
     WirelessNetwork,
     check_managed,
     check_password,
     choose_management,
     find_profile,
 )
+from ur.robot.commit_confirm.network_facts import NETWORK_MANAGER
 from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import UserError, error_about
 from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
-    from ur.robot.commit_confirm.network_facts import Networks, Profile
+    from ur.robot.commit_confirm.network_facts import NetworkDevice, Networks, Profile
+
+
+def choose_manager(networks: Networks, destination: str, device: NetworkDevice) -> NetworkChanges:
+    """Return what changes the networks of a device. Raises UserError if it is managed by something else."""
+    check_managed(networks, destination, device)
+    return NetworkManager(networks) if device.owner == NETWORK_MANAGER else Netplan(networks)
 
 
 def choose_network(
@@ -63,8 +73,8 @@ def choose_network(
     return WirelessNetwork(ssid, secret, management, hidden, band)
 
 
-def refuse_wireless(destination: str, networks: Networks) -> None:
-    """Raise UserError if the robot has no wireless device, or NetworkManager does not manage it."""
+def refuse_wireless(destination: str, networks: Networks) -> NoReturn:
+    """Raise UserError if the robot has no wireless device, or neither NetworkManager nor netplan manages it."""
     device = next((each for each in networks.devices if each.kind == "wifi"), None)
     check_managed(networks, destination, device)
     raise UserError(

@@ -3,7 +3,7 @@
 On the robot's disk, for root alone, below `FOLDER`:
 
 - `pending/`: the change that is being made. `id title who wait boot keeps`, `old/N` the files and folders of `keeps` as
-  they were, `apply back early` scripts, and one file with who decides: `open`, which either the viewer renames
+  they were, `apply back early commit` scripts, and one file with who decides: `open`, which either the viewer renames
   to `confirmed` or the guard to `closed`. Renaming can be won by one of them only. `begun`, `applied`: how far it is.
 - `last`: how the latest change ended, in three lines: its id, `confirmed` or `taken-back`, and why.
 - `guard`: the script below. It runs under systemd, restarted when it is killed; and once more, while a change is
@@ -35,6 +35,7 @@ tidy() {{
 }}
 leave() {{
   exec 9>"$d/lock"; flock 9
+  [ "$1" != confirmed ] || (cd "$p" && sh ./commit </dev/null 2>&1) || exit 1
   printf '%s\\n' "$id" "$1" "$2" >"$d/last.new" && mv -f "$d/last.new" "$d/last" && sync || exit 1
   rm -rf "$d/gone" && mv -T "$p" "$d/gone" && sync && rm -rf "$d/gone" || exit 1
   tidy; exit 0

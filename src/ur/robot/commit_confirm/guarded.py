@@ -21,7 +21,9 @@ class GuardedChange:
     `wanted`: the files that change. `also_kept`: absolute paths of files and folders that `live` modifies; those in
     /run are not restored after a boot. `live` applies the new files to the running system; if it fails, everything is
     reverted. `back` applies the restored files; `early` does so during boot, before the network starts. The scripts run
-    as root and contain no secrets. `words` describe the effect of `live`.
+    as root and contain no secrets. `commit` makes a confirmed change permanent, in the folder of the change, where
+    `step0` is the first script of `wanted` and `step0.in` its input; it is repeated until it succeeds. `words` describe
+    the effect of `live`.
     """
 
     title: str
@@ -29,6 +31,7 @@ class GuardedChange:
     live: str
     back: str
     early: str = ":"
+    commit: str = ":"
     also_kept: tuple[str, ...] = ()
     words: tuple[str, ...] = ()
 
@@ -76,6 +79,7 @@ def pack_order(order: Order, facts: ComputerFacts) -> Secret:
         "live": order.change.live + "\n",
         "back": order.change.back + "\n",
         "early": order.change.early + "\n",
+        "commit": order.change.commit + "\n",
         **dict(_steps(commands)),
         "open": "",
         "end": "",  # last: without it the archive is incomplete

@@ -1,10 +1,11 @@
-"""Changes of a robot's networks by NetworkManager. Pure."""
+"""Changes of a robot's networks, and how NetworkManager makes them. Pure."""
 
 import ipaddress
 import re
 import uuid
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from ur.robot.commit_confirm.guarded import GuardedChange
 from ur.robot.commit_confirm.network_facts import NetworkDevice, Networks, Profile, SeenNetwork
@@ -17,8 +18,7 @@ from ur.source.diagnostic import UserError, error
 
 PROFILES = "/etc/NetworkManager/system-connections"
 # All files in which NetworkManager, and netplan behind it, store profiles. The state file lists wired devices that get
-# no
-# automatic profile: if it is not restored, a robot that depends on such a profile is unreachable.
+# no automatic profile: if it is not restored, a robot that depends on such a profile is unreachable.
 KEPT = (
     PROFILES,
     "/run/NetworkManager/system-connections",
@@ -36,6 +36,10 @@ class Addressing:
     address: ipaddress.IPv4Interface | None
     gateway: ipaddress.IPv4Address | None = None
     names: tuple[ipaddress.IPv4Address, ...] = ()
+
+    def title(self, device: NetworkDevice) -> str:
+        """Return the title of the change for messages."""
+        return f"{self.address or 'address by DHCP'} on {device.name}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +131,7 @@ def choose_management(seen: SeenNetwork | None, *, with_password: bool) -> str:
         return "wpa-psk" if with_password else ""
     words = seen.security.split()
     if "802.1X" in words:
-        raise _refused(
+        raise refused(
             f"{seen.ssid}: it asks for a user name (802.1X), expected a network with one password for all",
             "bad-network",
             "make its profile on the robot with nmcli, then choose it here with --ssid",
@@ -135,7 +139,7 @@ def choose_management(seen: SeenNetwork | None, *, with_password: bool) -> str:
     if not words:
         return ""
     if "WEP" in words:
-        raise _refused(
+        raise refused(
             f"{seen.ssid}: it is protected by WEP, which is no protection, expected WPA2 or WPA3",
             "bad-network",
             "change that in the settings of the access point",
@@ -149,42 +153,60 @@ def check_password(ssid: str, password: Secret) -> None:
     """Raise UserError unless a password is valid (IEEE 802.11: 8 to 63 characters, or 64 hexadecimal digits)."""
     text = password.reveal()
     if not (8 <= len(text.encode()) <= 63 or re.fullmatch(r"[0-9a-fA-F]{64}", text)) or not text.isprintable():
-        raise _refused(
+        raise refused(
             f"{ssid}: this password has {len(text)} characters, expected 8 to 63 that can be printed",
             "bad-password",
             "",
         )
 
 
-def plan_join(networks: Networks, wifi: WirelessNetwork, device: NetworkDevice) -> GuardedChange:
-    """Plan to join a network; other profiles stay, and are used where this network is out of range."""
-    known = find_profile(networks, wifi.ssid)
-    use_known = known is not None and wifi.password is None
-    wanted = () if use_known else (WantedProfile(wifi),)
-    target = known.uuid if known and use_known else wifi.uuid
-    load = [f"nmcli connection load {quote(wifi.path)}"] if wanted else []
-    return _guard(networks, f"join {wifi.ssid}", wanted, [*load, _bring_up(target, device.name)])
+class NetworkChanges(Protocol):
+    """The service that manages a robot's network, as plans of changes."""
+
+    def join(self, wifi: WirelessNetwork, device: NetworkDevice) -> GuardedChange:
+        """Plan to join a network; other networks stay, and are used where this one is out of range."""
+
+    def forget(self, profile: Profile) -> GuardedChange:
+        """Plan to forget a network; if it is in use, the robot connects to another known one."""
+
+    def address(self, device: NetworkDevice, wanted: Addressing) -> GuardedChange:
+        """Plan to configure a device's address by DHCP or statically. Raises UserError if it is in no network."""
 
 
-def plan_forget(networks: Networks, profile: Profile) -> GuardedChange:
-    """Plan to forget a network; if it is in use, the robot connects to another known one."""
-    return _guard(
-        networks, f"forget {profile.ssid or profile.name}", (), [f"nmcli connection delete {quote(profile.uuid)}"]
-    )
+@dataclass(frozen=True, slots=True)
+class NetworkManager:
+    """The networks of a robot that NetworkManager manages."""
 
+    networks: Networks
 
-def plan_addressing(networks: Networks, profile: Profile, device: NetworkDevice, wanted: Addressing) -> GuardedChange:
-    """Plan to configure a device's address by DHCP or statically."""
-    values = {
-        "ipv4.method": "manual" if wanted.address else "auto",
-        "ipv4.addresses": str(wanted.address or ""),
-        "ipv4.gateway": str(wanted.gateway or ""),
-        "ipv4.dns": " ".join(map(str, wanted.names)),
-    }
-    words = [word for pair in values.items() for word in pair]
-    title = f"{wanted.address if wanted.address else 'address by DHCP'} on {device.name}"
-    modify = f"nmcli connection modify {quote(profile.uuid, *words)}"
-    return _guard(networks, title, (), [modify, _bring_up(profile.uuid, device.name)])
+    def join(self, wifi: WirelessNetwork, device: NetworkDevice) -> GuardedChange:
+        """Write a profile, unless the robot has one and the password is not replaced, and use it."""
+        known = find_profile(self.networks, wifi.ssid)
+        use_known = known is not None and wifi.password is None
+        wanted = () if use_known else (WantedProfile(wifi),)
+        target = known.uuid if known and use_known else wifi.uuid
+        load = [f"nmcli connection load {quote(wifi.path)}"] if wanted else []
+        return _guard(self.networks, f"join {wifi.ssid}", wanted, [*load, _bring_up(target, device.name)])
+
+    def forget(self, profile: Profile) -> GuardedChange:
+        """Delete the profile."""
+        title = f"forget {profile.ssid or profile.name}"
+        return _guard(self.networks, title, (), [f"nmcli connection delete {quote(profile.uuid)}"])
+
+    def address(self, device: NetworkDevice, wanted: Addressing) -> GuardedChange:
+        """Modify the profile that the device uses."""
+        profile = self.networks.profile(device.profile)
+        if profile is None:
+            raise refused(f"{device.name}: in no network ({device.state}), expected a device in use", "bad-device")
+        values = {
+            "ipv4.method": "manual" if wanted.address else "auto",
+            "ipv4.addresses": str(wanted.address or ""),
+            "ipv4.gateway": str(wanted.gateway or ""),
+            "ipv4.dns": " ".join(map(str, wanted.names)),
+        }
+        words = [word for pair in values.items() for word in pair]
+        modify = f"nmcli connection modify {quote(profile.uuid, *words)}"
+        return _guard(self.networks, wanted.title(device), (), [modify, _bring_up(profile.uuid, device.name)])
 
 
 def _guard(networks: Networks, title: str, wanted: tuple[WantedProfile, ...], live: Sequence[str]) -> GuardedChange:
@@ -227,21 +249,20 @@ def find_profile(networks: Networks, ssid: str) -> Profile | None:
 
 
 def check_managed(networks: Networks, destination: str, device: NetworkDevice | None) -> None:
-    """Raise UserError if a service other than NetworkManager manages the device (None: all devices)."""
-    if networks.running and (device is None or device.managed):
+    """Raise UserError if neither NetworkManager nor netplan manages the device (None: any device)."""
+    if any(each.owner for each in ([device] if device else networks.devices)):
         return
     what = device.name if device else "the network"
-    owner = "netplan and systemd-networkd" if networks.netplan and "systemd-networkd" in networks.others else None
-    owner = owner or (networks.others[0] if networks.others else "something else")
-    if networks.netplan:
-        how = f"on the robot, edit {networks.netplan[0]} and run: sudo netplan try"
-    else:
-        how = f"change it in the settings of {owner}"
-    raise _refused(
-        f"{destination}: {what} is managed by {owner}, expected NetworkManager; nothing was changed",
+    owner = ", ".join(networks.others) or "something else"
+    how = f"change it in the settings of {owner}"
+    if networks.supplicant:
+        owner, file = f"{owner} with {networks.supplicant[0]}", networks.supplicant[0]
+        how = f"on the robot, add the network to {file} (see wpa_passphrase); then: sudo wpa_cli reconfigure"
+    raise refused(
+        f"{destination}: {what} is managed by {owner}, expected NetworkManager, or netplan with systemd-networkd; "
+        "nothing was changed",
         "no-network-manager",
-        f"{how}; or hand it to NetworkManager: sudo apt-get install network-manager"
-        + ("; set 'renderer: NetworkManager' there" if networks.netplan else ""),
+        f"{how}; or hand it to NetworkManager: sudo apt-get install network-manager",
     )
 
 
@@ -260,14 +281,14 @@ def parse_addressing(address: str | None, gateway: str | None, names: Sequence[s
     except ValueError:
         good = False
     if not good:
-        raise _refused(
+        raise refused(
             f"--address {text!r} is not a host address with a prefix length, expected for instance 192.168.1.7/24",
             "bad-address",
             "",
         )
     way = _parse_ip(gateway, "--gateway") if gateway else None
     if way is not None and way not in interface.network:
-        raise _refused(
+        raise refused(
             f"--gateway {way} is not in the network {interface.network}, expected one that {interface.ip} reaches",
             "bad-address",
             "",
@@ -279,10 +300,11 @@ def _parse_ip(text: str, option: str) -> ipaddress.IPv4Address:
     try:
         return ipaddress.IPv4Address(text)
     except ValueError:
-        raise _refused(
+        raise refused(
             f"{option} {text!r} is not an IPv4 address, expected one like 192.168.1.1", "bad-address", ""
         ) from None
 
 
-def _refused(message: str, rule: str, help: str) -> UserError:
+def refused(message: str, rule: str, help: str = "") -> UserError:
+    """Return the error for a value that cannot be used."""
     return UserError(error(message, rule=rule, help=help or None))
