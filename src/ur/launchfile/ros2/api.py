@@ -12,21 +12,16 @@ from functools import cache
 
 @dataclass(frozen=True, slots=True)
 class Signature:
-    """The arguments of a class: `positional` in their order, `named` by keyword only; `required` of both.
+    """The arguments of a class: `positional` in their order, `keywords` are all, `required` those that it needs.
 
     `removed` are keywords of earlier releases, with the present ones.
     """
 
     kind: str
     positional: tuple[str, ...]
-    named: frozenset[str]
+    keywords: frozenset[str]
     required: frozenset[str]
     removed: Mapping[str, str]
-
-    @property
-    def keywords(self) -> frozenset[str]:
-        """All names that may be written as keywords."""
-        return self.named | set(self.positional)
 
 
 _CONDITION = "condition"
@@ -262,7 +257,7 @@ def _read(kind: str, text: str) -> Signature:
     return Signature(
         kind,
         tuple(word.rstrip("!") for word in first),
-        frozenset(word.rstrip("!") for word in rest),
+        frozenset(word.rstrip("!") for word in (*first, *rest)),
         frozenset(word[:-1] for word in (*first, *rest) if word.endswith("!")),
         removed,
     )

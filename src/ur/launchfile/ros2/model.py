@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ur.launchfile.plan.specs import GapKind
@@ -25,19 +25,32 @@ class Unknown:
 class Made:
     """An object that a launch file constructs: its class, and its arguments by name.
 
-    `places` has the span of each argument as it was written. The list `entities` of a LaunchDescription may grow while
-    its file is read; nothing changes afterwards.
+    `places` has the span of each argument as it was written. Most spans are never asked for: that of the object may be
+    a function that finds it. The list `entities` of a LaunchDescription may grow while its file is read; nothing
+    changes afterwards.
     """
 
-    __slots__ = ("kind", "places", "span", "values")
+    __slots__ = ("_span", "kind", "places", "values")
 
     def __init__(
-        self, kind: str, values: dict[str, object], span: Span, places: Mapping[str, Span] | None = None
+        self,
+        kind: str,
+        values: dict[str, object],
+        span: Span | Callable[[], Span],
+        places: Mapping[str, Span] | None = None,
     ) -> None:
         self.kind = kind
         self.values = values
-        self.span = span
-        self.places: Mapping[str, Span] = places or {}
+        self._span = span
+        self.places: Mapping[str, Span] = {} if places is None else places
+
+    @property
+    def span(self) -> Span:
+        """The span of the object."""
+        found = self._span
+        if not isinstance(found, Span):
+            found = self._span = found()
+        return found
 
     def __repr__(self) -> str:
         return f"{self.kind} at {self.span}"
@@ -48,7 +61,8 @@ class Made:
 
     def place(self, name: str) -> Span:
         """Return the span of an argument; of the object if the argument is not written."""
-        return self.places.get(name, self.span)
+        found = self.places.get(name)
+        return self.span if found is None else found
 
 
 class DescriptionProblem(Exception):  # noqa: N818 - carries a finding to where its place is known

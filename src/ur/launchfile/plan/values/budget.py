@@ -53,15 +53,16 @@ class TooLong(Exception):  # noqa: N818 - carries a finding to where its place i
 class Budget:
     """The remaining budget of one file. `begin` starts an expression, which may spend a share of it."""
 
-    __slots__ = ("_end", "left")
+    __slots__ = ("_end", "_least", "left")
 
     def __init__(self, units: int = PER_FILE) -> None:
         self.left = units
-        self._end = 0
+        self._end = self._least = 0
 
     def begin(self) -> None:
         """Start an expression."""
         self._end = self.left - PER_EXPRESSION
+        self._least = max(self._end, 0)
 
     def charge(self, units: int) -> None:
         """Charge units for work outside of expressions. Raises TooLong if too few are left."""
@@ -73,8 +74,8 @@ class Budget:
     def spend(self, units: int) -> None:
         """Charge units. Raises TooLong if too few are left."""
         self.left -= units
-        if self.left < max(self._end, 0):
-            self.left = max(self._end, 0)
+        if self.left < self._least:
+            self.left = self._least
             whole = "the expressions of this file together take too long to compute"
             raise TooLong("takes too long to compute" if self._end >= 0 else whole)
 

@@ -15,7 +15,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from ur.launchfile.plan.values import expression_functions as functions
-from ur.launchfile.plan.values.budget import PER_YAML_CHARACTER, Budget, ExpressionProblem
+from ur.launchfile.plan.values.budget import PER_STEP, PER_YAML_CHARACTER, Budget, ExpressionProblem
 from ur.launchfile.plan.values.expression import MAX_LENGTH, Evaluator
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.python.objects import (
@@ -51,6 +51,7 @@ class Expressions(Evaluator):
         self.find_method: Callable[[object, str], object] = lambda *_: None
         """Return a method that needs the computer, of a value; None if it is none of those."""
         self.report: Callable[[DescriptionProblem], None] = lambda _: None
+        self.make_context: Callable[[], object] = lambda: None
 
     def span(self, node: ast.AST) -> Span:
         """Return the span of a part of the file."""
@@ -62,6 +63,17 @@ class Expressions(Evaluator):
         if not self._is_ascii:
             column = len(self.source.line(line).encode()[:column].decode(errors="replace"))
         return self.source.offset_of_line(line) + column
+
+    def visit(self, node: ast.expr) -> object:
+        """Return the value of a part of the expression."""
+        method = _VISITS.get(type(node))
+        if method is None:
+            return super().visit(node)
+        outer, self.at = self.at, node
+        self.budget.spend(PER_STEP)
+        value = method(self, node)
+        self.at = outer
+        return value
 
     def problem(self, message: str, node: ast.expr, *_: object) -> Any:
         """Return a problem at the position of a node."""
@@ -165,13 +177,16 @@ class Expressions(Evaluator):
         return test if isinstance(test, Unknown) else self.visit(node.body if test else node.orelse)
 
     def visit_List(self, node: ast.List) -> object:
-        return list(self._items(node.elts))
+        return self._items(node.elts)
 
     def visit_Tuple(self, node: ast.Tuple) -> object:
         return tuple(self._items(node.elts))
 
     def _part(self, node: ast.expr) -> object:
         """Return the value of an item or argument: what is wrong there does not concern the others."""
+        if type(node) is ast.Constant:
+            self.budget.spend(PER_STEP)
+            return self.visit_Constant(node)
         if self.tries:
             return self.visit(node)
         try:
@@ -185,17 +200,19 @@ class Expressions(Evaluator):
             text = f"{type(problem).__name__}: {problem}".rstrip(": ")
             return self.unknown(f"it raises {text}", self.at or node)
 
-    def _items(self, nodes: list[ast.expr]) -> Iterator[object]:
+    def _items(self, nodes: list[ast.expr]) -> list[object]:
+        found: list[object] = []
         for item in nodes:
             if not isinstance(item, ast.Starred):
-                yield self._part(item)
+                found.append(self._part(item))
                 continue
             values: Any = self._part(item.value)
             if isinstance(values, Unknown):
-                yield values
+                found.append(values)
             else:
                 self.budget.weigh(values)
-                yield from values
+                found.extend(values)
+        return found
 
     def visit_Dict(self, node: ast.Dict) -> object:
         found: dict[object, object] = {}
@@ -272,7 +289,7 @@ class Expressions(Evaluator):
             if self.tries:  # it could raise what the file handles
                 raise NotRead(function.reason, function.span or self.span(node))
             return function
-        arguments = list(self._items(node.args))
+        arguments = self._items(node.args)
         keywords = self._keywords(node)
         if isinstance(keywords, Unknown):
             return keywords
@@ -281,14 +298,10 @@ class Expressions(Evaluator):
         if owner is not None and owner.of.api is not None:
             function = owner.of.api
         if isinstance(function, ApiClass):
-            written = [keyword for keyword in node.keywords if keyword.arg is not None]
-            places = {str(keyword.arg): self.span(keyword.value) for keyword in written}
-            names = {str(keyword.arg): self._name_span(keyword) for keyword in written}
-            spans = [self.span(argument) for argument in node.args]
-            made = function.make(arguments, keywords, self.span(node.func), spans, places, names, self.report)
+            made = function.make(arguments, keywords, node, self.span, self.report)
             if owner is not None:
                 owner.attributes[BASE] = made
-            return made
+            return made if made.kind != "LaunchContext" else self.make_context()
         if isinstance(function, Function):
             return function.run(arguments, keywords)
         if isinstance(function, UserClass):
@@ -297,7 +310,8 @@ class Expressions(Evaluator):
 
     def _initialised(self, function: ast.expr) -> Instance | None:
         """Return the object whose base `super().__init__()` is called for."""
-        if not isinstance(function, ast.Attribute) or ast.unparse(function) != "super().__init__":
+        called = function.value if isinstance(function, ast.Attribute) and function.attr == "__init__" else None
+        if not isinstance(called, ast.Call) or ast.unparse(called) != "super()":
             return None
         first = next(iter(self.frame.names_here.values()), None)
         return first if isinstance(first, Instance) else None
@@ -332,10 +346,6 @@ class Expressions(Evaluator):
         self.budget.weigh(value)
         return first_unknown(value)
 
-    def _name_span(self, keyword: ast.keyword) -> Span:
-        start = self._offset(keyword.lineno, keyword.col_offset)
-        return Span(self.source, start, start + len(keyword.arg or ""))
-
 
 class NotRead(Exception):  # noqa: N818 - the reason why a value is Unknown
     """A part of a file that is not computed while reading."""
@@ -353,6 +363,13 @@ class Known(ast.expr):
         self.value = value
         self.lineno = self.end_lineno = 1
         self.col_offset = self.end_col_offset = 0
+
+
+_VISITS: Mapping[type[ast.expr], Callable[[Expressions, Any], object]] = {
+    kind: getattr(Expressions, f"visit_{kind.__name__}")
+    for kind in ast.expr.__subclasses__()
+    if hasattr(Expressions, f"visit_{kind.__name__}")
+}
 
 
 def first_unknown(value: object) -> Unknown | None:

@@ -36,7 +36,13 @@ _TRANSITIONS = (
     *("ACTIVE_SHUTDOWN", "DESTROY"),
 )
 _SOURCED = frozenset({"AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH", "ROS_DISTRO"})
-_EXTENDED = frozenset({"launch.launch_context", "launch_ros.events.lifecycle"})  # by what is no class of the API
+_MATCHING = {
+    **dict.fromkeys(
+        ("launch.events", "launch.actions", "launch.event_handlers", "launch_ros.events"),
+        ("matches_action", "matches_node_name", "matches_pid"),
+    ),
+    "launch_ros.events.lifecycle": ("matches_node_name",),
+}
 _IGNORED = frozenset(
     {
         *("__future__", "abc", "argparse", "collections", "enum", "getpass", "importlib", "inspect", "itertools"),
@@ -74,14 +80,9 @@ class Library:
             "ament_index_python.resources": lambda: Module(
                 "ament_index_python.resources", {"has_resource": self._has_resource}
             ),
-            "lifecycle_msgs.msg": self._lifecycle,
-            "launch_ros.events": lambda: Module(
-                "launch_ros.events", {"lifecycle": self.find("launch_ros.events.lifecycle")}
-            ),
+            "lifecycle_msgs.msg": _lifecycle,
         }
-        self._inner = _inner_modules(tuple(self._own))
         self._found: dict[str, Module | None] = {}
-        self._at: Span | None = None
         self.is_tried: Callable[[], bool] = lambda: False
         """True where a `try` of the file is around the present place."""
 
@@ -94,26 +95,13 @@ class Library:
     def _make(self, name: str) -> Module | None:
         if name in self._own:
             return self._own[name]()
-        found = modules().get(name)
-        inner_names = self._inner.get(name, ())
-        if found is None and not inner_names:
-            return Module(name, {}) if name.partition(".")[0] in _IGNORED else None
-        if not inner_names and name not in _EXTENDED:
-            return _api_module(name)
-        members: dict[str, object] = dict(_api_classes(name))
-        for last in inner_names:
-            if (inner := self.find(f"{name}.{last}")) is not None:
-                members.setdefault(last, inner)
-        if name in ("launch", "launch.launch_context"):
-            members["LaunchContext"] = self._new_context
-        if name in ("launch.events", "launch.actions", "launch.event_handlers", "launch_ros.events"):
-            for helper in ("matches_action", "matches_node_name", "matches_pid"):
-                members[helper] = taking_unknown(_matcher)
-        if name == "launch_ros.events.lifecycle":
-            members["matches_node_name"] = taking_unknown(_matcher)
-        return Module(name, members)
+        inner = [own for own in self._own if own.startswith(f"{name}.")]
+        if inner:
+            return Module(name, {own[len(name) + 1 :]: self.find(own) for own in inner})
+        return _api_module(name) or (Module(name, {}) if name.partition(".")[0] in _IGNORED else None)
 
-    def _new_context(self, *_: object, **__: object) -> ContextObject:
+    def make_context(self) -> ContextObject:
+        """Return what LaunchContext() makes."""
         made = Context(self._world, self._context.budget, {})
         made.rewritten, made.written = self._context.rewritten, self._context.written  # one file system
         return ContextObject(made)
@@ -130,9 +118,9 @@ class Library:
             "super": lambda *_: Module("super()", {"__init__": taking_unknown(lambda *_, **__: None)}),
         }
 
-    def at(self, span: Span) -> None:
-        """Set the place of the statement that is being read, for messages."""
-        self._at = self.standard.at = span
+    @property
+    def _at(self) -> Span | None:
+        return self.standard.find_place()
 
     def find_share(self, package: str) -> str | Unknown:
         """Return the share folder of a package; a package that is missing is reported once.
@@ -202,16 +190,6 @@ class Library:
             with suppress(PackageNotFound):
                 return self._world.find_package(str(name)).removesuffix(f"/share/{name}")
         return Unknown(f"{name} is not installed", self._at, "package")
-
-    def _lifecycle(self) -> Module:
-        states = {f"TRANSITION_{name}": number for number, name in enumerate(_TRANSITIONS)}
-        primary = {
-            f"PRIMARY_STATE_{name}": number
-            for number, name in enumerate(("UNKNOWN", "UNCONFIGURED", "INACTIVE", "ACTIVE", "FINALIZED"))
-        }
-        return Module(
-            "lifecycle_msgs.msg", {"Transition": Module("Transition", states), "State": Module("State", primary)}
-        )
 
     def _os(self) -> Module:
         environment = self._context.environment
@@ -295,10 +273,11 @@ class Library:
         if isinstance(mappings, dict):
             for name, value in mappings.items():
                 words += [" ", name, ":=", value]
-        made = Made("Command", {"command": words}, self._at) if self._at is not None else None
+        at = self._at
+        made = Made("Command", {"command": words}, at) if at is not None else None
         text = taking_unknown(lambda *_, **__: made)
         return Module(
-            "the expanded file", {"toxml": text, "toprettyxml": text, "documentElement": Unknown("xacro", self._at)}
+            "the expanded file", {"toxml": text, "toprettyxml": text, "documentElement": Unknown("xacro", at)}
         )
 
 
@@ -327,21 +306,31 @@ def _is_instance(value: object, kind: object) -> object:
     return False
 
 
-@cache
-def _api_classes(module: str) -> Mapping[str, ApiClass]:
-    return {name: ApiClass(signature) for name, signature in modules().get(module, {}).items()}
+def _lifecycle() -> Module:
+    states = {f"TRANSITION_{name}": number for number, name in enumerate(_TRANSITIONS)}
+    primary = {
+        f"PRIMARY_STATE_{name}": number
+        for number, name in enumerate(("UNKNOWN", "UNCONFIGURED", "INACTIVE", "ACTIVE", "FINALIZED"))
+    }
+    return Module("lifecycle_msgs.msg", {"Transition": Module("Transition", states), "State": Module("State", primary)})
 
 
 @cache
-def _api_module(name: str) -> Module:
-    return Module(name, _api_classes(name))
+def _api_module(name: str) -> Module | None:
+    """Return a module of the launch API, the same for all files; None if it is none."""
+    members: dict[str, object] = {known: ApiClass(signature) for known, signature in modules().get(name, {}).items()}
+    for last in _inner_modules().get(name, ()):
+        members.setdefault(last, _api_module(f"{name}.{last}"))
+    if not members:
+        return None
+    return Module(name, members | dict.fromkeys(_MATCHING.get(name, ()), taking_unknown(_matcher)))
 
 
 @cache
-def _inner_modules(others: tuple[str, ...]) -> Mapping[str, tuple[str, ...]]:
-    """Return the modules in each module, by the last parts of their names."""
+def _inner_modules() -> Mapping[str, tuple[str, ...]]:
+    """Return the modules of the API in each module, by the last parts of their names."""
     found: dict[str, dict[str, None]] = {}
-    for known in (*modules(), *others):
+    for known in modules():
         while "." in known:
             parent, _, last = known.rpartition(".")
             found.setdefault(parent, {})[last] = None

@@ -85,6 +85,9 @@ class _Reader:
         self._expressions.find_method = self._library.find_method
         self._expressions.call_function, self._expressions.report = self._call, self._report
         self._library.is_tried = lambda: self._expressions.tries > 0
+        self._expressions.make_context = self._library.make_context
+        self._library.standard.find_place = lambda: self._expressions.span(self._statement)
+        self._statement: ast.AST = ast.Module([], [])
         self._depth = self._loops = 0
 
     def read(self, tree: ast.Module) -> Description:
@@ -156,7 +159,7 @@ class _Reader:
     def _run(self, body: Sequence[ast.stmt]) -> None:
         for statement in body:
             self._context.budget.spend(_PER_STATEMENT)
-            self._library.at(self._expressions.span(statement))
+            self._statement = statement
             if isinstance(statement, (ast.Pass, ast.Global, ast.Nonlocal, ast.Assert)):
                 continue
             method = getattr(self, f"_run_{type(statement).__name__}", None)

@@ -37,7 +37,7 @@ class Standard:
     def __init__(self, context: Context) -> None:
         self._context, self._world = context, context.world
         self.text = ""  # of the file that is read
-        self.at: Span | None = None  # the place of the statement that is read
+        self.find_place: Callable[[], Span | None] = lambda: None  # of the statement that is read
         self.paths: list[object] = []  # sys.path
         self.modules: Mapping[str, Callable[[], Module]] = {
             "copy": lambda: self._module("copy", copy=self._copy, deepcopy=self._copy),
@@ -80,7 +80,7 @@ class Standard:
     def _at_start(self, module: str, *names: str) -> Module:
         def make(name: str) -> Callable[..., object]:
             reason = f"{module}.{name}() is known when the launch starts"
-            return taking_unknown(lambda *_, **__: Unknown(reason, self.at, "command"))
+            return taking_unknown(lambda *_, **__: Unknown(reason, self.find_place(), "command"))
 
         return Module(module, {name: make(name) for name in names})
 
@@ -88,15 +88,16 @@ class Standard:
         """Return a function that would run a program: it is named, and its result is not known."""
 
         def call(*_: object, **__: object) -> Unknown:
-            refused = Unknown(f"a program is not run while reading: {name}()", self.at)
+            refused = Unknown(f"a program is not run while reading: {name}()", self.find_place())
             self._context.add_gap(refused)
             return refused
 
         return taking_unknown(call)
 
     def _exit(self, *reason: object) -> object:
-        if reason and isinstance(reason[0], Unknown) and self.at is not None:
-            raise NotRead(f"the file ends here: {reason[0].reason}", self.at)
+        at = self.find_place()
+        if reason and isinstance(reason[0], Unknown) and at is not None:
+            raise NotRead(f"the file ends here: {reason[0].reason}", at)
         text = f"the file ends the launch: {reason[0]}" if reason and isinstance(reason[0], str) else "the file ends"
         raise DescriptionProblem(f"{text}, expected a description", "launch-function", None)
 
