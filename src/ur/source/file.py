@@ -26,21 +26,22 @@ class SourceFile:
 
     def position(self, offset: int) -> Position:
         """Return line and column of a character offset (0-based; the end of the text is allowed)."""
-        starts = self._starts()
+        starts = self.line_starts()
         line = bisect_right(starts, offset)
         return Position(line, offset - starts[line - 1] + 1)
 
     def offset_of_line(self, number: int) -> int:
         """Return the offset at which a line (1-based) begins."""
-        return self._starts()[number - 1]
+        return self.line_starts()[number - 1]
 
     def line(self, number: int) -> str:
         """Return the text of a line (1-based) without its line break."""
-        starts = self._starts()
+        starts = self.line_starts()
         end = starts[number] if number < len(starts) else len(self.text)
         return self.text[starts[number - 1] : end].rstrip("\r\n")
 
-    def _starts(self) -> list[int]:
+    def line_starts(self) -> list[int]:
+        """Return the offsets at which the lines begin. Nobody changes the list."""
         if self._line_starts is None:
             starts = [0]
             index = self.text.find("\n")

@@ -58,7 +58,7 @@ class Collector:
 
     def _text(self, value: object, span: Span | None = None) -> str:
         """Return the text of a value; for one that is not known, its description in angle brackets."""
-        text = perform(value, self._context)
+        text = perform(value, self._context) if type(value) is not str else value
         return text if isinstance(text, str) else self._show(text, span)
 
     def _show(self, unknown: Unknown, span: Span | None) -> str:

@@ -1,8 +1,9 @@
 """Nodes, programs and components: from what a launch file writes to the values of the plan."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import PurePosixPath
 from typing import Any, cast
 
@@ -52,6 +53,8 @@ class Nodes(Collector):
         self._numbers: dict[str, int] = {}  # nodes by name
         self._actions: list[ActionSpec] = []
         self._handlers: dict[int, int] = {}  # numbers of event handlers by ids, as above
+        self._plain: tuple[dict[str, str] | None, tuple[dict[str, str], tuple[str, ...]]] = None, ({}, ())
+        """The environment of the last node that changes none, and what `_changes_of` returns for it."""
 
     def _execute(self, made: Made) -> None:
         command = made.get("cmd")
@@ -62,7 +65,7 @@ class Nodes(Collector):
             words = ("sh", "-c", " ".join(words))
         program = words[0] if words else ""
         name = self._text(made.get("name"), made.span) if made.get("name") is not None else program.rpartition("/")[2]
-        self._add(made, self._spec(made, "program", name or "program", "/", "", program, words[1:]))
+        self._add(made, self._spec(made, "program", name or "program", "/", "", program, words[1:])())
 
     def _node(self, made: Made) -> None:
         node = self._make_node(made)
@@ -89,13 +92,11 @@ class Nodes(Collector):
         ros_words = self._words(made.get("ros_arguments"), made)
         if ros_words:
             words = (*words, "--ros-args", *ros_words)
-        node = self._spec(made, kind, name, namespace, package, executable, words)
-        return replace(
-            node,
+        return self._spec(made, kind, name, namespace, package, executable, words)(
             is_named=bool(given),
             is_placed=written is not None or self._context.namespace is not None,
             remaps=(*self._context.remaps, *self._remaps(made)),
-            sources=self._sources(made, "parameters", node),
+            sources=self._sources(made, "parameters", name),
         )
 
     def _when(self, entities: object, trigger: Trigger, target: Made | None = None) -> None:
@@ -124,6 +125,10 @@ class Nodes(Collector):
         """Return the variables that a node gets beside those of the start, and those that it does not get."""
         context = self._context
         start = context.world.environment
+        if is_plain := "env" not in made.values and "additional_env" not in made.values:
+            known, changed = self._plain
+            if known == context.environment:
+                return changed
         wanted: dict[str, str] = dict(context.environment)
         for keyword in ("env", "additional_env"):
             given: Any = made.get(keyword)
@@ -134,7 +139,10 @@ class Nodes(Collector):
                     wanted.clear()
                 wanted |= {self._text(key, made.span): self._text(value, made.span) for key, value in given.items()}
         changes = {key: value for key, value in wanted.items() if start.get(key) != value}
-        return changes, tuple(sorted(key for key in start if key not in wanted))
+        found = changes, tuple(sorted(key for key in start if key not in wanted))
+        if is_plain:
+            self._plain = wanted, found
+        return found
 
     def _check_executable(self, package: str, name: str, made: Made) -> None:
         if (package, name) in self._programs or "<" in package + name or not package or not name:
@@ -176,7 +184,7 @@ class Nodes(Collector):
 
     def _spec(
         self, made: Made, kind: NodeKind, name: str, namespace: str, package: str, type_: str, words: tuple[str, ...]
-    ) -> NodeSpec:
+    ) -> Callable[..., NodeSpec]:
         context = self._context
         context.budget.charge(10 * (len(context.environment) + len(context.remaps) + len(context.global_parameters)))
         respawn = self._flag(made, "respawn")
@@ -200,7 +208,8 @@ class Nodes(Collector):
             self._when(others, Trigger("exit"), made)
         for unknown in (each for each in ends if isinstance(each, Unknown)):
             self._on_gap(replace(unknown, span=unknown.span or made.place("on_exit")), context.chain)
-        return NodeSpec(
+        return partial(
+            NodeSpec,
             name=name,
             namespace=namespace.rstrip("/") + "/",
             package=package,
@@ -275,7 +284,7 @@ class Nodes(Collector):
         return self._sections[source.path]
 
     def _sources(
-        self, made: Made, keyword: str, node: NodeSpec, *, common: bool = True
+        self, made: Made, keyword: str, node: str, *, common: bool = True
     ) -> tuple[ParameterFile | ParameterValues, ...]:
         context = self._context
         shared = context.global_parameters if common else ()
@@ -286,7 +295,7 @@ class Nodes(Collector):
             return tuple(found)
         if isinstance(given, str) or not isinstance(given, (list, tuple)):
             raise DescriptionProblem(
-                f"parameters of {node.name} are no list, expected a list of files and dicts", "launch-value",
+                f"parameters of {node} are no list, expected a list of files and dicts", "launch-value",
                 made.place(keyword), "write parameters=[...]",
             )  # fmt: skip
         place = made.place(keyword)
@@ -373,21 +382,20 @@ class Nodes(Collector):
         written = self._text(item.get("namespace"), item.span) if item.get("namespace") is not None else None
         namespace = self._absolute(written, item.place("namespace")) or "/"
         name = given or re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", plugin.rpartition("::")[2]).lower()
-        node = self._spec(item, "component", name, namespace, package, plugin, ())
-        node = replace(
-            node,
+        make = self._spec(item, "component", name, namespace, package, plugin, ())
+        node = make(
             container=container,
             is_named=bool(given),
             is_placed=written is not None or self._context.namespace is not None,
             remaps=(*self._context.remaps, *self._remaps(item)),
             extra=tuple(
                 pair
-                for source in self._sources(item, "extra_arguments", node, common=False)
+                for source in self._sources(item, "extra_arguments", name, common=False)
                 if isinstance(source, ParameterValues)
                 for pair in source.values
             ),
+            sources=self._sources(item, "parameters", name),
         )
-        node = replace(node, sources=self._sources(item, "parameters", node))
         self._components.append((node, item.span))
         self._add(item, node)
 

@@ -20,13 +20,13 @@ TRUE, FALSE = ("true", "1"), ("false", "0")
 
 def perform(value: object, context: Context) -> str | Unknown:
     """Return the text of a substitution, a text, a path, or a list of these. Raises DescriptionProblem."""
-    text = _perform(value, context)
-    context.budget.charge(1 if isinstance(text, Unknown) else 1 + len(text) // 8)
+    text = value if isinstance(value, str) else _perform(value, context)
+    context.budget.charge(1 + len(text) // 8 if isinstance(text, str) else 1)
     return text
 
 
 def _perform(value: object, context: Context) -> str | Unknown:
-    if isinstance(value, str | Unknown):
+    if isinstance(value, Unknown):
         return value
     if isinstance(value, PurePosixPath):
         return str(value)

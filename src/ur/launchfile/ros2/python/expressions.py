@@ -55,14 +55,15 @@ class Expressions(Evaluator):
 
     def span(self, node: ast.AST) -> Span:
         """Return the span of a part of the file."""
-        start = self._offset(getattr(node, "lineno", 1), getattr(node, "col_offset", 0))
-        end = self._offset(getattr(node, "end_lineno", 1) or 1, getattr(node, "end_col_offset", 0) or 0)
-        return Span(self.source, start, max(start, end))
-
-    def _offset(self, line: int, column: int) -> int:
+        part: Any = node
+        starts, first, last = self.source.line_starts(), part.lineno, part.end_lineno
+        start, end = part.col_offset, part.end_col_offset
         if not self._is_ascii:
-            column = len(self.source.line(line).encode()[:column].decode(errors="replace"))
-        return self.source.offset_of_line(line) + column
+            start, end = self._column(first, start), self._column(last, end)
+        return Span(self.source, starts[first - 1] + start, starts[last - 1] + end)
+
+    def _column(self, line: int, column: int) -> int:
+        return len(self.source.line(line).encode()[:column].decode(errors="replace"))
 
     def visit(self, node: ast.expr) -> object:
         """Return the value of a part of the expression."""

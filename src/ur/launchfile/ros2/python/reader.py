@@ -36,6 +36,7 @@ from ur.launchfile.ros2.python.statements import (
     assigns_names,
     decorator_name,
     extended_names,
+    parse_text,
     reading_of,
     walk_here,
     word_of,
@@ -53,7 +54,7 @@ def read_python(path: str, text: str, context: Context) -> Description:
     """Read a Python launch file. Never raises for its content."""
     source = SourceFile(path, text)
     try:
-        tree = ast.parse(text)
+        tree = parse_text(text)
     except (SyntaxError, ValueError, RecursionError, MemoryError) as problem:
         return Description(path, None, (_syntax_problem(source, problem),))
     reader = _Reader(source, context)
@@ -87,7 +88,7 @@ class _Reader:
         self._library.is_tried = lambda: self._expressions.tries > 0
         self._expressions.make_context = self._library.make_context
         self._library.standard.find_place = lambda: self._expressions.span(self._statement)
-        self._statement: ast.AST = ast.Module([], [])
+        self._statement: ast.AST = ast.Pass(lineno=1, col_offset=0, end_lineno=1, end_col_offset=0)
         self._depth = self._loops = 0
 
     def read(self, tree: ast.Module) -> Description:
@@ -249,7 +250,7 @@ class _Reader:
             text = self._context.read(path)[: MOST_BYTES + 1].decode(errors="replace")
             if len(text) > MOST_BYTES:
                 return None
-            tree = ast.parse(text)
+            tree = parse_text(text)
         except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
             return None
         reader = _Reader(SourceFile(path, text), self._context)

@@ -5,6 +5,24 @@ import copy
 from collections.abc import Iterator
 
 
+_MOST_KEPT = 200_000  # characters: their trees take some 20 MB, those of odd files five times as much
+_kept: dict[str, ast.Module] = {}
+
+
+def parse_text(text: str) -> ast.Module:
+    """Return the syntax tree of a text, which nobody changes. Raises what `ast.parse` does.
+
+    Trees are kept for the next reader of the same text: an editor and `ur check` read the same files again and again.
+    """
+    tree = _kept.pop(text, None) or ast.parse(text)
+    _kept[text] = tree
+    size = sum(map(len, _kept))
+    while size > _MOST_KEPT:
+        size -= len(first := next(iter(_kept)))
+        del _kept[first]
+    return tree
+
+
 class Returned(Exception):  # noqa: N818 - ends a function
     """The value of a function."""
 
