@@ -60,13 +60,13 @@ def ends(monkeypatch: pytest.MonkeyPatch) -> Iterator[SimpleNamespace]:
     monkeypatch.setenv("ROS_VERSION", "0")
     monkeypatch.setenv("ROS_LOG_DIR", "/nonexistent")
     monkeypatch.setitem(sys.modules, "ur_nodes.one_process.attached", SimpleNamespace(attach=attach))
-    monkeypatch.setattr(logging, "lastResort", logging.lastResort)
-    monkeypatch.setattr(threading, "excepthook", threading.excepthook)
+    hooks = logging.lastResort, threading.excepthook
     numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     before = [signal.getsignal(number) for number in numbers]
     yield node
     for number, handler in zip(numbers, before, strict=True):
         signal.signal(number, handler)
+    logging.lastResort, threading.excepthook = hooks
 
 
 def run_body(body: Callable[[object, threading.Event], int]) -> int:

@@ -4,7 +4,6 @@ import ast
 import copy
 from collections.abc import Iterator
 
-
 _MOST_KEPT = 200_000  # characters: their trees take some 20 MB, those of odd files five times as much
 _kept: dict[str, ast.Module] = {}
 
