@@ -26,6 +26,7 @@ from ur_nodes.client.wait import Wait, WatchedWait, wait_in_real_time
 from ur_nodes.exploration.status import ExploreStatus, describe_status
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.scan import angles_of_beams, classify_ranges
+from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS
 from ur_nodes.motion.challenge.link import FreshPublisher
 from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.ports.node import Node, Timer
@@ -178,6 +179,7 @@ Waypoint = tuple[float, float] | tuple[float, float, float]
 CAMERA = "raspicam_node/image/compressed"
 
 _LONGEST_DRIVE = 60.0  # s
+_FRESH = REQUEST_FRESHNESS / 2.0  # s: the age of the mux's newest challenge that a goal may answer
 _HESITATION = 0.1  # s: a thread that is silent for longer renews no lease while it drives
 
 
@@ -291,6 +293,8 @@ class Robot:
             raise Lost(f"still waiting for {'; '.join(self._navigator.snapshot().missing)}")
         self._require_permission()
         yaw = heading_there(self.pose(), x, y) if heading_degrees is None else math.radians(heading_degrees)
+        link, snapshot = self._navigator.lease.link, self._navigator.snapshot
+        self._calls.until(lambda: snapshot().lease.state == "unknown" or link.newest(_FRESH) is not None, PATIENCE)
         try:
             self._goal = self._navigator.go(Pose2(x, y, yaw), any_heading=heading_degrees is None)
         except UserError as problem:
