@@ -40,7 +40,6 @@ CALLS = [
     "docs . --output -",
     "docs . --check",
     "graph FILE",
-    "graph FILE --as dot",
     "graph FILE --format svg",
     "explain FILE a",
     "launch --nodes FILE",

@@ -4,7 +4,6 @@ from xml.etree import ElementTree
 
 from ur.graph.boxes import Arrow, DrawnGraph, GraphBox
 from ur.graph.svg import write_svg
-from ur.graph.text import write_dot
 
 GRAPH = DrawnGraph(
     (
@@ -14,13 +13,6 @@ GRAPH = DrawnGraph(
     ),
     (Arrow("b0", "b1"), Arrow("b0", "b2", "if & when", sure=False, fault=True), Arrow("b1", "b0")),
 )
-
-
-def test_dot_quotes_labels_and_draws_faults_red() -> None:
-    text = write_dot(GRAPH)
-    assert r'b0 [label="a\"<b>.launch", tooltip="/p/a", shape=note];' in text
-    assert 'b2 [label="gone.launch", tooltip="gone.launch", shape=note, color=red, fontcolor=red];' in text
-    assert 'b0 -> b2 [label="if & when", style=dashed];' in text
 
 
 def test_svg_is_well_formed_and_holds_every_box_and_arrow() -> None:

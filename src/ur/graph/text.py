@@ -1,6 +1,5 @@
-"""Graphs as text: drawn for a terminal, and DOT."""
+"""Graphs as text, drawn for a terminal."""
 
-import json
 from collections.abc import Iterator, Sequence
 
 from ur.graph.boxes import Arrow, Branch, DrawnGraph, GraphBox
@@ -10,7 +9,6 @@ Line = tuple[tuple[str, str], ...]  # pieces of a line: text, and the kind it is
 
 _LINES = ("├─ ", "└─ ", "│  ", "   ", "→", "←")
 _PLAIN = ("|- ", "`- ", "|  ", "   ", "->", "<-")
-_DOT_SHAPES = {"file": "note", "node": "ellipse", "topic": "box", "service": "cds", "action": "cds", "missing": "note"}
 
 
 def draw_tree(tree: Branch, *, unicode: bool = True) -> Iterator[Line]:
@@ -64,19 +62,3 @@ def _connection(sign: str, middle: GraphBox, ends: Sequence[str], label: str) ->
     if ends:
         pieces += [(f" {sign} ", "line"), (", ".join(ends), "node")]
     return tuple(pieces)
-
-
-def write_dot(graph: DrawnGraph) -> str:
-    """Return a graph for Graphviz."""
-    lines = ["digraph launch {", "  rankdir=LR;", '  node [fontname="sans-serif"];']
-    for box in graph.boxes:
-        colour = ", color=red, fontcolor=red" if box.kind == "missing" else ""
-        shape = _DOT_SHAPES.get(box.kind, "box")
-        text = f"label={json.dumps(box.label)}, tooltip={json.dumps(box.title or box.label)}"
-        lines.append(f"  {box.id} [{text}, shape={shape}{colour}];")
-    for arrow in graph.arrows:
-        label = f"label={json.dumps(arrow.label)}" if arrow.label else ""
-        style = "" if arrow.sure else "style=dashed"
-        inside = ", ".join(part for part in (label, style) if part)
-        lines.append(f"  {arrow.source} -> {arrow.target}{f' [{inside}]' if inside else ''};")
-    return "\n".join([*lines, "}"]) + "\n"

@@ -42,7 +42,7 @@ _PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".webp", ".pdf")
 @click.option(
     "--as",
     "form",
-    type=click.Choice(["text", "dot", "svg"]),
+    type=click.Choice(["text", "svg"]),
     help="The format; by default that of --output's name, else text.",
 )
 @click.option("--output", "-o", type=click.Path(dir_okay=False), help="Write to a file.")
@@ -64,7 +64,7 @@ def command(argv: tuple[str, ...], topics: bool, live: bool, form: str | None, o
         )
         help_ = f"-o {Path(str(output)).with_suffix('.svg')}"
         raise UserError(error(message, rule="unknown-format", help=help_))
-    form = form or {".svg": "svg", ".dot": "dot", ".gv": "dot"}.get(Path(output or "").suffix, "text")
+    form = form or ("svg" if Path(output or "").suffix == ".svg" else "text")
     if live:
         return _write(_show_live(argv, form), output)
     from ur.graph.includes import build_trees, merge_trees
@@ -151,10 +151,8 @@ def _find_nodes(nodes: Sequence[str], state: Sequence[Iterable[tuple[str, Sequen
 
 
 def _render(graph: DrawnGraph, form: str, title: str) -> str:
-    from ur.graph.text import draw_graph, write_dot
+    from ur.graph.text import draw_graph
 
-    if form == "dot":
-        return write_dot(graph)
     if form == "svg":
         from ur.graph.svg import write_svg
 
