@@ -22,7 +22,7 @@ MORE = (
     "ur.cli.launch.launch",
     "ur.cli.launch.options",
     "ur.run.loop",
-    "ur.check.run",
+    "ur.check.session",
 )
 """What commands import when they run, beside the module of their verb."""
 

@@ -32,7 +32,7 @@ _HEADING = re.compile(r"##(\w+):\s*(.*)")
 _NAME = re.compile(r"`([^`]+)`\s*(\((?:[^()]|\([^()]*\))*\))?")
 _MODULE = '''"""Topics, services and actions of this library's nodes. Made by tools/make_known_nodes.py."""
 
-from ur.launchfile.query.interface import Interface, make_interface
+from ur.launchfile.query.arguments import Interface, make_interface
 
 LIBRARY_NODES: dict[str, Interface] = {
 '''

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ur.worlds.map_file import MapImage
-from ur.worlds.map_keys import MapFile
+from ur.worlds.map_file import MapFile, MapImage
 from ur.worlds.world_file import WorldModel
 
 _CELL = 0.05

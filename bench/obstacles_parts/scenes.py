@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ur.worlds.map_file import MapImage
-from ur.worlds.map_keys import MapFile
+from ur.worlds.map_file import MapFile, MapImage
 from ur.worlds.world_file import Box, WorldModel
 
 SCENES = ("wall", "box", "person", "pole", "stepping in")

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from ur.check.collect import collect_targets
-from ur.check.links import describe_left_out
+from ur.check.rule import describe_left_out
 from ur.check.worlds import make_world
 from ur.launchfile.world import MemoryWorld
 from ur.source.diagnostic import UserError

@@ -4,7 +4,7 @@ from ur.check.queries.executables import is_misspelt
 from ur.check.render.pages import FOLDER, check_example
 from ur.check.render.text import render_text
 from ur.check.rule import Example
-from ur.check.run import CheckReport, check_paths
+from ur.check.session import CheckReport, check_paths
 from ur.launchfile.world import MemoryWorld
 
 NODE = '<node name="talker" pkg="demo_nodes" type="talker"{}/>'

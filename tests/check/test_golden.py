@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from ur.check.render.text import shorten_paths
-from ur.check.run import CheckReport, check_paths
+from ur.check.session import CheckReport, check_paths
 from ur.launchfile import SystemWorld
 from ur.source.render import render_human
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ur.check.cache.recall import Recall
-from ur.check.run import CheckReport, check_paths
+from ur.check.session import CheckReport, check_paths
 from ur.launchfile.world import MemoryWorld
 from ur.source.diagnostic import Severity
 

@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from ur.check.catalogue import load_rules
-from ur.check.run import check_paths
+from ur.check.session import check_paths
 from ur.check.worlds import make_world
 from ur.launchfile.world import MemoryWorld
 

@@ -4,7 +4,7 @@ import pytest
 
 from ur.check.render.pages import FOLDER, check_example
 from ur.check.rule import Example, launch_example
-from ur.check.run import CheckReport, check_paths
+from ur.check.session import CheckReport, check_paths
 from ur.launchfile.world import MemoryWorld
 from ur.source.diagnostic import UserError
 

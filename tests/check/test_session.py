@@ -6,8 +6,7 @@ from hypothesis import strategies as st
 from tests.check.cache.test_recall import EDITS, FILES, Workspace
 
 from ur.check.render.text import render_json
-from ur.check.run import finish_report
-from ur.check.session import CheckSession
+from ur.check.session import CheckSession, finish_report
 
 
 def findings_now(session: CheckSession) -> str:

@@ -1,6 +1,6 @@
 """A package with each trap of heads and silent meanings once: each is named with file, line and help."""
 
-from ur.check.run import check_paths
+from ur.check.session import check_paths
 from ur.launchfile.world import MemoryWorld
 
 FOLDER = "/ws/my_robot"

@@ -12,7 +12,7 @@ import pytest
 from tests.forking import python_of_ur
 from tests.terminal import TmuxTerminal
 
-from ur.complete.shells import SCRIPTS
+from ur.complete.verbs import SCRIPTS
 
 STARTS = {
     "bash": ["bash", "--noprofile", "--norc", "-i"],

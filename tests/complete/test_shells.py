@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from tests.terminal import TmuxTerminal
 
-from ur.complete.shells import SCRIPTS
+from ur.complete.verbs import SCRIPTS
 
 STARTS = {
     "bash": ["bash", "--noprofile", "--norc", "-i"],

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from ur.check.run import check_paths
+from ur.check.session import check_paths
 from ur.check.worlds import make_world
 from ur.cli.main import main
 from ur.source.render import render_human

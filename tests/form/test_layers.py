@@ -279,7 +279,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.client",
     ),
     "ur_nodes.assistant": (
-        *("ur.source", "ur.mcp.terms", "ur.worlds", "ur_nodes.geometry", "ur_nodes.motion"),
+        *("ur.source", "ur.mcp.grants", "ur.worlds", "ur_nodes.geometry", "ur_nodes.motion"),
         "ur_nodes.navigation.goals",
         *("ur_nodes.ports", "ur_nodes.run", "ur_nodes.client", "ur_nodes.web.server_link", "ur_nodes.exploration"),
     ),

@@ -10,8 +10,7 @@ from ur.get.computer import load_tables
 from ur.get.index import load_sources, merge_indexes, parse_index, parse_sources, read_dependencies
 from ur.get.missing import named_packages
 from ur.get.plan import Tables, make_plan, render_plan
-from ur.get.steps import Missing
-from ur.get.tables import DebianPackage, parse_candidates, parse_table
+from ur.get.steps import DebianPackage, Missing, parse_candidates, parse_table
 
 INDEX = """\
 repositories:

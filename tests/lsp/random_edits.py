@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 from ur.check.render.text import render_json
-from ur.check.run import check_paths, finish_report
+from ur.check.session import check_paths, finish_report
 from ur.check.worlds import make_world
 from ur.launchfile.world.overlay import OverlayWorld
 from ur.lsp.workspace import Workspace, encode_text

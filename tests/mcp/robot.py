@@ -11,10 +11,9 @@ from mcp.client import Client
 from tests.ur_nodes.first_drive.drive import FirstDrive
 
 from ur.mcp.assistant import Assistant
-from ur.mcp.grants import GrantFiles, make_grant
+from ur.mcp.grants import Area, GrantFiles, make_grant
 from ur.mcp.robot_link import LinkError, Values
 from ur.mcp.serve import make_server
-from ur.mcp.terms import Area
 from ur.system.child_processes import PendingAnswers
 from ur_nodes.assistant.session import AssistantSession
 

@@ -10,8 +10,8 @@ from mcp.client import Client
 from tests.mcp.robot import AssistedRobot, text_of
 
 from ur.mcp.assistant import MARK
+from ur.mcp.grants import Area
 from ur.mcp.serve import make_server
-from ur.mcp.terms import Area
 from ur_nodes.client.mux import MuxLink
 from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.motion.lease.view import Identity

@@ -23,7 +23,7 @@ from tests.ros_session import ROOT
 
 from ur.mcp.assistant import MARK
 from ur.mcp.calls import TOOLS
-from ur.mcp.terms import Area, DriveGrant
+from ur.mcp.grants import Area, DriveGrant
 from ur_nodes.client.mux import MuxLink
 from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.motion.lease.view import Identity

@@ -10,7 +10,7 @@ from tests.mcp.robot import AssistedRobot
 from tests.mcp.sequences import LIE, Allowed, is_marked, judge, run_sequences
 
 from ur.mcp.assistant import mark_data
-from ur.mcp.terms import Area
+from ur.mcp.grants import Area
 
 
 async def test_no_sequence_of_calls_moves_the_robot_beyond_its_grant(

@@ -13,7 +13,7 @@ import pytest
 from tests.fakes.clock import ManualClock
 from tests.terminal import TmuxTerminal
 
-from ur.check.run import check_paths
+from ur.check.session import check_paths
 from ur.docs.build import describe_repository
 from ur.docs.repository.collect import collect_repository
 from ur.launchfile.world import World

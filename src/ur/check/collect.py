@@ -6,8 +6,7 @@ import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from ur.check.links import EscapingLinks
-from ur.check.rule import BaseNames, Package
+from ur.check.rule import BaseNames, EscapingLinks, Package
 from ur.launchfile.address import join_addresses
 from ur.launchfile.load import is_launch_name
 from ur.launchfile.world import World

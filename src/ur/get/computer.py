@@ -11,8 +11,7 @@ from typing import Protocol
 
 from ur.get.index import MAX_INDEX, NEWEST, ROS2, Index, load_sources, merge_indexes, parse_index
 from ur.get.plan import Tables, make_plan
-from ur.get.steps import Missing
-from ur.get.tables import DebianPackage, all_names, parse_candidates, parse_table
+from ur.get.steps import DebianPackage, Missing, all_names, parse_candidates, parse_table
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.files import read_text
 from ur.source.replace import replace_file

@@ -12,7 +12,7 @@ from pathlib import Path
 from ur.get.missing import is_installed
 from ur.get.steps import PACKAGE_NAME, GetPlan
 from ur.request.environment import add_own_package
-from ur.request.requirements.debian_packages import install_debian
+from ur.request.requirements.preparation import install_debian
 from ur.request.requirements.python_packages import run_installer
 from ur.source.diagnostic import UserError, error
 from ur.source.project import project_folder, state_folder

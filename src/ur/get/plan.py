@@ -4,8 +4,17 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from ur.get.index import ROS2, Index
-from ur.get.steps import PACKAGE_NAME, GetPlan, InstallStep, Missing, SourceRepository
-from ur.get.tables import PYPI, SPLIT, DebianPackage, possible_names
+from ur.get.steps import (
+    PACKAGE_NAME,
+    PYPI,
+    SPLIT,
+    DebianPackage,
+    GetPlan,
+    InstallStep,
+    Missing,
+    SourceRepository,
+    possible_names,
+)
 from ur.source.printable import printable
 
 WORKSPACE = "~/catkin_ws"

@@ -16,8 +16,7 @@ from ur.source.foreign.files import read_file, refuse_file
 from ur.source.foreign.pictures import MAP_FORMATS, open_picture
 from ur.source.replace import check_output, replace_file
 from ur.source.section import read_section
-from ur.worlds.map_file import MapImage, read_map, read_map_section
-from ur.worlds.map_keys import parse_map_file
+from ur.worlds.map_file import MapImage, parse_map_file, read_map, read_map_section
 
 MOST_PACKED = 45_000_000  # bytes; as text they are less than an answer over ssh may have
 _MOST_UNPACKED = 400_000_000

@@ -6,7 +6,7 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta, field
 
-from ur.mcp.terms import Speed
+from ur.mcp.grants import Speed
 from ur.source.foreign.json_values import BadJsonError, PrintableValue, convert_json
 from ur.source.printable import printable
 from ur.source.suggest import did_you_mean

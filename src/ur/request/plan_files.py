@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from ur.launchfile.load import load_plan
 from ur.launchfile.plan.problems import NOT_GIVEN
 from ur.launchfile.plan.specs import MachineSpec, NodeSpec, Origin, Plan
-from ur.launchfile.query.items import list_nodes
+from ur.launchfile.query.explain import list_nodes
 from ur.launchfile.world.protocol import World
 from ur.launchfile.world.system import SystemWorld
 from ur.request.environment import apply_selection, current_selection

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ur.source.section import Section, read_section
-from ur.worlds.map_keys import parse_map_file
+from ur.worlds.map_file import parse_map_file
 
 if TYPE_CHECKING:
     from ur.worlds.map_file import MapImage

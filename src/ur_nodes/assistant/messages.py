@@ -4,7 +4,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from ur.mcp.terms import DriveGrant
+from ur.mcp.grants import DriveGrant
 from ur.source.foreign.json_values import ForeignValue
 
 _Number = Annotated[int, Meta(ge=0, lt=2**53)]

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from ur.mcp.terms import DriveGrant
+from ur.mcp.grants import DriveGrant
 from ur.source.diagnostic import UserError
 from ur_nodes.assistant.messages import DriveCall, ExploreCall, GoCall
 from ur_nodes.client.driver_text import describe_lost, name_holder
@@ -14,9 +14,8 @@ from ur_nodes.client.mux import MuxLink
 from ur_nodes.client.navigation import NavigationTopics
 from ur_nodes.client.snapshot import LastGoalState, heading_there
 from ur_nodes.exploration.explorer import Explorer
-from ur_nodes.exploration.explorer_step import ExplorerInputs, ExplorerOutputs, GoalEnd
+from ur_nodes.exploration.explorer_step import ExplorerInputs, ExplorerOutputs, ExploreSettings, GoalEnd, read_settings
 from ur_nodes.exploration.obstacles import Obstacles
-from ur_nodes.exploration.settings import ExploreSettings, read_settings
 from ur_nodes.exploration.status import ExploreStatus, describe_status
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2

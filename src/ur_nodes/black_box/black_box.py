@@ -8,9 +8,8 @@ from dataclasses import dataclass, field
 
 from ur.recordings.black_boxes import REPORT_REQUEST
 from ur.source.printable import printable
-from ur_nodes.black_box.history import LARGE_BYTES, HistoryTopic, MessageHistory
+from ur_nodes.black_box.history import LARGE_BYTES, HistoryTopic, MessageHistory, Ring
 from ur_nodes.black_box.recording_file import RecordingError
-from ur_nodes.black_box.ring import Ring
 from ur_nodes.motion.lease.text import Lease, read_lease
 from ur_nodes.ports.actions import GoalState
 from ur_nodes.ports.graph import Graph, Topic

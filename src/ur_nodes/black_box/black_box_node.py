@@ -9,7 +9,7 @@ from ur.recordings.black_boxes import MOST_BYTES, recordings_folder, sockets_fol
 from ur.source.printable import printable
 from ur_nodes.black_box.black_box import BlackBox, BlackBoxSettings
 from ur_nodes.black_box.guard import GuardedMemory
-from ur_nodes.black_box.ring import Ring
+from ur_nodes.black_box.history import Ring
 from ur_nodes.datagram_socket import DatagramSocket
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters

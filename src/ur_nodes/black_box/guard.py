@@ -97,9 +97,8 @@ def main(arguments: list[str]) -> int:
         received += data
     if received == _CLEAN:
         return 0
-    from ur_nodes.black_box.history import read_history
+    from ur_nodes.black_box.history import copy_ring, read_history
     from ur_nodes.black_box.recording_file import RecordingError, write_recording
-    from ur_nodes.black_box.ring import copy_ring
 
     reasons = received.decode().splitlines() or [_KILLED]
     with mmap.mmap(memory, os.fstat(memory).st_size) as block:

@@ -9,11 +9,9 @@ from dataclasses import replace
 from ur.source.diagnostic import UserError, error
 from ur_nodes.client.driver_text import DriverRequest, describe_silence
 from ur_nodes.client.mux import MuxLink, MuxRequest
-from ur_nodes.client.navigation import Names, NavigationTopics
-from ur_nodes.client.patrol_link import PatrolLink
-from ur_nodes.client.patrol_text import PatrolAction, PatrolRequest, PatrolRoute
+from ur_nodes.client.navigation import Names, NavigationTopics, Wait, call_and_wait, wait_in_real_time
+from ur_nodes.client.patrol_text import PatrolAction, PatrolLink, PatrolRequest, PatrolRoute
 from ur_nodes.client.snapshot import ROBOT, GoalReport, LastGoalState, RobotSnapshot, Silence
-from ur_nodes.client.wait import Wait, call_and_wait, wait_in_real_time
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS
 from ur_nodes.motion.lease.client import LeaseClient

@@ -7,12 +7,11 @@ import numpy as np
 
 from ur.maps.names import is_map_name
 from ur_nodes.exploration.explorer import Explorer
-from ur_nodes.exploration.explorer_step import ExplorerInputs, ExplorerOutputs
+from ur_nodes.exploration.explorer_step import ExplorerInputs, ExplorerOutputs, ExploreSettings, read_settings
 from ur_nodes.exploration.navigation import ExplorationNavigation
 from ur_nodes.exploration.obstacles import Obstacles
 from ur_nodes.exploration.search.floor import Floor
 from ur_nodes.exploration.search.frontiers import Frontier
-from ur_nodes.exploration.settings import ExploreSettings, read_settings
 from ur_nodes.exploration.status import ExploreStatus, describe_status, write_status
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2

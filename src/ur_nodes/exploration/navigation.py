@@ -3,8 +3,7 @@
 import uuid
 from dataclasses import dataclass, replace
 
-from ur_nodes.exploration.explorer_step import GoalEnd
-from ur_nodes.exploration.settings import ExploreSettings
+from ur_nodes.exploration.explorer_step import ExploreSettings, GoalEnd
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.lease.text import FREE, Lease, read_lease
 from ur_nodes.ports.actions import Goal, GoalState

@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ur_nodes.geometry.moving_scan import ranges_at_one_moment, velocity_between
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.geometry.scan import SensorMount, mount_of_pose
+from ur_nodes.geometry.scan import SensorMount, mount_of_pose, ranges_at_one_moment, velocity_between
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.values import Scan
 

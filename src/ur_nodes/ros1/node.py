@@ -181,7 +181,7 @@ class RosNode(LoopNode):
 
     @property
     def raw(self) -> Raw:
-        from ur_nodes.ros1.raw import RosRaw
+        from ur_nodes.ros1.topics import RosRaw
 
         return RosRaw(self._loop)
 

@@ -11,8 +11,15 @@ import numpy as np
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.slam.map_state import Edge, Trail, select_views
 from ur_nodes.slam.matching.local_map import LocalMap
-from ur_nodes.slam.matching.locate import POOR, locate_surface
-from ur_nodes.slam.matching.match import LEAST_NOISE, ScanMatch, contradiction, position_deviation, rotate_covariance
+from ur_nodes.slam.matching.match import (
+    LEAST_NOISE,
+    POOR,
+    ScanMatch,
+    contradiction,
+    locate_surface,
+    position_deviation,
+    rotate_covariance,
+)
 from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.matching.surface import Floats
 from ur_nodes.slam.pose_graph.graph import PoseGraph

@@ -10,8 +10,7 @@ from ur_nodes.ports.transforms import seconds_of
 from ur_nodes.ports.values import Imu, Number, Scan, Transform
 from ur_nodes.run import run
 from ur_nodes.slam.gmapping.lidars import Lidars
-from ur_nodes.slam.gmapping.map_output import SCANS, GridMapOutput
-from ur_nodes.slam.gmapping.reports import SlamReports
+from ur_nodes.slam.gmapping.map_output import SCANS, GridMapOutput, SlamReports
 from ur_nodes.slam.gmapping.settings import GmappingSettings, read_settings
 from ur_nodes.slam.gmapping.slam import Slam, SlamStep, entropy
 from ur_nodes.slam.gyro import Headings

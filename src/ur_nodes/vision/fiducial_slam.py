@@ -12,10 +12,10 @@ from ur_nodes.geometry.rigid import Floats, from_pose
 from ur_nodes.ports.fiducials import FiducialCorners, SeenFiducials
 from ur_nodes.ports.values import PoseEstimate
 from ur_nodes.vision.detect import CameraModel, Sizes, estimate_poses
+from ur_nodes.vision.estimation.graph import without_twins
 from ur_nodes.vision.estimation.localise import FiducialLocaliser
 from ur_nodes.vision.estimation.mapping import FiducialMapper
 from ur_nodes.vision.estimation.observation import Observation, make_observation
-from ur_nodes.vision.estimation.search import without_twins
 from ur_nodes.vision.fiducial_map import MapEntry
 
 _WRONG = 20  # pictures in which something is wrong with a fiducial, before it is logged

@@ -13,10 +13,10 @@ from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.values import Calibration, PoseEstimate, Transform
 from ur_nodes.run import run
 from ur_nodes.vision.detect import CameraModel, camera_model
+from ur_nodes.vision.fiducial_detect import MAP, FiducialMapRequests
 from ur_nodes.vision.fiducial_parameters import SlamSettings, make_slam, read_sizes, read_slam_settings
 from ur_nodes.vision.fiducial_slam import FiducialStep, Moment
 from ur_nodes.vision.map_output import FiducialMapOutput
-from ur_nodes.vision.requests import MAP, FiducialMapRequests
 
 
 class PoseOutput:

@@ -11,10 +11,10 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Marker, Markers, Result
 from ur_nodes.vision.detect import Sizes
+from ur_nodes.vision.fiducial_detect import MAP
 from ur_nodes.vision.fiducial_map import MapEntry, write_map
 from ur_nodes.vision.fiducial_parameters import SlamSettings
 from ur_nodes.vision.fiducial_slam import FiducialSlam
-from ur_nodes.vision.requests import MAP
 
 _SHOW_EVERY = 1.0  # s between maps that are published
 _SAVE_EVERY = 10.0  # s between maps that are written

@@ -6,15 +6,14 @@ from typing import Any, Protocol
 from ur_nodes.client.exploration import ExplorationStatus
 from ur_nodes.client.mux import MuxLink
 from ur_nodes.client.navigation import Names, NavigationTopics
-from ur_nodes.client.patrol_link import PatrolLink
+from ur_nodes.client.patrol_text import PatrolLink
 from ur_nodes.motion.challenge.freshness import Stamp
 from ur_nodes.ports.node import Node
 from ur_nodes.web.driving.driver_link import DriverLink
 from ur_nodes.web.driving.driver_session import DrivenRobot, DriverSession
 from ur_nodes.web.driving.page_goals import PageGoals
 from ur_nodes.web.layers.pacing import FrameOutlet
-from ur_nodes.web.maps.map_changes import MapChanges
-from ur_nodes.web.maps.map_link import MapLink
+from ur_nodes.web.maps.map_link import MapChanges, MapLink
 from ur_nodes.web.maps.map_server_link import ZoneLink
 from ur_nodes.web.maps.place_file import PlaceFile
 from ur_nodes.web.view_state import RobotFacts

@@ -11,7 +11,7 @@ from ur.web.wire.frames import NOTHING_RUNS, Kind, Layer, PoseSample, json_frame
 from ur_nodes.client.exploration import ExplorationStatus
 from ur_nodes.client.mux import MuxLink
 from ur_nodes.client.navigation import NavigationTopics
-from ur_nodes.client.patrol_link import PatrolLink
+from ur_nodes.client.patrol_text import PatrolLink
 from ur_nodes.client.snapshot import RobotSnapshot, distance_left
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.ports.graph import Graph

@@ -7,8 +7,7 @@ from bench.mapping_parts.log import Log, chain, steps_of, with_poor_sensors
 from bench.mapping_parts.measure import Fit, best_fit, errors_after_fit, relation_errors, score_map
 from bench.mapping_parts.raw_log import read_raw_log
 
-from ur.worlds.map_file import MapImage
-from ur.worlds.map_keys import MapFile
+from ur.worlds.map_file import MapFile, MapImage
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 

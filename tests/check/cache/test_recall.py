@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from ur.check.cache.recall import Recall
 from ur.check.render.text import render_json
-from ur.check.run import check_paths
+from ur.check.session import check_paths
 from ur.check.worlds import make_world
 from ur.launchfile.world import MemoryWorld
 

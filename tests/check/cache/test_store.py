@@ -11,7 +11,7 @@ from ur.check.cache import store
 from ur.check.cache.recall import Recall
 from ur.check.cache.store import CacheBounds, load_recall, store_recall
 from ur.check.render.text import render_json
-from ur.check.run import check_paths
+from ur.check.session import check_paths
 from ur.launchfile.world import MemoryWorld
 
 FILES = {

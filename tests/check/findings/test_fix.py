@@ -1,6 +1,6 @@
 from ur.check.catalogue import load_rules
 from ur.check.findings.suppress import plan_repairs
-from ur.check.run import check_paths
+from ur.check.session import check_paths
 from ur.launchfile.world import MemoryWorld
 
 

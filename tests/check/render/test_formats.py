@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 from ur.check.render.text import render_github, render_json, render_text, shorten_paths
-from ur.check.run import CheckReport, check_paths
+from ur.check.session import CheckReport, check_paths
 from ur.launchfile.world import MemoryWorld
 
 FILES = {

@@ -6,7 +6,7 @@ import pytest
 
 from ur.cli.main import main
 from ur.request.environment import REPOSITORY, environment_changes
-from ur.request.requirements.debian_packages import Account, install_debian
+from ur.request.requirements.preparation import Account, install_debian
 from ur.robot.selection import parse_selection
 from ur.source.diagnostic import UserError
 from ur.system.debian_root import DebianRoot, install_command

@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from ur.cli.main import main
-from ur.mcp.grants import GrantFiles, Request, ServerRecord, grant_files, make_grant
-from ur.mcp.terms import make_area
+from ur.mcp.grants import GrantFiles, Request, ServerRecord, grant_files, make_area, make_grant
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from tests.fuzz.target import Target
 from tests.launchfile.fuzz.survive import CORPUS, WORDS, check_survives, read_corpus
 
 from ur.check.render.text import render_text
-from ur.check.run import check_paths
+from ur.check.session import check_paths
 from ur.launchfile import SystemWorld
 from ur.source.diagnostic import UserError
 from ur.tools.format.run import format_file

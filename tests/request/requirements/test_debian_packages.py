@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.request.requirements.debian_packages import Account, install_debian, list_missing
+from ur.request.requirements.preparation import Account, install_debian, list_missing
 from ur.source.diagnostic import UserError
 
 # Stand in for the programs of a computer: packages are words in a file, and apt-get knows some after an update only.

@@ -13,8 +13,7 @@ from tests.ros2_session import PYTHON, ROOT, Ros2Session
 
 from ur.robot.doctor.rules import diagnose_alone
 from ur.robot.doctor.side import Side
-from ur.robot.ros2.observe import inspect_ros2, parse_ros2
-from ur.robot.ros2.seen_graph import Ros2
+from ur.robot.ros2.seen_graph import Ros2, inspect_ros2, parse_ros2
 from ur.robot.ssh.shell import LocalShell
 
 SURVEY = ROOT / "src/ur_nodes/ros2/survey.py"

@@ -12,9 +12,8 @@ from ur.recordings.black_boxes import notify_black_boxes
 from ur.recordings.mcap_file import open_recording
 from ur_nodes.black_box.black_box import BlackBox, BlackBoxSettings, Triggers
 from ur_nodes.black_box.black_box_node import EventSocket, read_settings, share_memory
-from ur_nodes.black_box.history import MessageHistory, read_history
+from ur_nodes.black_box.history import MessageHistory, Ring, read_history
 from ur_nodes.black_box.recording_file import list_recordings, write_recording
-from ur_nodes.black_box.ring import Ring
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
 from ur_nodes.motion.lease.text import Lease, write_lease

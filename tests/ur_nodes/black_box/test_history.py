@@ -6,8 +6,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur_nodes.black_box.history import SECOND, HistoryEvent, HistoryMessage, HistoryTopic, MessageHistory, read_history
-from ur_nodes.black_box.ring import Ring
+from ur_nodes.black_box.history import (
+    SECOND,
+    HistoryEvent,
+    HistoryMessage,
+    HistoryTopic,
+    MessageHistory,
+    Ring,
+    read_history,
+)
 
 SCAN = HistoryTopic("/scan", "sensor_msgs/LaserScan", "float32[] ranges")
 MAP = HistoryTopic("/map", "nav_msgs/OccupancyGrid", "int8[] data")

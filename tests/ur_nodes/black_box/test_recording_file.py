@@ -15,9 +15,8 @@ from mcap.reader import make_reader
 
 from ur.recordings.mcap_file import open_recording
 from ur_nodes.black_box.guard import GuardedMemory
-from ur_nodes.black_box.history import HistoryEvent, HistoryMessage, HistoryTopic, MessageHistory
+from ur_nodes.black_box.history import HistoryEvent, HistoryMessage, HistoryTopic, MessageHistory, Ring, copy_ring
 from ur_nodes.black_box.recording_file import RecordingError, list_recordings, write_recording
-from ur_nodes.black_box.ring import Ring, copy_ring
 
 SCAN = HistoryTopic("/scan", "sensor_msgs/LaserScan", "float32[] ranges")
 ODOM = HistoryTopic("/odom", "nav_msgs/msg/Odometry", "string child_frame_id")
@@ -78,7 +77,7 @@ KILLED = """
 import os, signal, sys
 from pathlib import Path
 from ur_nodes.black_box.guard import GuardedMemory
-from ur_nodes.black_box.ring import Ring
+from ur_nodes.black_box.history import Ring
 from ur_nodes.black_box.history import MessageHistory, HistoryTopic
 memory = GuardedMemory(1_000_000, Path(sys.argv[1]), 3)
 history = MessageHistory(Ring(memoryview(memory.block)))

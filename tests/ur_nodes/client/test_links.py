@@ -7,9 +7,9 @@ import pytest
 
 from ur_nodes.client.exploration import ExplorationStatus, ExplorationTopics, FrontierPoint
 from ur_nodes.client.mux import MuxLink, MuxView
-from ur_nodes.client.patrol_link import PatrolLink
 from ur_nodes.client.patrol_text import (
     PatrolAnswer,
+    PatrolLink,
     PatrolRequest,
     PatrolRoute,
     PatrolStatus,

@@ -10,9 +10,8 @@ from actionlib_msgs.msg import GoalStatus, GoalStatusArray
 from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionGoal, MoveBaseActionResult
 from tests.ur_nodes.lock_step.stored import find_reader
 
-from ur_nodes.black_box.history import HistoryTopic, MessageHistory, read_history
+from ur_nodes.black_box.history import HistoryTopic, MessageHistory, Ring, read_history
 from ur_nodes.black_box.recording_file import write_recording
-from ur_nodes.black_box.ring import Ring
 from ur_nodes.codecs import find_codec
 from ur_nodes.codecs.poses import fill_stamped
 from ur_nodes.memory.bus import Bus

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from ur.robot.base import BRAKE_AFTER, Base, list_bases, load_base
-from ur.worlds.map_file import MapImage
-from ur.worlds.map_keys import MapFile
+from ur.worlds.map_file import MapFile, MapImage
 from ur.worlds.world_file import WorldModel, read_world
 from ur_nodes.motion.mux import start_mux, step
 from ur_nodes.motion.mux_events import MuxSettings, Source, Velocity, VelocityCommand

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ur_nodes.ros1.raw import has_generated
+from ur_nodes.ros1.topics import has_generated
 
 
 def test_only_packages_with_generated_code_are_found_and_none_is_run(

@@ -8,8 +8,7 @@ import pytest
 
 from ur.robot.base import Camera
 from ur.source.diagnostic import UserError
-from ur.worlds.map_file import MapImage
-from ur.worlds.map_keys import MapFile
+from ur.worlds.map_file import MapFile, MapImage
 from ur.worlds.world_file import WorldModel
 from ur_nodes.simulator.camera.camera_process import CameraProcess
 

@@ -1,7 +1,7 @@
 import math
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.gmapping.reports import SlipWatch
+from ur_nodes.slam.gmapping.map_output import SlipWatch
 
 
 def test_wheels_that_spin_on_the_spot_are_noticed_once() -> None:

@@ -1,6 +1,6 @@
 import pytest
 
-from ur.web.access.heads import find_cookies, find_head
+from ur.web.access.origin import find_cookies, find_head
 
 HEAD = b"POST /login HTTP/1.1\r\nHost: localhost:8090\r\ncontent-length:  12\r\nCookie: %s\r\n\r\n"
 

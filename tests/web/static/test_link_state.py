@@ -10,7 +10,7 @@ import pytest
 
 from ur.web.server.static_files import FOLDER
 from ur.web.wire.layers import LAYERS
-from ur.web.wire.view_request import MOST_PLOTS
+from ur.web.wire.requests import MOST_PLOTS
 
 NODE = shutil.which("node")
 pytestmark = pytest.mark.skipif(NODE is None, reason="Node.js is not installed")

@@ -1,7 +1,7 @@
 import pytest
 
 from ur.web.wire.reading import BadRequestError
-from ur.web.wire.view_request import MOST_PLOTS, read_plots, split_plot
+from ur.web.wire.requests import MOST_PLOTS, read_plots, split_plot
 
 
 def test_page_names_its_plots() -> None:

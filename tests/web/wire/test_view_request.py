@@ -8,7 +8,7 @@ from tests.fuzz.mutate import mutate
 
 from ur.web.wire.frames import Layer
 from ur.web.wire.reading import BadRequestError
-from ur.web.wire.view_request import LONGEST, ViewRequest, read_view, read_view_message
+from ur.web.wire.requests import LONGEST, ViewRequest, read_view, read_view_message
 
 ALWAYS = {Layer.NONE, Layer.MAP}
 

@@ -4,7 +4,7 @@ import re
 
 from ur.check.render.text import shorten_paths
 from ur.check.rule import Example, Rule, RuleGroup
-from ur.check.run import CheckReport, check_paths
+from ur.check.session import CheckReport, check_paths
 from ur.launchfile.world import MemoryWorld
 from ur.source.diagnostic import Severity
 from ur.source.render import render_human

@@ -7,7 +7,7 @@ from itertools import groupby
 from textwrap import fill
 
 from ur.check.findings.installed import NotInstalled, split_not_installed
-from ur.check.run import CheckReport
+from ur.check.session import CheckReport
 from ur.source.diagnostic import Diagnostic, Note
 from ur.source.file import SourceFile, Span
 from ur.source.printable import printable

@@ -43,7 +43,7 @@ def _find_bad_world(view: YamlView) -> Iterable[RuleFinding]:
 
 def _find_bad_map(view: YamlView) -> Iterable[RuleFinding]:
     if is_map(view):
-        from ur.worlds.map_keys import parse_map_file
+        from ur.worlds.map_file import parse_map_file
 
         def check(top: Section) -> None:
             parse_map_file(top, Path(view.source.path).parent)

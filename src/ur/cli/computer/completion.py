@@ -5,7 +5,7 @@ from pathlib import PurePath
 
 import click
 
-from ur.complete.shells import SCRIPTS
+from ur.complete.verbs import SCRIPTS
 
 
 @click.command("completion")

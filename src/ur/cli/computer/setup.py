@@ -8,7 +8,7 @@ from importlib.util import find_spec
 import click
 
 from ur.cli.changing import ChangeReporter, show_changes
-from ur.complete.shells import SCRIPTS
+from ur.complete.verbs import SCRIPTS
 from ur.mcp import PACKAGES
 from ur.request.environment import REPOSITORY
 from ur.request.requirements.python_packages import need_all

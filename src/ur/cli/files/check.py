@@ -14,7 +14,7 @@ from ur.source.render import shows_colour
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ur.check.run import CheckReport
+    from ur.check.session import CheckReport
 
 
 @click.command("check")
@@ -81,8 +81,8 @@ def command(
 def _check(paths: Sequence[str], chosen: frozenset[str], form: str, *, fix: bool, cached: bool) -> CheckReport:
     """Check and print."""
     from ur.check.cache.store import cache_folder, digest_program, load_recall, name_cache, store_recall
-    from ur.check.links import describe_left_out
-    from ur.check.run import check_paths
+    from ur.check.rule import describe_left_out
+    from ur.check.session import check_paths
     from ur.check.worlds import make_world
     from ur.request.environment import add_own_package
     from ur.source.arguments import split_argv, values_of

@@ -91,7 +91,7 @@ def _write_documents(path: str, check: bool, output: str | None, progress: Progr
 def _report(repository: DocumentedRepository) -> None:
     import sys
 
-    from ur.check.links import describe_left_out
+    from ur.check.rule import describe_left_out
     from ur.source.render import render_human, shows_colour
 
     sys.stderr.write(render_human(repository.findings, colour=shows_colour(sys.stderr)))

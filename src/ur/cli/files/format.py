@@ -39,7 +39,7 @@ def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
     if paths == (_STANDARD_INPUT,):
         return _format_input()
     from ur.check.collect import collect_targets
-    from ur.check.links import describe_left_out
+    from ur.check.rule import describe_left_out
     from ur.check.worlds import CachedWorld, make_world
     from ur.launchfile.syntax.parse import count_unread, describe_unread, is_ros2_name
     from ur.request.environment import add_own_package

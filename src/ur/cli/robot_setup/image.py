@@ -13,8 +13,8 @@ from pathlib import Path
 
 import click
 
-from ur.cli.answers import ask_twice, read_lines
 from ur.cli.changing import show_changes
+from ur.cli.output import ask_twice, read_lines
 from ur.request.environment import PACKAGE
 from ur.robot.base import list_bases, load_base
 from ur.robot.discovery.record import DEFAULT_USER, RobotRecord, records_folder, render_record

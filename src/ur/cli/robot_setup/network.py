@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ur.cli.answers import read_lines
 from ur.cli.changing import DRY_RUN, PASSWORD_FROM, WAIT, become_root, begin, finish, print_line, show_plan
-from ur.cli.output import plain_text
+from ur.cli.output import plain_text, read_lines
 from ur.source.diagnostic import UserError, error_about
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from ur.cli.answers import ask_twice, check_name, read_lines, taken_error
+from ur.cli.output import ask_twice, check_name, read_lines, taken_error
 from ur.cli.robot_setup.contact import TERMINAL, SetupTerminal
 from ur.cli.robots.fleet import choose_robots
 from ur.request.environment import PACKAGE

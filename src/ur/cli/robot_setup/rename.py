@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ur.cli.answers import check_name, read_lines
 from ur.cli.changing import (
     DRY_RUN,
     PASSWORD_FROM,
@@ -20,6 +19,7 @@ from ur.cli.changing import (
     print_line,
     show_plan,
 )
+from ur.cli.output import check_name, read_lines
 from ur.source.diagnostic import UserError, error, error_about
 
 if TYPE_CHECKING:

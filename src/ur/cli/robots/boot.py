@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import click
 
-from ur.cli.answers import read_lines
 from ur.cli.changing import PASSWORD_FROM, become_root, show_changes
+from ur.cli.output import read_lines
 from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, run_for_each
 from ur.request.remote.boot_command import PAGE, check_name, has_service, install_services, remove_services
 from ur.request.remote.connection import connect_robot, robot_address

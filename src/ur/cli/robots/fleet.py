@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from ur.cli.answers import read_lines
+from ur.cli.output import read_lines
 from ur.fleet.jobs import Fleet, Job, JobStatus, describe_end, describe_fleet, find_exit_code, summarise
 from ur.fleet.processes import Output, Processes, logs_folder
 from ur.request.remote.connection import robot_address

@@ -5,7 +5,7 @@ under the same names, declare theirs in the heads of their executables (`library
 them: relative ones follow its namespace, `~name` belongs to it, and remaps apply.
 """
 
-from ur.launchfile.query.interface import Interface, make_interface
+from ur.launchfile.query.arguments import Interface, make_interface
 from ur.launchfile.query.library_nodes import LIBRARY_NODES
 
 KNOWN_NODES: dict[str, Interface] = {

@@ -1,6 +1,6 @@
 """Topics, services and actions of this library's nodes. Made by tools/make_known_nodes.py."""
 
-from ur.launchfile.query.interface import Interface, make_interface
+from ur.launchfile.query.arguments import Interface, make_interface
 
 LIBRARY_NODES: dict[str, Interface] = {
     "amcl": make_interface(

@@ -16,7 +16,7 @@ from ur.robot.doctor.findings import AdvertisedNode, ComputerPair, Finding, FixC
 from ur.robot.doctor.observe import SHELL_FILES, STRICT, observe_script, parse_side
 from ur.robot.doctor.rules import OBSERVE
 from ur.robot.doctor.side import Side
-from ur.robot.ros2.observe import inspect_ros2, receive_from
+from ur.robot.ros2.seen_graph import inspect_ros2, receive_from
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error_about

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from ur.source.foreign.json_values import BadJsonError, read_json
 from ur.source.printable import printable_lines
-from ur.web.runs.commands import CommandQueue, EndedCommand
+from ur.web.runs.watcher import CommandQueue, EndedCommand
 from ur.web.wire.run_requests import StartProgram
 
 _FRESH = 20.0  # s for which a list is considered current

@@ -10,7 +10,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 
 from ur.web.access.rate import Buckets, draw, make_bucket
 from ur.web.access.roles import Role
-from ur.web.runs.commands import CommandQueue
+from ur.web.runs.watcher import CommandQueue
 from ur.web.server.assistant_pages import AssistantPages
 from ur.web.server.data.data_pages import DataPages
 from ur.web.server.drivers import DrivingPage, DrivingPages, describe_request
@@ -25,9 +25,8 @@ from ur.web.server.viewer_gate import ViewerGate
 from ur.web.server.viewers import Cameras, Viewers, ViewingPage, open_socket, receive
 from ur.web.wire.frames import Kind, Layer, key_of
 from ur.web.wire.reading import BadRequestError
-from ur.web.wire.requests import LONGEST, Stick, read_request
-from ur.web.wire.view_request import LONGEST as LONGEST_VIEW
-from ur.web.wire.view_request import read_view, read_view_message
+from ur.web.wire.requests import LONGEST, Stick, read_request, read_view, read_view_message
+from ur.web.wire.requests import LONGEST as LONGEST_VIEW
 
 _LONGEST_BODY = 2048
 _STATUS_EVERY = 0.5  # s

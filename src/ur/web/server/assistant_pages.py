@@ -7,8 +7,7 @@ from aiohttp import web
 from msgspec import Meta, to_builtins
 
 from ur.mcp.assistant import ActionLog
-from ur.mcp.grants import GrantFiles, grant_files, make_grant
-from ur.mcp.terms import Area, Speed, make_area
+from ur.mcp.grants import Area, GrantFiles, Speed, grant_files, make_area, make_grant
 from ur.source.foreign.json_values import ForeignValue
 from ur.web.access.roles import clean_name
 from ur.web.server.logins.gate import SESSION, demand_drive, read_body

@@ -9,8 +9,8 @@ from typing import TypeVar
 from aiohttp import web
 
 from ur.web.access.roles import Role
-from ur.web.runs.commands import CommandQueue
 from ur.web.runs.programs import ProgramsError, parse_output
+from ur.web.runs.watcher import CommandQueue
 from ur.web.server.logins.gate import SESSION
 
 _READING = 60.0  # time limit (s) of the command

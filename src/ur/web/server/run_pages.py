@@ -12,9 +12,8 @@ from aiohttp import WSCloseCode, WSMsgType, web
 
 from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import Role
-from ur.web.runs.commands import CommandQueue
 from ur.web.runs.programs import Programs, ProgramsError
-from ur.web.runs.watcher import RunWatcher
+from ur.web.runs.watcher import CommandQueue, RunWatcher
 from ur.web.server.logins.gate import SESSION
 from ur.web.server.map_pages import answer_command
 from ur.web.server.viewers import open_socket, receive

@@ -10,7 +10,7 @@ from aiohttp import WSCloseCode, WSMessage, WSMsgType, web
 from ur.web.access.rate import draw, make_bucket
 from ur.web.wire.frames import Key, Kind, Layer, generation_of, json_frame, key_of
 from ur.web.wire.layers import is_camera_topic
-from ur.web.wire.view_request import ViewRequest
+from ur.web.wire.requests import ViewRequest
 
 _IN_FLIGHT = 2  # pictures that a page has not confirmed
 _SHOWN = "shown"  # the message of a page that has shown a picture

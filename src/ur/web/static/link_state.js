@@ -8,7 +8,7 @@ export const SWITCHES = [...Object.keys(LAYERS), "trail"];
 const DEFAULT = SHOWN_AT_FIRST.join(",");
 const NUMBER = /^-?\d{1,6}(\.\d{1,3})?$/;
 
-const PLOT = /^\/[A-Za-z0-9_/]{1,100}:[A-Za-z0-9_]{1,40}(\.[A-Za-z0-9_]{1,40}){0,6}$/; // as in ur.web.wire.view_request
+const PLOT = /^\/[A-Za-z0-9_/]{1,100}:[A-Za-z0-9_]{1,40}(\.[A-Za-z0-9_]{1,40}){0,6}$/; // as in ur.web.wire.requests
 const MOST_PLOTS = 8;
 const PANEL = /^[a-z_]{1,30}$/;
 const MOST_PANELS = 4;

@@ -8,7 +8,7 @@ import { Series, shortNumber } from "./plot_series.js";
 import { TEXTS } from "./texts.js";
 import { KIND } from "./wire.js";
 
-const MOST = 8; // plots; see ur.web.wire.view_request
+const MOST = 8; // plots; see ur.web.wire.requests
 const PERIOD = 200; // ms between two drawings
 /** What people look at first, where the robot has it. */
 const FIRST = [

@@ -4,15 +4,13 @@ import sys
 import threading
 import time
 
-from ur_nodes.camera.calibration.coverage import advise
-from ur_nodes.camera.calibration.session import CalibrationSession, describe, describe_progress, draw_overlay
+from ur_nodes.camera.calibration.session import CalibrationSession, advise, describe, describe_progress, draw_overlay
 from ur_nodes.pictures.decode import BadPictureError, Pixels, fit_picture
 from ur_nodes.pictures.feed import decode_view
 from ur_nodes.teleop.camera.picture_screen import draw_picture_screen
 from ur_nodes.teleop.camera.viewer import Feed
 from ur_nodes.teleop.terminal.keys import Key, leaves_view
-from ur_nodes.teleop.terminal.raw import RawTerminal
-from ur_nodes.teleop.terminal.request_keys import QuitKey
+from ur_nodes.teleop.terminal.raw import QuitKey, RawTerminal
 
 _LINE_EVERY = 10.0  # s between two lines that say the same
 _PAUSE = 0.05  # s

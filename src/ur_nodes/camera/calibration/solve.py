@@ -8,7 +8,7 @@ import numpy as np
 
 from ur.source.diagnostic import UserError, error
 from ur_nodes.camera.calibration.board import Board
-from ur_nodes.camera.calibration.coverage import BoardView, list_tilts
+from ur_nodes.camera.calibration.session import BoardView, list_tilts
 from ur_nodes.ports.values import Calibration
 
 LARGEST_ERROR = 1.0  # pixels

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 
-from ur_nodes.client.wait import WatchedWait
+from ur_nodes.client.navigation import WatchedWait
 from ur_nodes.ports.node import Node
 
 

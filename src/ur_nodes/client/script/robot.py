@@ -18,11 +18,10 @@ from ur.source.diagnostic import UserError
 from ur_nodes.client.driver_text import describe_driver, describe_silence
 from ur_nodes.client.exploration import ExplorationStatus
 from ur_nodes.client.mux import describe_emergency
-from ur_nodes.client.navigation import Names
+from ur_nodes.client.navigation import Names, Wait, WatchedWait, wait_in_real_time
 from ur_nodes.client.navigator import RobotNavigator
 from ur_nodes.client.script.node_calls import Lost, NodeCalls, Refused, TakenOver, check_finite
 from ur_nodes.client.snapshot import LastGoalState, RobotSnapshot, heading_there
-from ur_nodes.client.wait import Wait, WatchedWait, wait_in_real_time
 from ur_nodes.exploration.status import ExploreStatus, describe_status
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.scan import angles_of_beams, classify_ranges

@@ -5,8 +5,7 @@ from collections.abc import Callable
 from ur.robot.base import ImuErrors
 from ur_nodes.drivers.health import HealthMeter, Report
 from ur_nodes.drivers.imus.imu import I2cBus, InertialDevice, InertialReading, UnitIdentity
-from ur_nodes.drivers.lines.line import REPORT, explain_error
-from ur_nodes.drivers.lines.polled import PolledDevice, PolledUser
+from ur_nodes.drivers.lines.line import REPORT, PolledDevice, PolledUser, explain_error
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.values import Imu
 

@@ -5,8 +5,7 @@ from functools import partial
 
 from ur.robot.base import Sonars
 from ur_nodes.drivers.health import HealthMeter, Report
-from ur_nodes.drivers.lines.line import REPORT
-from ur_nodes.drivers.lines.polled import PolledDevice, PolledUser
+from ur_nodes.drivers.lines.line import REPORT, PolledDevice, PolledUser
 from ur_nodes.drivers.sonars.echoes import Listened, SonarPins, SonarPort, find_echo, make_range
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality

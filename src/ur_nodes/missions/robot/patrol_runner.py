@@ -22,6 +22,7 @@ from ur_nodes.missions.robot.patrol import (
     NavigationCommands,
     Patrol,
     PatrolInputs,
+    PlaceLookup,
     answer_request,
     end_patrol,
     pause_patrol,
@@ -29,7 +30,6 @@ from ur_nodes.missions.robot.patrol import (
     start_patrol,
     step_patrol,
 )
-from ur_nodes.missions.robot.place_lookup import PlaceLookup
 from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS
 from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.motion.lease.text import Lease, read_lease

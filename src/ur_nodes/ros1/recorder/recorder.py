@@ -10,8 +10,14 @@ from functools import partial
 
 from ur_nodes.loop import Loop, run_aside
 from ur_nodes.ports.raw import RecordedMessage, RecordedTopic, RecordedType
-from ur_nodes.ros1.recorder.receiver import LinkReceiver, TopicLink
-from ur_nodes.ros1.recorder.topic_connection import Address, TopicConnectionError, connect_topic, find_publisher
+from ur_nodes.ros1.recorder.receiver import (
+    Address,
+    LinkReceiver,
+    TopicConnectionError,
+    TopicLink,
+    connect_topic,
+    find_publisher,
+)
 
 _RETRY = 2.0  # s after a failure
 _EARLY = 0.1  # s that a period may be shorter, as `record` is called about once a second

@@ -9,8 +9,7 @@ from ur_nodes.pictures.decode import BadPictureError, Pixels, fit_picture
 from ur_nodes.pictures.feed import FeedView, decode_view
 from ur_nodes.teleop.camera.picture_screen import describe_feed, describe_silence, draw_picture_screen
 from ur_nodes.teleop.terminal.keys import leaves_view
-from ur_nodes.teleop.terminal.raw import RawTerminal
-from ur_nodes.teleop.terminal.request_keys import QuitKey
+from ur_nodes.teleop.terminal.raw import QuitKey, RawTerminal
 
 _POLL = 0.05  # s
 _STATUS_EVERY = 0.5  # s: the status changes though no picture arrives

@@ -19,8 +19,7 @@ from ur_nodes.exploration.status import ExploreStatus, describe_blocked, describ
 from ur_nodes.teleop.map_view.glyphs import Mark
 from ur_nodes.teleop.map_view.map_feed import MapFeed
 from ur_nodes.teleop.terminal.keys import Key
-from ur_nodes.teleop.terminal.raw import RawTerminal
-from ur_nodes.teleop.terminal.request_keys import asks_to_save, asks_to_save_recording, mux_request_of
+from ur_nodes.teleop.terminal.raw import RawTerminal, asks_to_save, asks_to_save_recording, mux_request_of
 
 FRONTIER, GIVEN_UP = "?", "x"
 """The characters of frontiers on the map."""

@@ -11,7 +11,7 @@ from ur_nodes.teleop.keyboard.commander import Commander
 from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, DriveState, start_drive, step_drive, use_settings
 from ur_nodes.teleop.keyboard.drive_screen import CommandTopic
 from ur_nodes.teleop.terminal.keys import FocusLost, KeyEvent
-from ur_nodes.teleop.terminal.request_keys import (
+from ur_nodes.teleop.terminal.raw import (
     asks_to_save,
     asks_to_save_recording,
     driver_request_of,

@@ -16,7 +16,7 @@ from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.widget import MapView
 from ur_nodes.teleop.navigate import commands as c
-from ur_nodes.teleop.navigate.command_line import CommandLine
+from ur_nodes.teleop.navigate.command_line import CommandLine, route_of, target_of
 from ur_nodes.teleop.navigate.commands import bad_command_error, error_line
 from ur_nodes.teleop.navigate.panel import Panel, list_places
 from ur_nodes.teleop.navigate.status_text import (
@@ -26,7 +26,6 @@ from ur_nodes.teleop.navigate.status_text import (
     reason_not_to_drive,
     reason_not_to_send,
 )
-from ur_nodes.teleop.navigate.target import route_of, target_of
 from ur_nodes.teleop.navigate.view import NavigateView
 
 MOST_WAITING = 60.0  # s that a goal waits for the robot to be ready

@@ -13,9 +13,9 @@ from ur_nodes.client.snapshot import GoalReport, LastGoalState, NavigationClient
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.teleop.navigate import commands as c
+from ur_nodes.teleop.navigate.command_line import route_of, target_of
 from ur_nodes.teleop.navigate.commands import bad_command_error, error_line
 from ur_nodes.teleop.navigate.status_text import reason_not_to_drive, silence_line
-from ur_nodes.teleop.navigate.target import route_of, target_of
 
 
 @dataclass(frozen=True, slots=True)

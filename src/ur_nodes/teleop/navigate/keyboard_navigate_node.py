@@ -12,8 +12,8 @@ from ur_nodes.client.saving import MapSaving, Saving, save_recordings
 from ur_nodes.ports.node import Node
 from ur_nodes.run import run_foreground
 from ur_nodes.teleop.navigate.batch import BatchTimeouts
+from ur_nodes.teleop.navigate.command_line import StoreChoice, name_growing_map
 from ur_nodes.teleop.navigate.line_program import run_lines
-from ur_nodes.teleop.navigate.target import StoreChoice, name_growing_map
 
 _NAME = "keyboard_navigate"
 

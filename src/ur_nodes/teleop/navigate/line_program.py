@@ -20,8 +20,8 @@ from ur_nodes.teleop.navigate.batch import (
     run_batch,
     wait_until_ready,
 )
+from ur_nodes.teleop.navigate.command_line import StoreChoice
 from ur_nodes.teleop.navigate.commands import AskMux, CancelGoal, Command, ContinueGoal, Quit, parse_command
-from ur_nodes.teleop.navigate.target import StoreChoice
 
 _PATIENCE = 0.2  # s between two checks of `ended`
 

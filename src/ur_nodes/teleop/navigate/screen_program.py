@@ -17,7 +17,7 @@ from ur_nodes.client.saving import MapSaving, Saving
 from ur_nodes.client.snapshot import NavigationClient
 from ur_nodes.run import log_folder
 from ur_nodes.teleop.navigate.app import NavigateApp
-from ur_nodes.teleop.navigate.target import StoreChoice
+from ur_nodes.teleop.navigate.command_line import StoreChoice
 
 
 @contextlib.contextmanager

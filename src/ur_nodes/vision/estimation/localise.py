@@ -12,7 +12,10 @@ import numpy as np
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.rigid import Floats, from_planar, invert, to_planar
 from ur_nodes.vision.estimation.graph import (
+    GATE,
+    disagreement,
     fiducial_key,
+    find_robot,
     known_factor,
     odometry_sigmas,
     planar_factor,
@@ -20,7 +23,6 @@ from ur_nodes.vision.estimation.graph import (
     sighting_factor,
 )
 from ur_nodes.vision.estimation.observation import Observation, Sighting, choose_sighting
-from ur_nodes.vision.estimation.search import GATE, disagreement, find_robot
 from ur_nodes.vision.fiducial_map import MapEntry
 
 _VAGUE = np.diag(np.square([0.5, 0.5, 0.5]))  # m, m, rad: of a first guess

@@ -10,6 +10,8 @@ import numpy as np
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.rigid import Floats, angle_between, from_planar, invert, to_planar
 from ur_nodes.vision.estimation.graph import (
+    GATE,
+    deviation,
     fiducial_key,
     known_factor,
     level_factor,
@@ -21,7 +23,6 @@ from ur_nodes.vision.estimation.graph import (
     start_factor,
 )
 from ur_nodes.vision.estimation.observation import CLEAR, Observation, Sighting, choose_sighting, misfit
-from ur_nodes.vision.estimation.search import GATE, deviation
 from ur_nodes.vision.fiducial_map import MapEntry
 
 _KEPT = 12  # views of a fiducial

@@ -21,8 +21,7 @@ from ur.web.wire.requests import (
     read_request,
 )
 from ur_nodes.client.mux import MuxLink
-from ur_nodes.client.patrol_link import PatrolLink
-from ur_nodes.client.patrol_text import PatrolRequest, PatrolRoute, PatrolStop
+from ur_nodes.client.patrol_text import PatrolLink, PatrolRequest, PatrolRoute, PatrolStop
 from ur_nodes.client.saving import request_recording
 from ur_nodes.motion.challenge.freshness import Stamp
 from ur_nodes.motion.lease.text import clean_computer, clean_name, is_client
@@ -30,9 +29,20 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ports.values import Result, Twist
 from ur_nodes.web.driving.driver_link import DriverLink
 from ur_nodes.web.driving.page_goals import GoalPage, PageGoals
-from ur_nodes.web.driving.page_lease import PageLease, may_drive, participates, request_action, step_page
-from ur_nodes.web.driving.stick import StickState, Verdict, end_stick, expire_stick, let_go, step_stick
-from ur_nodes.web.maps.map_changes import MapChanges, Reply
+from ur_nodes.web.driving.page_lease import (
+    PageLease,
+    StickState,
+    Verdict,
+    end_stick,
+    expire_stick,
+    let_go,
+    may_drive,
+    participates,
+    request_action,
+    step_page,
+    step_stick,
+)
+from ur_nodes.web.maps.map_link import MapChanges, Reply
 from ur_nodes.web.maps.place_file import PlaceFile
 
 _TICK = 0.1  # s: presses end in time even where challenges stay away

@@ -13,8 +13,7 @@ from ur_nodes.motion.challenge.freshness import Stamp
 from ur_nodes.navigation.goals.goal_claim import write_any_heading, write_goal_id
 from ur_nodes.ports.node import Node
 from ur_nodes.web.driving.driver_link import DriverLink, number_of
-from ur_nodes.web.driving.page_lease import PageLease, may_drive, note_end, request_action
-from ur_nodes.web.driving.stick import StickState
+from ur_nodes.web.driving.page_lease import PageLease, StickState, may_drive, note_end, request_action
 
 Refuse = Callable[[str, str], None]
 """Refuses a request, by its name, for a reason."""

@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from functools import partial
 
 from ur.web.wire.frames import Kind, Layer, json_frame
-from ur.web.wire.view_request import PLOT, split_plot
+from ur.web.wire.requests import PLOT, split_plot
 from ur_nodes.ports.node import Node, Subscription
 from ur_nodes.ports.raw import RawMessage
 from ur_nodes.web.layers.pacing import Every

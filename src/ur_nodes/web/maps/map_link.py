@@ -6,12 +6,23 @@ from functools import partial
 
 from ur.maps.names import is_map_name
 from ur.source.printable import printable
+from ur.web.wire.map_requests import (
+    DeleteZone,
+    DrawWalls,
+    ForgetPlace,
+    MapRequest,
+    NamePlace,
+    PutZone,
+    RestoreWalls,
+    SaveMap,
+)
 from ur_nodes.client.saving import read_saved
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result
-from ur_nodes.web.maps.map_server_link import WallLink
+from ur_nodes.web.maps.map_server_link import WallLink, ZoneLink
+from ur_nodes.web.maps.place_file import PlaceFile
 
 _SERVICE_NAME = re.compile(r"/?[A-Za-z][\w/]{0,200}", re.ASCII)
 _KEEPER = "keyboard_navigate"
@@ -102,3 +113,47 @@ def choose_service(values: Sequence[object]) -> str:
 def choose_name(value: object, *, made: bool) -> str:
     """Return the name of the stored map that a program navigates on; "" for a file or a map that is being `made`."""
     return value if isinstance(value, str) and is_map_name(value) and not made else ""
+
+
+Reply = Callable[[str, Mapping[str, object]], None]
+"""Sends an answer to a page, by its client id."""
+
+_WHAT: Mapping[type, str] = {
+    PutZone: "put_zone",
+    DeleteZone: "delete_zone",
+    DrawWalls: "draw_walls",
+    RestoreWalls: "restore_walls",
+}
+
+
+class MapChanges:
+    """Passes requests about the map to their owners; `reply` sends each answer, possibly later."""
+
+    def __init__(self, places: PlaceFile, zones: ZoneLink, maps: MapLink, reply: Reply) -> None:
+        self._places, self._zones, self._maps, self._reply = places, zones, maps, reply
+
+    def apply(self, client: str, request: MapRequest) -> None:
+        """Pass on a request of a page that may drive."""
+        if isinstance(request, NamePlace | ForgetPlace):
+            self._places.change(request, lambda answer: self._reply(client, answer))
+        elif isinstance(request, SaveMap):
+            self._save_map(client)
+        else:
+            what = _WHAT[type(request)]
+
+            def answer(problem: str) -> None:
+                result = {"t": "refused", "why": problem} if problem else {"t": "done"}
+                self._reply(client, {**result, "what": what})
+
+            if isinstance(request, DrawWalls | RestoreWalls):
+                if not self._maps.walls.change(request, answer):
+                    answer("no walls")
+            elif not self._zones.change(request, answer):
+                answer("no zones")
+
+    def _save_map(self, client: str) -> None:
+        def answer(name: str, problem: str) -> None:
+            what = {"t": "done", "name": name} if name else {"t": "refused", "why": problem}
+            self._reply(client, {**what, "what": "save_map"})
+
+        self._maps.save(answer)

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from ur_nodes.camera.calibration.board import Board, Floats
-from ur_nodes.camera.calibration.coverage import BoardView
+from ur_nodes.camera.calibration.session import BoardView
 from ur_nodes.pictures.decode import Pixels
 
 WIDTH, HEIGHT = 640, 480

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ur_nodes.camera.calibration.board import Board, Floats, draw_page
-from ur_nodes.camera.calibration.coverage import (
+from ur_nodes.camera.calibration.session import (
     CELLS,
     BoardView,
     Coverage,

@@ -4,8 +4,7 @@ from tests.ur_nodes.camera.calibration.rendered_board import MATRIX, Studio, lis
 
 from ur.source.diagnostic import UserError
 from ur_nodes.camera.calibration.board import Board, find_corners
-from ur_nodes.camera.calibration.coverage import BoardView, measure_coverage
-from ur_nodes.camera.calibration.session import CalibrationSession, describe, draw_overlay
+from ur_nodes.camera.calibration.session import BoardView, CalibrationSession, describe, draw_overlay, measure_coverage
 from ur_nodes.camera.calibration.solve import CalibrationResult, solve, solve_or_fail
 
 BOARD = Board()

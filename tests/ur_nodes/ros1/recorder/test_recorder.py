@@ -14,8 +14,8 @@ import rosgraph.network
 
 from ur_nodes.loop import Loop
 from ur_nodes.ports.raw import RecordedMessage, RecordedTopic
+from ur_nodes.ros1.recorder.receiver import TopicConnectionError, connect_topic, read_stamp
 from ur_nodes.ros1.recorder.recorder import RosRecorder
-from ur_nodes.ros1.recorder.topic_connection import TopicConnectionError, connect_topic, read_stamp
 
 LIMIT = 60.0
 

@@ -6,8 +6,7 @@ from tests.ur_nodes.slam.rooms import CENTRE, CORRIDOR, DIRECTIONS, ROOM, Floats
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.matching.local_map import LocalMap
-from ur_nodes.slam.matching.locate import locate_surface
-from ur_nodes.slam.matching.match import match_surface
+from ur_nodes.slam.matching.match import locate_surface, match_surface
 from ur_nodes.slam.matching.scan import make_scan
 from ur_nodes.slam.matching.surface import Surface
 from ur_nodes.slam.prediction import UNKNOWN_MOTION

@@ -17,8 +17,8 @@ from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result
 from ur_nodes.teleop.navigate.batch import BatchTimeouts
+from ur_nodes.teleop.navigate.command_line import StoreChoice, name_growing_map
 from ur_nodes.teleop.navigate.line_program import run_lines
-from ur_nodes.teleop.navigate.target import StoreChoice, name_growing_map
 
 LIMITS = BatchTimeouts(start=60.0, goal=600.0)
 

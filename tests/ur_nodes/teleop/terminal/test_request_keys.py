@@ -4,7 +4,7 @@ from ur_nodes.client.mux import MuxRequest, MuxView
 from ur_nodes.motion.obstacle_stop.report import ObstacleReport, State
 from ur_nodes.teleop.keyboard.drive import DIRECTIONS, SPEED_KEYS
 from ur_nodes.teleop.terminal.keys import FocusLost, Key, KeyEvent
-from ur_nodes.teleop.terminal.request_keys import (
+from ur_nodes.teleop.terminal.raw import (
     DRIVER_KEYS,
     EMERGENCY_KEYS,
     asks_to_save,

@@ -11,10 +11,10 @@ from tests.ur_nodes.vision.synthetic import Marker, drift, drive, look
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.rigid import Floats, from_angles
+from ur_nodes.vision.estimation.graph import find_robot, without_twins
 from ur_nodes.vision.estimation.localise import FiducialLocaliser
 from ur_nodes.vision.estimation.mapping import FiducialMapper
 from ur_nodes.vision.estimation.observation import Observation
-from ur_nodes.vision.estimation.search import find_robot, without_twins
 from ur_nodes.vision.fiducial_map import MapEntry
 
 HERE = Pose2(0.0, 0.0, 0.0)

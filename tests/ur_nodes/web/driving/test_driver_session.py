@@ -10,7 +10,7 @@ from ur_nodes.motion.lease.text import read_lease
 from ur_nodes.navigation.goals.goal_claim import read_claim
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import StampedTwist, Twist
-from ur_nodes.web.driving.stick import GAP
+from ur_nodes.web.driving.page_lease import GAP
 
 pytestmark = pytest.mark.usefixtures("home")
 

@@ -1,5 +1,5 @@
 from ur_nodes.web.driving.driver_link import ChallengeTimes, age_of_answer, keep_challenge
-from ur_nodes.web.driving.stick import GAP, StickState, end_stick, expire_stick, let_go, step_stick
+from ur_nodes.web.driving.page_lease import GAP, StickState, end_stick, expire_stick, let_go, step_stick
 
 
 def held() -> StickState:

@@ -21,8 +21,7 @@ aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requi
 from tests.fakes.page_server import PageServer  # noqa: E402
 from tests.web.server.robot_processes import IdleRobotEnd, keep  # noqa: E402
 
-from ur.web.access.heads import Head  # noqa: E402
-from ur.web.access.origin import make_origins  # noqa: E402
+from ur.web.access.origin import Head, make_origins  # noqa: E402
 from ur.web.access.rate import Buckets  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402

@@ -10,7 +10,7 @@ pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/we
 from aiohttp import web
 from aiohttp.test_utils import make_mocked_request
 
-from ur.web.runs.commands import EndedCommand
+from ur.web.runs.watcher import EndedCommand
 from ur.web.server.data.data_pages import ThreeScript
 
 

@@ -23,7 +23,7 @@ from ur.launchfile.plan.values.budget import (
     divide_cost,
     hash_cost,
 )
-from ur.launchfile.plan.values.expression_formats import CONVERSIONS, format_value
+from ur.launchfile.plan.values.expression_functions import CONVERSIONS, format_value
 from ur.launchfile.syntax.substitution import SubstitutionProblem
 from ur.source.suggest import did_you_mean
 

@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from ur.robot.robot_file import COMMANDS, ROBOT_FILE, Ros2Robot, parse_robot_file
-from ur.robot.ros2.observe import inspect_ros2
 from ur.robot.ros2.seen_graph import (
     DEFAULT_MIDDLEWARE,
     OLD_RELEASES,
@@ -14,6 +13,7 @@ from ur.robot.ros2.seen_graph import (
     SeenGraph,
     SeenTopic,
     domain_of,
+    inspect_ros2,
     middleware_of,
 )
 from ur.robot.setup.facts import ComputerFacts

@@ -16,7 +16,7 @@ from contextlib import suppress
 from itertools import takewhile
 from typing import cast
 
-from ur.web.access.heads import LONGEST, Head, find_head
+from ur.web.access.origin import LONGEST, Head, find_head
 from ur.web.access.rate import Buckets, SharedBuckets, make_bucket
 
 _MOST_READ = 4096  # bytes at once: all requests among them are parsed before another client is served

@@ -18,7 +18,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 
 from ur.system.child_processes import start_node
 from ur.web.access.rate import draw, make_bucket
-from ur.web.runs.commands import CommandQueue
+from ur.web.runs.watcher import CommandQueue
 from ur.web.server.logins.gate import SESSION
 from ur.web.server.robot_process import read_frames
 from ur.web.server.viewers import open_socket, receive

@@ -11,8 +11,7 @@ from aiohttp import web
 from aiohttp.typedefs import Handler, Middleware
 
 from ur.source.foreign.json_values import BadJsonError, read_json
-from ur.web.access.heads import Head, find_cookies
-from ur.web.access.origin import LOOPBACK, Origins, allows_host, allows_origin, allows_viewer
+from ur.web.access.origin import LOOPBACK, Head, Origins, allows_host, allows_origin, allows_viewer, find_cookies
 from ur.web.access.rate import Buckets
 from ur.web.access.roles import SESSION_LIFE, Grant, Role
 from ur.web.server.links import LinkFiles
