@@ -106,6 +106,16 @@ HOSTILE = {
     "regular expression": "import re\nre.match('(a+)+$', 'a' * 50 + 'b')",
     "hook of an object": "class A:\n    def __getattr__(self, name):\n        return A()\n"
     "    def __str__(self):\n        return self\nx = str(A().b)",
+    "regular expression of a long text": "import re\nwhile True:\n    re.search('a*a*b', 'a' * 100000)",
+    "exceptions in a loop": "for a in range(9999):\n    for b in range(9999):\n        class A(ValueError): pass",
+    "base of itself": "class A:\n    def b(self):\n        return super().b()\nclass C(A):\n    def b(self):\n"
+    "        return super().b() + self.b()\nx = C().b()",
+    "bases of bases": "class A:\n    def b(self):\n        return super().c\nfor a in range(9999):\n    class A(A):\n"
+    "        pass\nwhile True:\n    A().b()",
+    "setter of itself": "class A:\n    @property\n    def b(self):\n        return 1\n    @b.setter\n"
+    "    def b(self, c):\n        self.b = [c, c]\nA().b = 1",
+    "fields of fields": "from dataclasses import *\n@dataclass\nclass A:\n    a: object = 1\n"
+    "@dataclass\nclass C:\n    a: object = field(default_factory=lambda: [C(), C()])\nx = C()",
     "generator": "def f():\n    while True:\n        yield 1\nx = list(f())",
     "decorator": "def d(f):\n    while True:\n        pass\n@d\ndef g():\n    pass",
     "assertion with an effect": "assert open('MARK', 'w')",

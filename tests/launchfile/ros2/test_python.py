@@ -160,6 +160,44 @@ KNOWN = {  # statements that set `x`, the text of it
         "parse_package('/opt/nav/share/nav/package.xml').exports if e.tagname == 'models']",
         "['a/b']",
     ),
+    "field of a dataclass": (
+        "from dataclasses import dataclass, field\n@dataclass\nclass A:\n    b: list = field(default_factory=list)\n"
+        "    c: int = field(default=2)\n    def __post_init__(self):\n        self.b.append(self.c)\n"
+        "x = [A().b, A(c=3).b]",
+        "[[2], [3]]",
+    ),
+    "base of a class": (
+        "class A:\n    def __init__(self, a):\n        self.a = a\n    def b(self):\n        return self.a\n"
+        "class C(A):\n    def __init__(self):\n        super().__init__('c')\n"
+        "class D(C):\n    def b(self):\n        return 'd' + super().b()\nx = D().b()",
+        "dc",
+    ),
+    "class method": (
+        "class A:\n    def __init__(self, b):\n        self.b = b\n    @classmethod\n    def make(cls, b):\n"
+        "        return cls(b + 1)\nclass C(A):\n    pass\nx = C.make(1).b",
+        "2",
+    ),
+    "setter": (
+        "class A:\n    @property\n    def b(self):\n        return self._b\n    @b.setter\n    def b(self, c):\n"
+        "        self._b = c + 1\na = A()\na.b = 1\nx = a.b",
+        "2",
+    ),
+    "text of an object": ("class A:\n    def __str__(self):\n        return 'b'\nx = f'{A()}' + str(A())", "bb"),
+    "exception of the file": (
+        "class A(KeyError):\n    pass\ndef f():\n    raise A('b')\ntry:\n    f()\nexcept KeyError:\n    x = 1",
+        "1",
+    ),
+    "assertion that fails": (
+        "def f(a):\n    assert a, 'none'\ntry:\n    f([])\nexcept AssertionError as e:\n    x = e",
+        "none",
+    ),
+    "named expression": ("x = [b, 0][0] if (b := {'a': 1}.get('a')) else 2", "1"),
+    "pattern": ("import re\nx = re.compile('^(.*)_a.yaml$').search('b_a.yaml').groups()[0]", "b"),
+    "utilities": (
+        "from launch.utilities import normalize_to_list_of_substitutions as n, perform_substitutions as p\n"
+        "x = p(LaunchContext(), n('a'))",
+        "a",
+    ),
     "nested data": ("x = [{'a': (1, 2)}][0]['a'][1]", "2"),
 }
 HELPERS = {
@@ -199,6 +237,13 @@ UNKNOWN = {  # statements after which `x` is not known
     "builtin": "x = compile('1', '', 'eval')",
     "import by name": "x = __import__('os')",
     "written file": "x = open('/tmp/a', 'w')",
+    "assertion that fails": "def f():\n    assert 0\n    return 1\nx = f()",
+    "object": "import time\nclass A:\n    def __init__(self):\n        self.b = 1\n        if time.time():\n"
+    "            self.c()\n    def c(self):\n        self.b = 2\nx = A().b",
+    "attribute": "import time\nclass A:\n    def __init__(self):\n        self.b = 1\n        if time.time():\n"
+    "            self.b = 2\nx = A().b",
+    "text of an object": "class A:\n    pass\nx = f'{A()}'",
+    "pattern of repeats": "import re\nx = re.match('(a+)+$', 'aab')",
 }
 
 
@@ -242,6 +287,15 @@ def test_class_may_be_a_substitution() -> None:
     )
     actions = ["DeclareLaunchArgument('a', default_value='b')", "Node(executable=Twice(LaunchConfiguration('a')))"]
     assert load_clean(python(*actions, before=before)).nodes[0].type == "bb"
+
+
+def test_substitution_of_the_file_may_be_exposed_and_return_another() -> None:
+    before = (
+        "from launch.frontend import expose_substitution\n@expose_substitution('a')\nclass A(Substitution):\n"
+        "    def __init__(self, name):\n        super().__init__()\n        self.__name = name\n"
+        "    def perform(self, context):\n        return EnvironmentVariable(self.__name)"
+    )
+    assert load_clean(python("Node(executable='n', arguments=[A('ROBOT')])", before=before)).nodes[0].words == ("r2",)
 
 
 def test_class_may_be_an_action_with_other_arguments() -> None:

@@ -52,6 +52,7 @@ def _perform(value: object, context: Context) -> str | Unknown:
     own = getattr(value, "perform", None)
     if own is not None:
         text = own(context)
+        text = perform(text, context) if isinstance(text, Made) else text
         return text if isinstance(text, str | Unknown) else Unknown("it is no text")
     return Unknown(f"a value of type {type(value).__name__} is no text")
 

@@ -18,9 +18,9 @@ from ur.launchfile.plan.values import expression_functions as functions
 from ur.launchfile.plan.values.budget import PER_STEP, PER_YAML_CHARACTER, Budget, ExpressionProblem
 from ur.launchfile.plan.values.expression import MAX_LENGTH, Evaluator
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
+from ur.launchfile.ros2.python.api_class import ApiClass
 from ur.launchfile.ros2.python.objects import (
     BASE,
-    ApiClass,
     CallFunction,
     Frame,
     Function,
@@ -46,6 +46,7 @@ class Expressions(Evaluator):
         super().__init__(source.text, 0, {}, self._find_name, (), budget)
         self.source, self.frame = source, frame
         self._is_ascii = source.text.isascii()
+        self.function: Function | None = None  # that is being called
         self.tries = 0  # how many `try` of the file are around this place
         self.call_function: CallFunction = _not_called
         self.find_method: Callable[[object, str], object] = lambda *_: None
@@ -177,6 +178,10 @@ class Expressions(Evaluator):
         test = self.visit(node.test)
         return test if isinstance(test, Unknown) else self.visit(node.body if test else node.orelse)
 
+    def visit_NamedExpr(self, node: ast.NamedExpr) -> object:
+        self.frame.names_here[node.target.id] = value = self.visit(node.value)
+        return value
+
     def visit_List(self, node: ast.List) -> object:
         return self._items(node.elts)
 
@@ -263,12 +268,16 @@ class Expressions(Evaluator):
             return unknown
         if isinstance(value, Made):
             return self.unknown("an object of the launch API is made a text before its value is known", node)
+        if isinstance(value, Instance) and isinstance(value := self._text_of(value), Unknown):
+            return value
         if isinstance(value, PurePosixPath):
             value = str(value)
         known = ast.copy_location(ast.FormattedValue(Known(value), node.conversion, node.format_spec), node)
         return super().visit_FormattedValue(known)
 
     def visit_Attribute(self, node: ast.Attribute) -> object:
+        if (found := self._super_member(node)) is not None:
+            return found
         value = self.visit(node.value)
         if isinstance(value, Unknown):
             return value
@@ -309,10 +318,25 @@ class Expressions(Evaluator):
             return function.make(arguments, keywords)
         return self._call_native(function, arguments, keywords, node)
 
-    def _initialised(self, function: ast.expr) -> Instance | None:
-        """Return the object whose base `super().__init__()` is called for."""
-        called = function.value if isinstance(function, ast.Attribute) and function.attr == "__init__" else None
-        if not isinstance(called, ast.Call) or ast.unparse(called) != "super()":
+    def _super_member(self, node: ast.Attribute) -> object:
+        """Return a member of `super()`; None if it is none of a class of a file."""
+        owner = self._of_super(node)
+        member = None
+        if owner is not None:
+            self.budget.spend(len(owner.of.members))
+            member = owner.of.find_super(node.attr, self.function)
+        return None if owner is None or member is None else owner.bound(member, member)
+
+    def _initialised(self, node: ast.expr) -> Instance | None:
+        """Return the object whose base in the launch API `super().__init__()` is called for."""
+        owner = self._of_super(node) if isinstance(node, ast.Attribute) and node.attr == "__init__" else None
+        return None if owner is None or owner.of.find_super("__init__", self.function) is not None else owner
+
+    def _of_super(self, node: ast.expr) -> Instance | None:
+        """Return the object whose base `super().NAME` asks for."""
+        if not isinstance(node, ast.Attribute) or not isinstance(called := node.value, ast.Call):
+            return None
+        if not isinstance(called.func, ast.Name) or called.func.id != "super":
             return None
         first = next(iter(self.frame.names_here.values()), None)
         return first if isinstance(first, Instance) else None
@@ -339,9 +363,17 @@ class Expressions(Evaluator):
             return self.unknown(f"a call of {type(function).__name__} is not computed", node)
         if function in (str, int, float, bool) and any(isinstance(each, Made) for each in arguments):
             return self.unknown("an object of the launch API is converted before its value is known", node)
+        if function is str and len(arguments) == 1 and isinstance(arguments[0], Instance):
+            return self._text_of(arguments[0])
         if isinstance(function, type) and issubclass(function, PurePosixPath):
             function = make_path
         return self.made(function(*arguments, **keywords))
+
+    def _text_of(self, value: Instance) -> object:
+        found = value.of.members.get("__str__")
+        if isinstance(found, Function):
+            return found.run([value], {})
+        return Unknown(f"the text of an object of {value.of.name} is not computed while reading")
 
     def _first_unknown(self, value: object) -> Unknown | None:
         self.budget.weigh(value)
@@ -391,6 +423,13 @@ def _is_list_sum(left: object, right: object) -> bool:
 
 
 BUILTINS: Mapping[str, object] = vars(builtins)
+
+
+def builtin_exception(node: ast.AST | None) -> type[Exception] | None:
+    """Return the exception of Python that a name stands for, as far as a file may raise it."""
+    kind = BUILTINS.get(node.id) if isinstance(node, ast.Name) else None
+    is_raised = isinstance(kind, type) and issubclass(kind, Exception) and not issubclass(kind, RecursionError)
+    return kind if is_raised else None  # type: ignore[return-value]
 
 
 def _not_called(*_: object) -> object:

@@ -16,8 +16,8 @@ from ur.launchfile.ros2.api import modules
 from ur.launchfile.ros2.context import Context
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.nav2 import read_poses
+from ur.launchfile.ros2.python.api_class import ApiClass
 from ur.launchfile.ros2.python.objects import (
-    ApiClass,
     ContextObject,
     Instance,
     Module,
@@ -27,6 +27,7 @@ from ur.launchfile.ros2.python.objects import (
     taking_unknown,
 )
 from ur.launchfile.ros2.python.standard import Standard
+from ur.launchfile.ros2.substitutions import perform
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.source.file import Span
 from ur.source.suggest import did_you_mean
@@ -46,7 +47,7 @@ _MATCHING = {
 _IGNORED = frozenset(
     {
         *("__future__", "abc", "argparse", "collections", "enum", "getpass", "importlib", "inspect", "itertools"),
-        *("logging", "multiprocessing", "random", "re", "shutil", "uuid", "warnings"),
+        *("logging", "multiprocessing", "random", "shutil", "uuid", "warnings"),
     }
 )
 
@@ -315,10 +316,29 @@ def _lifecycle() -> Module:
     return Module("lifecycle_msgs.msg", {"Transition": Module("Transition", states), "State": Module("State", primary)})
 
 
+def _as_list(value: object) -> list[object]:
+    return list(value) if isinstance(value, (list, tuple)) else [value]
+
+
+def _perform(context: object, value: object) -> object:
+    return (
+        perform(value, context.context) if isinstance(context, ContextObject) else Unknown("the context is not known")
+    )
+
+
+_HELPERS: Mapping[str, Mapping[str, object]] = {
+    "launch.utilities": {
+        "normalize_to_list_of_substitutions": taking_unknown(_as_list),
+        "perform_substitutions": taking_unknown(_perform),
+    }
+}
+
+
 @cache
 def _api_module(name: str) -> Module | None:
     """Return a module of the launch API, the same for all files; None if it is none."""
     members: dict[str, object] = {known: ApiClass(signature) for known, signature in modules().get(name, {}).items()}
+    members |= _HELPERS.get(name, {})
     for last in _inner_modules().get(name, ()):
         members.setdefault(last, _api_module(f"{name}.{last}"))
     if not members:
@@ -330,7 +350,7 @@ def _api_module(name: str) -> Module | None:
 def _inner_modules() -> Mapping[str, tuple[str, ...]]:
     """Return the modules of the API in each module, by the last parts of their names."""
     found: dict[str, dict[str, None]] = {}
-    for known in modules():
+    for known in (*modules(), *_HELPERS):
         while "." in known:
             parent, _, last = known.rpartition(".")
             found.setdefault(parent, {})[last] = None

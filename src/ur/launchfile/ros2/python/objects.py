@@ -5,18 +5,17 @@ They are compared by identity, as in Python, and printed without their parts, of
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.plan.values.expression_functions import size_of
-from ur.launchfile.ros2.api import Signature
-from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
+from ur.launchfile.ros2.model import Made, Unknown
+from ur.launchfile.ros2.python.api_class import ApiClass
 from ur.source.file import Span
-from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
     import ast
@@ -24,6 +23,9 @@ if TYPE_CHECKING:
     from ur.launchfile.ros2.context import Context
 
 BASE = "super()"  # the attribute of an object that has what its base in the launch API got
+
+
+UNCERTAIN = "*"  # the attribute of an object of which nothing is certain
 
 
 class Frame:
@@ -89,28 +91,54 @@ class StaticFunction:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
+class ClassFunction:
+    """A class method of a class of a file."""
+
+    function: Function
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class PropertyFunction:
     """A property of a class of a file."""
 
     function: Function
+    setter: Function | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class FieldDefault:
+    """The default of a field of a dataclass that is made for each object; `make` is None if there is none."""
+
+    make: Callable[[], object] | None
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class UserClass:
     """A class of a file, with what it inherits from others of the file; `fields` are those of a dataclass.
 
-    `api` is the class of the launch API from which it is derived.
+    `api` is the class of the launch API from which it is derived, `exception` what is raised with it.
     """
 
     name: str
     members: Mapping[str, object]
     fields: tuple[str, ...] = ()
     api: ApiClass | None = None
+    bases: tuple[UserClass, ...] = ()
+    exception: type[Exception] | None = None
 
     def find(self, name: str, span: Span | None) -> object:
         """Return a member; a method takes its object as an argument."""
         found = self.members.get(name, Unknown(f"{self.name}.{name} is not computed while reading", span))
+        if isinstance(found, ClassFunction):
+            return taking_unknown(partial(found.function, self))
         return found.function if isinstance(found, StaticFunction) else found
+
+    def find_super(self, name: str, function: Function | None) -> object:
+        """Return the member that a function of this class, or of one above it, finds by `super()`; None without one."""
+        for base in self.bases:
+            if any(function in (each, getattr(each, "function", None)) for each in base.members.values()):
+                return base.find_super(name, function)
+        return next((base.members[name] for base in self.bases if name in base.members), None)
 
     def make(self, arguments: list[object], keywords: dict[str, object]) -> object:
         """Return an object. One that changes only the arguments of its base in the launch API is one of that base."""
@@ -124,6 +152,12 @@ class UserClass:
             if missing or len(arguments) > len(self.fields) or not set(given) <= set(self.fields):
                 raise TypeError(f"{self.name}() has the arguments {_join(self.fields)}")
             made.attributes.update(given)
+            for name in self.fields:
+                default = self.members.get(name)
+                if isinstance(default, FieldDefault) and default.make is not None and name not in given:
+                    made.attributes[name] = default.make()
+            if isinstance(begin := self.members.get("__post_init__"), Function):
+                begin.run([made], {})
         return made if {"execute", "perform", "describe"} & set(self.members) else made.attributes.get(BASE, made)
 
 
@@ -136,13 +170,24 @@ class Instance:
 
     def find(self, name: str, span: Span | None) -> object:
         """Return an attribute or a method."""
-        if name in self.attributes:
-            return self.attributes[name]
-        found = self.of.find(name, span)
-        if isinstance(found, PropertyFunction):
-            return found.function.run([self], {})
-        is_method = isinstance(self.of.members.get(name), Function)
-        return taking_unknown(partial(cast("Function", found), self)) if is_method else found
+        for known in (UNCERTAIN, name):
+            if known in self.attributes:
+                return self.attributes[known]
+        return self.bound(self.of.members.get(name), self.of.find(name, span))
+
+    def bound(self, member: object, found: object) -> object:
+        """Return a member of a class for this object; `found` unless it is a property or method."""
+        if isinstance(member, PropertyFunction):
+            return member.function.run([self], {})
+        return taking_unknown(partial(member, self)) if isinstance(member, Function) else found
+
+    def assign(self, name: str, value: object) -> None:
+        """Set an attribute, or a property."""
+        known = self.of.members.get(name)
+        if isinstance(known, PropertyFunction) and known.setter is not None:
+            known.setter.run([self, value], {})
+        else:
+            self.attributes[name] = value
 
     def perform(self, context: Context) -> object:
         """Return the text of a substitution of the file's own."""
@@ -207,95 +252,6 @@ class ContextObject:
     """The launch context, as functions of OpaqueFunction get it."""
 
     context: Context
-
-
-class CallPlaces(Mapping[str, Span]):
-    """Where the arguments of a call are written, by their names. Each is found when it is asked for, by `find`."""
-
-    __slots__ = ("_find", "_node", "_positional")
-
-    def __init__(self, node: ast.Call, positional: tuple[str, ...], find: Callable[[ast.AST], Span]) -> None:
-        self._node, self._positional, self._find = node, positional, find
-
-    def find_function(self) -> Span:
-        """Return where the function is written."""
-        return self._find(self._node.func)
-
-    def find_argument(self, index: int) -> Span:
-        """Return where an argument without a name is written."""
-        return self._find(self._node.args[min(index, len(self._node.args) - 1)])
-
-    def find_name(self, name: str) -> Span:
-        """Return where the name of an argument is written."""
-        for keyword in self._node.keywords:
-            if keyword.arg == name:
-                whole = self._find(keyword)
-                return Span(whole.file, whole.start, whole.start + len(name))
-        return self.find_function()
-
-    def _nodes(self) -> dict[str, ast.expr]:
-        named = {keyword.arg: keyword.value for keyword in self._node.keywords if keyword.arg is not None}
-        return {**named, **dict(zip(self._positional, self._node.args, strict=False))}
-
-    def __getitem__(self, name: str) -> Span:
-        return self._find(self._nodes()[name])
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._nodes())
-
-    def __len__(self) -> int:
-        return len(self._nodes())
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class ApiClass:
-    """A class of the launch API."""
-
-    signature: Signature
-
-    def make(
-        self,
-        arguments: list[object],
-        keywords: dict[str, object],
-        node: ast.Call,
-        find: Callable[[ast.AST], Span],
-        report: Callable[[DescriptionProblem], None],
-    ) -> Made:
-        """Return an object that a call makes; wrong arguments are reported, and left out."""
-        signature = self.signature
-        values, positional, kind = keywords, signature.positional, signature.kind
-        wrong = [] if keywords.keys() <= signature.keywords else [k for k in keywords if k not in signature.keywords]
-        if positional and positional[0].startswith("*"):
-            values[positional[0][1:]], arguments, positional = arguments, [], ()
-        places = CallPlaces(node, positional, find)
-        for index, value in enumerate(arguments):
-            if index >= len(positional):
-                few = f"at most {len(positional)}" if positional else "none"
-                message = f"{kind} has {len(arguments)} arguments without a name, expected {few}"
-                report(DescriptionProblem(message, "launch-argument", places.find_argument(index), None, kind))
-                break
-            values[positional[index]] = value
-        for name in wrong:
-            report(self._wrong_keyword(name, places.find_name(name)))
-            present = signature.removed.get(name)
-            value = values.pop(name)
-            if present:
-                values.setdefault(present, value)
-        if not signature.required <= values.keys():
-            missing = sorted(signature.required - values.keys())
-            expected = "it" if len(missing) == 1 else "them"
-            message = f"{kind} has no {' and no '.join(missing)}, expected {expected}"
-            report(DescriptionProblem(message, "launch-argument", places.find_function(), None, kind))
-        return Made(kind, values, places.find_function, places)
-
-    def _wrong_keyword(self, name: str, span: Span) -> DescriptionProblem:
-        signature = self.signature
-        present = signature.removed.get(name) or did_you_mean(name, signature.keywords)
-        was = "was removed from" if name in signature.removed else "is not an argument of"
-        known = ", ".join(sorted(signature.keywords)) or "none"
-        help_ = f"write {present}=" if present else f"it has: {known}"
-        message = f"'{name}' {was} {signature.kind}, expected one that it has"
-        return DescriptionProblem(message, "launch-argument", span, help_, name)
 
 
 def attribute_of(value: object, name: str, span: Span, budget: Budget) -> tuple[bool, object]:

@@ -5,19 +5,21 @@ that depends on what is not certain is Unknown from there on. Nothing of the fil
 """
 
 import ast
-import sys
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import cast
+from typing import Any
 
 from ur.launchfile.plan.values.budget import PER_STEP, TooLong
 from ur.launchfile.plan.values.expression_functions import size_of
 from ur.launchfile.ros2.context import MOST_BYTES, Context
 from ur.launchfile.ros2.model import Description, DescriptionProblem, Made, Unknown
-from ur.launchfile.ros2.python.expressions import BUILTINS, Expressions, NotRead
-from ur.launchfile.ros2.python.modules import Library, is_api, missing_member
+from ur.launchfile.ros2.python.api_class import ApiClass
+from ur.launchfile.ros2.python.expressions import Expressions, NotRead, builtin_exception
+from ur.launchfile.ros2.python.imports import Imports
+from ur.launchfile.ros2.python.modules import Library
 from ur.launchfile.ros2.python.objects import (
-    ApiClass,
+    UNCERTAIN,
+    ClassFunction,
     Frame,
     Function,
     Instance,
@@ -40,13 +42,14 @@ from ur.launchfile.ros2.python.statements import (
     reading_of,
     walk_here,
     word_of,
+    written_attributes,
 )
 from ur.source.file import SourceFile, Span
 
 ENTRY = "generate_launch_description"
 _DEEPEST = 60  # calls
 _MOST_LOOPS = 10_000
-_NEUTRAL = frozenset({"cache", "lru_cache", "total_ordering"})
+_NEUTRAL = frozenset({"cache", "lru_cache", "total_ordering", "expose_action", "expose_substitution"})
 _PER_STATEMENT, _PER_CALL, _PER_GAP = 40, 200, 500  # units of work
 
 
@@ -75,7 +78,7 @@ def _syntax_problem(source: SourceFile, problem: BaseException) -> DescriptionPr
     )
 
 
-class _Reader:
+class _Reader(Imports):
     def __init__(self, source: SourceFile, context: Context) -> None:
         self._problems: list[DescriptionProblem] = []
         self._gaps: dict[Unknown, None] = {}
@@ -89,7 +92,7 @@ class _Reader:
         self._expressions.make_context = self._library.make_context
         self._library.standard.find_place = lambda: self._expressions.span(self._statement)
         self._statement: ast.AST = ast.Pass(lineno=1, col_offset=0, end_lineno=1, end_col_offset=0)
-        self._depth = self._loops = 0
+        self._depth = self._loops = self._tries_around = 0
 
     def read(self, tree: ast.Module) -> Description:
         path = self._expressions.source.path
@@ -161,7 +164,7 @@ class _Reader:
         for statement in body:
             self._context.budget.spend(_PER_STATEMENT)
             self._statement = statement
-            if isinstance(statement, (ast.Pass, ast.Global, ast.Nonlocal, ast.Assert)):
+            if isinstance(statement, (ast.Pass, ast.Global, ast.Nonlocal)):
                 continue
             method = getattr(self, f"_run_{type(statement).__name__}", None)
             try:
@@ -177,7 +180,7 @@ class _Reader:
                     raise
                 self._give_up(statement, Unknown(problem.reason, problem.span))
             except Exception as problem:  # what Python raises for the values of the file
-                if self._expressions.tries:
+                if self._expressions.tries or (self._tries_around and hasattr(problem, "is_raised")):
                     raise
                 at = self._expressions.at or statement
                 text = f"{type(problem).__name__}: {problem}".rstrip(": ")
@@ -191,59 +194,17 @@ class _Reader:
         for name in extended_names(statement):
             if isinstance(known := self._expressions.frame.names_here.get(name), list):
                 known.append(unknown)
+        for owner, attribute in written_attributes(statement):
+            if isinstance(known := self._expressions.frame.names_here.get(owner), Instance):
+                is_method = isinstance(known.of.members.get(attribute), Function)
+                known.attributes[UNCERTAIN if is_method else attribute] = unknown
+        if self._depth and isinstance(statement, ast.Raise | ast.Assert):
+            self._gap(unknown)
+            raise Returned(unknown)
         if any(isinstance(each, ast.Return) for each in walk_here(statement)):
             raise Returned(unknown)
         if not isinstance(statement, (ast.Import, ast.ImportFrom)) and not assigns_names(statement):
             self._gap(unknown)
-
-    def _run_Import(self, node: ast.Import) -> None:  # noqa: N802
-        for alias in node.names:
-            names = self._expressions.frame.names_here
-            whole = self._find_module(alias.name) or self._missing_module(alias.name, node)
-            if alias.asname or "." not in alias.name:
-                names[alias.asname or alias.name] = whole
-                continue
-            top, *inner = alias.name.split(".")
-            module: object = self._find_module(top) or names.get(top)
-            if not inner or not isinstance(module, Module) or inner[0] not in module.members:
-                for part in reversed(inner[1:]):
-                    whole = Module(part, {part: whole})
-                known = module.members if isinstance(module, Module) else {}
-                module = Module(top, {**known, inner[0]: whole})
-            names[top] = module
-
-    def _run_ImportFrom(self, node: ast.ImportFrom) -> None:  # noqa: N802
-        name = "." * node.level + (node.module or "")
-        module = self._find_module(name)
-        names = self._expressions.frame.names_here
-        for alias in node.names:
-            target = alias.asname or alias.name
-            if module is None:
-                names[target] = self._missing_module(name, node)
-            elif alias.name == "*":
-                names.update(module.members)
-            elif alias.name in module.members:
-                names[target] = module.members[alias.name]
-            elif is_api(name):
-                self._report(missing_member(module, alias.name, self._expressions.span(alias)))
-                names[target] = Unknown(f"{name} has no {alias.name}", self._expressions.span(alias))
-            else:
-                names[target] = self._find_module(f"{name}.{alias.name}") or Unknown(
-                    f"{name}.{alias.name} is not computed while reading", self._expressions.span(node)
-                )
-
-    def _find_module(self, name: str) -> Module | None:
-        """Return a module: one that is known, or a file of a package or beside the launch file, which is read."""
-        known = self._library.find(name)
-        if known is not None:
-            return known
-        context = self._context
-        for path in context.module_paths(name, self._expressions.source.path, self._library.standard.paths):
-            if path not in context.modules:
-                context.modules[path] = None  # while it is read: modules may import one another
-                context.modules[path] = self._read_module(name, path)
-            return cast("Module | None", context.modules[path])
-        return None
 
     def _read_module(self, name: str, path: str) -> Module | None:
         try:
@@ -258,12 +219,6 @@ class _Reader:
             reader._run(tree.body)
         return Module(name, reader._expressions.frame.names_here)
 
-    def _missing_module(self, name: str, node: ast.stmt) -> Unknown:
-        here, top = self._expressions, name.partition(".")[0]
-        if top in sys.stdlib_module_names or not top or is_api(name):
-            return Unknown(f"the module {name} is not followed while reading", here.span(node))
-        return Unknown(f"the Python module {name} is not installed", here.span(node), "package")
-
     def _run_FunctionDef(self, node: ast.FunctionDef) -> None:  # noqa: N802
         here = self._expressions
         defaults = tuple(here.visit(each) for each in node.args.defaults)
@@ -277,8 +232,12 @@ class _Reader:
         kinds = [decorator_name(each) for each in node.decorator_list]
         if kinds == ["staticmethod"]:
             value = StaticFunction(function)
+        elif kinds == ["classmethod"]:
+            value = ClassFunction(function)
         elif kinds == ["property"]:
             value = PropertyFunction(function)
+        elif kinds == ["setter"] and isinstance(known := here.frame.names_here.get(node.name), PropertyFunction):
+            value = PropertyFunction(known.function, function)
         elif not set(kinds) <= _NEUTRAL:
             value = Unknown(f"the decorated function {node.name} is not followed while reading", here.span(node))
         here.frame.names_here[node.name] = value
@@ -307,8 +266,20 @@ class _Reader:
             written = (each.target for each in node.body if isinstance(each, ast.AnnAssign))
             fields += [each.id for each in written if isinstance(each, ast.Name) and each.id not in fields]
         here.frame.names_here[node.name] = UserClass(
-            node.name, {**inherited, **members}, tuple(fields), next(filter(None, api), None)
+            node.name,
+            {**inherited, **members},
+            tuple(fields),
+            next(filter(None, api), None),
+            tuple(bases),
+            self._exception_of(node, bases),
         )
+
+    def _exception_of(self, node: ast.ClassDef, bases: list[UserClass]) -> type[Exception] | None:
+        """Return what is raised with a class: a class of its name, below the exception that it is derived from."""
+        known = [base.exception for base in bases if base.exception is not None]
+        kinds = [*known, *(kind for base in node.bases if (kind := builtin_exception(base)) is not None)]
+        self._context.budget.spend(_PER_GAP)
+        return type(node.name, (kinds[0],), {}) if kinds else None
 
     def _call(self, function: Function, arguments: list[object], keywords: dict[str, object]) -> object:
         here = self._expressions
@@ -317,9 +288,11 @@ class _Reader:
             raise RecursionError("functions call one another too deep")
         bound = bind(function, arguments, keywords)
         outer, here.frame = here.frame, Frame(function.frame, bound)
+        caller, here.function = here.function, function
         variables, here.variables = here.variables, []
         loops, self._loops = self._loops, 0
-        tries, self._expressions.tries = self._expressions.tries, 0
+        tries, here.tries = here.tries, 0
+        self._tries_around += tries
         self._depth += 1
         try:
             if isinstance(function.node, ast.Lambda):
@@ -328,8 +301,9 @@ class _Reader:
         except Returned as returned:
             return returned.value
         finally:
-            here.frame, here.variables, self._expressions.tries = outer, variables, tries
+            here.frame, here.variables, here.function, here.tries = outer, variables, caller, tries
             self._depth, self._loops = self._depth - 1, loops
+            self._tries_around -= tries
         return None
 
     def _run_Return(self, node: ast.Return) -> None:  # noqa: N802
@@ -383,7 +357,7 @@ class _Reader:
             elif not isinstance(container, Unknown):
                 raise NotRead("this assignment is not followed while reading", here.span(target))
         elif isinstance(target, ast.Attribute) and isinstance(owner := here.visit(target.value), Instance):
-            owner.attributes[target.attr] = value
+            owner.assign(target.attr, value)
         else:
             raise NotRead("an attribute is assigned", here.span(target))
 
@@ -482,13 +456,29 @@ class _Reader:
 
     def _run_Raise(self, node: ast.Raise) -> None:  # noqa: N802
         made = node.exc.func if isinstance(node.exc, ast.Call) else node.exc
-        kind = BUILTINS.get(made.id) if isinstance(made, ast.Name) else None
-        if isinstance(kind, type) and issubclass(kind, Exception) and not issubclass(kind, RecursionError):
+        kind = builtin_exception(made)
+        if kind is None and made is not None and isinstance(known := self._expressions.visit(made), UserClass):
+            kind = known.exception
+        if kind is not None:
             arguments = node.exc.args if isinstance(node.exc, ast.Call) else []
             self._expressions.at = node.exc
-            raise kind(*(self._expressions.visit(each) for each in arguments))
+            problem: Any = kind(*(self._expressions.visit(each) for each in arguments))
+            problem.is_raised = True  # by the file: also a function that called this one may handle it
+            raise problem
         words = ast.unparse(node.exc) if node.exc is not None else "an exception"
         raise NotRead(f"it raises {words}", self._expressions.span(node))
+
+    def _run_Assert(self, node: ast.Assert) -> None:  # noqa: N802
+        names = {each.id for each in walk_here(node) if isinstance(each, ast.Name)}
+        if "isinstance" in names:  # which is not certain for all types
+            return
+        with suppress(NotRead):
+            test = self._expressions.visit(node.test)
+            if not test and not isinstance(test, Unknown):
+                message = self._expressions.visit(node.msg) if node.msg is not None else ""
+                problem: Any = AssertionError(message)
+                problem.is_raised = True
+                raise problem
 
     def _run_Delete(self, node: ast.Delete) -> None:  # noqa: N802
         for target in node.targets:

@@ -10,11 +10,13 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from fnmatch import fnmatchcase
+from functools import partial
+from typing import Any
 
 from ur.launchfile.ros2.context import Context
 from ur.launchfile.ros2.model import DescriptionProblem, Unknown
 from ur.launchfile.ros2.python.expressions import NotRead
-from ur.launchfile.ros2.python.objects import Module, Written, taking_unknown
+from ur.launchfile.ros2.python.objects import FieldDefault, Module, UserClass, Written, taking_unknown
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.source.file import Span
 from ur.source.foreign.xml_text import parse_xml
@@ -23,6 +25,8 @@ _MOST_FOUND = 2_000  # files of a pattern
 _EXPORT = re.compile(rb"<export>(?:(?!</export>).)*?<(?!build_type|/|!|architecture|deprecated)", re.DOTALL)
 _PER_FOLDER = 1_000  # units of work
 _PER_DUMP = 100  # times as much as to weigh a value
+_LONGEST_PATTERN = 100
+_PER_SEARCH = 100  # steps of a pattern a unit of work
 _PROGRAMS = ("run", "call", "check_call", "check_output", "Popen", "getoutput")
 _DECORATORS = ("cache", "lru_cache", "total_ordering", "wraps")
 
@@ -41,11 +45,12 @@ class Standard:
         self.paths: list[object] = []  # sys.path
         self.modules: Mapping[str, Callable[[], Module]] = {
             "copy": lambda: self._module("copy", copy=self._copy, deepcopy=self._copy),
-            "dataclasses": lambda: Module("dataclasses", {}),
+            "dataclasses": lambda: self._module("dataclasses", field=taking_unknown(_field)),
             "functools": lambda: Module("functools", dict.fromkeys(_DECORATORS, taking_unknown(lambda *_, **__: None))),
             "glob": lambda: self._module("glob", glob=lambda path, **_: list(self.find(str(path)))),
             "json": lambda: self._module("json", loads=self.load, load=self.load, dumps=self._dump_json),
             "datetime": lambda: self._module("datetime", datetime=self._at_start("datetime", "now", "today")),
+            "re": self._re,
             "platform": lambda: Module(
                 "platform",
                 {**self._at_start("platform", "node", "uname", "release", "machine").members, "system": _linux},
@@ -74,6 +79,21 @@ class Standard:
     def _sys(self) -> Module:
         members = {"path": self.paths, "argv": ["ros2", "launch"], "executable": "/usr/bin/python3"}
         return Module("sys", {**members, "platform": "linux", "exit": taking_unknown(self._exit)})
+
+    def _re(self) -> Module:
+        names = ("search", "match", "fullmatch")
+
+        def search(name: str, pattern: object, text: object) -> object:
+            if not isinstance(pattern, str) or not isinstance(text, str) or not _is_simple(pattern):
+                return Unknown("this pattern is not computed while reading", self.find_place())
+            self._context.budget.spend(len(pattern) * (1 + len(text)) ** (1 + _count_repeats(pattern)) // _PER_SEARCH)
+            found = getattr(re, name)(pattern, text)
+            return found and Module("match", {"group": found.group, "groups": found.groups, "start": found.start})
+
+        def compile_(pattern: object) -> Module:
+            return self._module("pattern", **{name: partial(search, name, pattern) for name in names})
+
+        return self._module("re", compile=compile_, **{name: partial(search, name) for name in names})
 
     # -- packages
 
@@ -158,12 +178,16 @@ class Standard:
     def exists(self, path: object) -> bool:
         """Return whether there is a file or folder, or a file that this launch has written."""
         text = str(path)
-        return text in self._context.written or self._context.is_file(text) or bool(self._context.list_folder(text))
+        if text in self._context.written or self._context.is_file(text) or self._context.list_folder(text):
+            return True
+        return self._context.find_file(text) != text
 
     def read(self, path: object) -> str:
         """Return the text of a file. Raises OSError."""
         known = self._context.written.get(str(path))
-        return self._context.read(str(path)).decode(errors="replace") if known is None else str(known)
+        if known is not None:
+            return str(known)
+        return self._context.read(self._context.find_file(str(path))).decode(errors="replace")
 
     def write(self, path: object) -> Written:
         """Return a file whose text is kept."""
@@ -205,6 +229,24 @@ class Standard:
 
         text = yaml.safe_dump(value)
         return stream.write(text) if isinstance(stream, Written) else text
+
+
+def _count_repeats(pattern: str) -> int:
+    return sum(map(pattern.count, "*+{"))
+
+
+def _is_simple(pattern: str) -> bool:
+    """Return whether a pattern takes polynomial time: at most two repeats, none of a group."""
+    is_short = len(pattern) <= _LONGEST_PATTERN and _count_repeats(pattern) <= 2
+    return is_short and not re.search(r"\)[*+?{]|\(\?", pattern)
+
+
+def _field(*, default_factory: Any = None, **options: object) -> object:
+    if "default" in options:
+        return options["default"]
+    if isinstance(default_factory, UserClass):
+        return FieldDefault(lambda: default_factory.make([], {}))
+    return FieldDefault(default_factory)  # None: it has no default, and is given or assigned
 
 
 def _linux() -> str:

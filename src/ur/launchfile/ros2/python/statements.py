@@ -88,6 +88,19 @@ def extended_names(statement: ast.stmt) -> Iterator[str]:
             yield node.value.id
 
 
+def written_attributes(statement: ast.stmt) -> Iterator[tuple[str, str]]:
+    """Yield names with their attributes that a statement may assign or call."""
+    parts = list(walk_here(statement))
+    called = {id(each.func) for each in parts if isinstance(each, ast.Call)}
+    for node in parts:
+        if (
+            isinstance(node, ast.Attribute)
+            and isinstance(node.value, ast.Name)
+            and (isinstance(node.ctx, ast.Store) or id(node) in called)
+        ):
+            yield node.value.id, node.attr
+
+
 def word_of(statement: ast.stmt) -> str:
     """Return the word with which a statement begins, for messages."""
     return {"ClassDef": "class", "AsyncFunctionDef": "async def", "Match": "match"}.get(
