@@ -56,6 +56,13 @@ class Collector:
         found = Diagnostic(Severity.WARNING, message, rule, span, (), help_, subject, TOLERATED)
         self._draft.add_diagnostic(found, self._context.chain)
 
+    def _check_installed(self, path: str, span: Span) -> None:
+        """Warn of a file that is in the source tree of its package only: it is missing once the package is built."""
+        if self._context.is_left_out(path):
+            message = f"{path} is not installed by its package, expected an install rule for this path"
+            help_ = "add it to install(...) of CMakeLists.txt, or to data_files of setup.py"
+            self._warn(message, "missing-file", span, help_, path)
+
     def _text(self, value: object, span: Span | None = None) -> str:
         """Return the text of a value; for one that is not known, its description in angle brackets."""
         text = perform(value, self._context) if type(value) is not str else value

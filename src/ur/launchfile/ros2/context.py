@@ -1,8 +1,11 @@
 """The state in which a description is carried out: configurations, environment, the file, and what was found."""
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from typing import Any
+from fnmatch import fnmatchcase
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from ur.launchfile.plan.commands import RunWith
 from ur.launchfile.plan.values.budget import PER_YAML_CHARACTER, Budget
@@ -10,6 +13,9 @@ from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.source.file import Span
 from ur.source.suggest import did_you_mean
+
+if TYPE_CHECKING:
+    from ur.launchfile.ros2.install_rules import InstallRules
 
 MOST_INCLUDES = 2_000
 MOST_FILES = 5_000
@@ -78,6 +84,7 @@ class Context:
         self.modules: dict[str, object] = {}  # of Python, by their files
         self._listed: dict[str, list[tuple[str, ...]]] = {}
         self._shares: dict[str, str] = {}  # folders of packages, and their names
+        self._rules: dict[str, InstallRules] = {}  # of those that are source trees
         self.rewritten: dict[str, object] = {}
         """The contents of parameter files that are rewritten when the launch starts, by their paths here."""
         self.written: dict[str, object] = {}
@@ -211,20 +218,65 @@ class Context:
     def find_file(self, path: str) -> str:
         """Return where a file of a share folder is.
 
-        A source tree is no share folder: its build rules decide where a file is installed. There, a file of the same
-        name counts, also as a template (`.in`); of several that whose path agrees most.
+        A source tree is no share folder: its install rules decide which of its files is meant. Where they are not known
+        completely, a file of the same name counts, also as a template (`.in`); of several that whose path agrees most.
         """
+        folder = self._source_of(path)
+        if folder is None:
+            return path
+        inner = path[len(folder) + 1 :]
+        rules = self._rules_of(folder)
+        for each in rules.find(inner):
+            if self.is_file(found := f"{folder}/{each}"):
+                return found
         if self.is_file(path):
             return path
-        folder = next((each for each in self._shares if path.startswith(f"{each}/")), None)
-        if folder is None or not {"CMakeLists.txt", "setup.py"} & set(self.list_folder(folder)):
-            return path
-        wanted = path[len(folder) + 1 :].split("/")
+        wanted = inner.split("/")
         names = (wanted[-1], f"{wanted[-1]}.in")
-        found = [parts for parts in self.files_of(folder) if parts[-1] in names]
-        if not found:
+        others = [parts for parts in self.files_of(folder) if parts[-1] in names]
+        if not others:
             return path
-        return "/".join((folder, *max(found, key=lambda parts: len(set(parts) & set(wanted)))))
+        return "/".join((folder, *max(others, key=lambda parts: len(set(parts) & set(wanted)))))
+
+    def is_left_out(self, path: str) -> bool:
+        """Return whether a file is in the source tree of a package, but certain not to be installed at this path."""
+        folder = self._source_of(path)
+        if folder is None:
+            return False
+        rules = self._rules_of(folder)
+        return rules.complete and not any(
+            self.is_file(f"{folder}/{each}") for each in rules.find(path[len(folder) + 1 :])
+        )
+
+    def _source_of(self, path: str) -> str | None:
+        """Return the source tree of the package in whose share folder a path is; None for one that is installed."""
+        folder = next((each for each in self._shares if path.startswith(f"{each}/")), None)
+        is_source = folder is not None and {"CMakeLists.txt", "setup.py"} & set(self.list_folder(folder))
+        return folder if is_source else None
+
+    def _rules_of(self, folder: str) -> "InstallRules":
+        if folder not in self._rules:
+            from ur.launchfile.ros2.install_rules import read_cmake, read_setup  # only for source trees
+
+            name = self._shares[folder]
+            is_cmake = "CMakeLists.txt" in self.list_folder(folder)
+            text = self.text_of(f"{folder}/{'CMakeLists.txt' if is_cmake else 'setup.py'}")[:MOST_BYTES]
+            self.budget.charge(len(text))
+            self._rules[folder] = (read_cmake if is_cmake else read_setup)(text, name, partial(self._find, folder))
+        return self._rules[folder]
+
+    def _find(self, folder: str, pattern: str) -> list[str]:
+        """Return the files below a folder that agree with a pattern of `glob`; `**` stands for any folders."""
+        deep = re.sub(r"/?\*\*/", "/*/", f"/{pattern}")
+        count = pattern.count("/")
+        self.budget.charge(len(self.files_of(folder)) * (1 + len(pattern)))
+        paths = ["/".join(parts) for parts in self.files_of(folder)]
+        return [
+            each
+            for each in paths
+            if (each.count("/") == count and fnmatchcase(each, pattern))
+            or ("**" in pattern and (fnmatchcase(f"/{each}", deep) or fnmatchcase(each, pattern.replace("**/", ""))))
+        ]
 
     def text_of(self, path: str) -> str:
         """Return the text of a file; an empty one if it cannot be read."""

@@ -356,6 +356,7 @@ class Nodes(Collector):
             )  # fmt: skip
             self._draft.add_diagnostic(found, context.chain)
             return None
+        self._check_installed(path, span)
         full = context.world.absolute(known)
         return ParameterFile(full, self._origin(span), "" if known != path else str(PurePosixPath(path)))
 

@@ -189,6 +189,7 @@ class Visitor(Declarations):
             )
         if len(self._draft.includes) > MOST_INCLUDES or len(context.chain) >= DEEPEST:
             raise DescriptionProblem("files include one another too often", "include-cycle", span)
+        self._check_installed(text, span)
         self._draft.files[path] = None
         outer_file, outer_chain = context.file, context.chain
         context.file, context.chain = path, (*outer_chain, made.span)
