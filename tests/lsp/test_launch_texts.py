@@ -196,6 +196,39 @@ def test_candidates_are_offered(workspace: Workspace, package: Path, name: str, 
     assert [each.label for each in complete(workspace, path, len(before + head))] == COMPLETIONS[name, old, new]
 
 
+KEYWORDS = {
+    "Node(|": ["executable", "additional_env"],
+    "Node(package='demo', exe|)": ["executable", "exec_name"],
+    "Node(package='demo (a', # (\n    n|)": ["name", "namespace"],
+    "Node(\n  parameters=[{'a': 1}],\n  par|ameters=[])": [],
+    "launch_ros.actions.Node(re|, name='a', respawn=True)": ["remappings", "respawn_delay", "respawn_max_retries"],
+    "Node(parameters=[re|": [],
+    "Node(name|": ["name", "namespace"],
+    "Node(name=LaunchConfiguration('a'), names|pace=1)": [],
+    "Node(name=LaunchConfiguration('a'), names| =1)": ["namespace"],
+    "DeclareLaunchArgument('a', d|": ["default_value", "description"],
+    "other(n|": [],
+    "x = Node(a=1).n|": [],
+}
+
+
+@pytest.mark.parametrize("text", KEYWORDS)
+def test_arguments_of_a_call_are_offered(workspace: Workspace, package: Path, text: str) -> None:
+    path, _ = place(package, "top.launch.py", "|launch")
+    head, _, tail = f"def generate_launch_description():\n    {text}".partition("|")
+    workspace.set_text(path, head + tail)
+    found = complete(workspace, path, len(head))
+    assert [each.label for each in found][: 2 if text == "Node(|" else None] == KEYWORDS[text]
+    assert all(each.insert == (each.label if tail.lstrip().startswith("=") else f"{each.label}=") for each in found)
+
+
+def test_argument_of_a_call_has_its_type_and_meaning(workspace: Workspace, package: Path) -> None:
+    path, _ = place(package, "top.launch.py", "|launch")
+    workspace.set_text(path, "Node(exec")
+    first = complete(workspace, path, 9)[0]
+    assert (first.label, first.help, first.document) == ("executable", "required", "text: the program of the package")
+
+
 def test_argument_is_renamed_over_files(workspace: Workspace, package: Path) -> None:
     path, offset = place(package, "top.launch.py", "{'mo|de'")
     spans = find_references(workspace, path, offset)

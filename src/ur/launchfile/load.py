@@ -43,6 +43,13 @@ def load_plan(
     return load_ros1(files, arguments, world, trace, trees, computers, budget, parsed)
 
 
+def describe_call(name: str) -> dict[str, tuple[bool, str]]:
+    """Return the arguments of a class that launch files construct: whether it is required, and its type and meaning."""
+    from ur.launchfile.ros2.api import describe_arguments
+
+    return describe_arguments(name)
+
+
 def is_launch_name(path: str) -> bool:
     """Return whether a file is a launch file by its name, in any language but XML."""
     return is_ros2_name(path)

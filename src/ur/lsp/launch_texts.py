@@ -6,7 +6,7 @@ from contextlib import suppress
 
 from ur.complete.launch import complete_packages
 from ur.launchfile.plan.specs import ArgumentStep, IncludeSpec, ParameterFile, ValueStep
-from ur.launchfile.query.written import ENDINGS, WrittenName, find_package_near, find_written
+from ur.launchfile.query.written import ENDINGS, WrittenName, find_keywords, find_package_near, find_written
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.lsp.convert import move_span
 from ur.lsp.cursor import Candidate
@@ -117,6 +117,12 @@ def complete_text(workspace: Workspace, path: str, offset: int) -> list[Candidat
     """The candidates at a place, best first."""
     source = workspace.source(path)
     written = find_written(source, offset)
+    if written is None and path.endswith(".py"):
+        return [
+            Candidate(each.name, "attribute", each.name if each.is_assigned else f"{each.name}=", each.span.start,
+                      each.span.end, "required" if each.is_required else "", each.help)
+            for each in find_keywords(source, offset)
+        ]  # fmt: skip
     if written is None:
         return []
     start, end = written.span.start, max(written.span.end, offset)

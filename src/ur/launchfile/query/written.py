@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
+from ur.launchfile.load import describe_call
 from ur.source.file import SourceFile, Span
 
 WrittenKind = Literal["arg", "passed", "package", "program", "text"]
@@ -26,6 +27,7 @@ _BEFORE: tuple[tuple[WrittenKind, re.Pattern[str]], ...] = (
 _PASSED = re.compile(r"\blaunch_arguments\s*=\s*(?:dict\()?[\[{][^\]}]*\Z")
 _COMMANDS: dict[str, WrittenKind] = {"var": "arg", "find-pkg-share": "package", "find-pkg-prefix": "package"}
 _KEYS: dict[str, WrittenKind] = {"pkg": "package", "exec": "program"}
+_HIDDEN = re.compile(rf"#[^\n]*|{_LITERAL.pattern}")
 _NEAR = 3_000  # characters of one call
 
 
@@ -101,6 +103,66 @@ def _in_program(source: SourceFile, offset: int) -> WrittenName | None:
                 return WrittenName("passed", span, source.text.rfind("IncludeLaunchDescription", 0, first))
             return WrittenName("text", span, _call_before(source.text, first))
     return None
+
+
+@dataclass(frozen=True, slots=True)
+class Keyword:
+    """An argument that a call may have. `span` is what is typed of it; `is_assigned`: a `=` follows."""
+
+    name: str
+    is_required: bool
+    help: str
+    span: Span
+    is_assigned: bool
+
+
+def find_keywords(source: SourceFile, offset: int) -> list[Keyword]:
+    """Return the arguments that the call around an offset of a program may have beyond those that it has."""
+    begin = max(offset - _NEAR, 0)
+    text = _HIDDEN.sub(
+        lambda found: (" " if found[0][0] == "#" else '"') * len(found[0]), source.text[begin : offset + _NEAR]
+    )
+    word = re.search(r"\w*\Z", text[: offset - begin])
+    start = word.start() if word is not None else offset - begin
+    opened = _bracket_before(text, start)
+    called = re.search(r"(\w+)\s*\Z", text[: max(opened, 0)])
+    known = describe_call(called[1]) if called is not None else {}
+    if not known or text[:start].rstrip()[-1:] not in ("(", ","):
+        return []
+    rest = re.search(r"\A(\w*)(\s*=(?!=))?", text[offset - begin :])
+    assert rest is not None
+    given = set(re.findall(r"(\w+)\s*=(?!=)", _outer(text[opened + 1 :])))
+    typed = source.text[begin + start : offset]
+    span = Span(source, begin + start, offset + len(rest[1]))
+    return [
+        Keyword(name, is_required, about, span, rest[2] is not None)
+        for name, (is_required, about) in sorted(known.items(), key=lambda each: (not each[1][0], each[0]))
+        if name.startswith(typed) and name not in given
+    ]
+
+
+def _bracket_before(text: str, offset: int) -> int:
+    """Return the innermost bracket around an offset if it opens a call; -1 for any other."""
+    depth = 0
+    for at in range(offset - 1, -1, -1):
+        if text[at] in ")]}":
+            depth += 1
+        elif text[at] in "([{":
+            if depth == 0:
+                return at if text[at] == "(" else -1
+            depth -= 1
+    return -1
+
+
+def _outer(text: str) -> str:
+    """Return the text up to the bracket that closes, without what is in brackets."""
+    depth, kept = 0, []
+    for each in text:
+        depth += (each in "([{") - (each in ")]}")
+        if depth < 0:
+            break
+        kept.append(each if depth == 0 else " ")
+    return "".join(kept)
 
 
 def _is_key(before: str, after: str) -> bool:

@@ -242,6 +242,44 @@ def signatures() -> Mapping[str, Signature]:
     return {signature.kind: signature for classes in modules().values() for signature in classes.values()}
 
 
+def describe_arguments(name: str) -> dict[str, tuple[bool, str]]:
+    """Return the arguments of a class, by the name under which it is imported; see `ur.launchfile.load`."""
+    found = next((modules()[module][name] for module in _CLASSES if name in modules()[module]), None)
+    return {each: (each in found.required, _HELP.get(each, "")) for each in found.keywords} if found else {}
+
+
+_HELP = {  # types and meanings of arguments, by name
+    "additional_env": "dict: variables besides those of the launch",
+    "arguments": "list: words of the command line",
+    "autostart": "bool: configure and activate the node",
+    "choices": "list: the values that it may have",
+    "cmd": "list: the command line",
+    "composable_node_descriptions": "list of ComposableNode",
+    "condition": "IfCondition(...) or another condition",
+    "cwd": "text: the working folder",
+    "default_value": "text: without one, the argument is required",
+    "description": "text: for --show-args",
+    "emulate_tty": "bool: give it a terminal for its output",
+    "env": "dict: all variables, in place of those of the launch",
+    "executable": "text: the program of the package",
+    "launch_arguments": "pairs: {'name': value}.items()",
+    "name": "text: the node's name, in place of its own",
+    "namespace": "text: relative to the pushed namespace",
+    "on_exit": "actions for its end: Shutdown() ends the launch",
+    "output": "'screen', 'log' or 'both'",
+    "package": "text: the ROS package",
+    "parameters": "list: files, and dicts of values",
+    "plugin": "text: the class of the component",
+    "prefix": "text: a command before the program",
+    "remappings": "list of pairs: ('from', 'to')",
+    "respawn": "bool: start it again after its end",
+    "respawn_delay": "number: s before it is started again",
+    "ros_arguments": "list: words after --ros-args",
+    "shell": "bool: the command is one for the shell",
+    "target_container": "text: the name of the container",
+}
+
+
 def _kind_of(module: str, name: str) -> str:
     if module == "launch.events" and name == "Shutdown":
         return _EVENT_SHUTDOWN
