@@ -302,7 +302,7 @@ class Plan:
     launcher: Literal["roslaunch", "ros2 launch", "other"] = "roslaunch"  # whose file it is
     unused: tuple[Span, ...] = field(default=())  # names of arguments that nothing read so far can use
     environment: tuple[tuple[str, str], ...] = field(default=())  # set for all that follows, beyond that of the start
-    declared: tuple[str, ...] = field(default=())  # arguments that can be given, of a file for ROS 2
+    declared: tuple[str, ...] = field(default=(), compare=False)  # arguments that can be given, of a file for ROS 2
     actions: tuple[ActionSpec, ...] = field(default=())
     written: tuple[tuple[str, object], ...] = field(default=())  # files that the launcher writes: paths, texts by `str`
 

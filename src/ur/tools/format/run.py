@@ -142,7 +142,9 @@ def describe_plan(plan: Plan) -> object:
     """Return a plan as a value for comparison: all of its content, without the positions of origin."""
     reported = Counter((found.severity, found.rule, found.message) for found in plan.diagnostics)
     return reported, [
-        _plain(getattr(plan, field.name)) for field in fields(plan) if field.name not in ("diagnostics", "files")
+        _plain(getattr(plan, field.name))
+        for field in fields(plan)
+        if field.compare and field.name not in ("diagnostics", "files")
     ]
 
 
