@@ -97,3 +97,13 @@ def test_rules_never_fail_for_their_text() -> None:
         assert read_cmake(text, "demo", lambda _: ()).rules == ()
     for text in ("\0", "x" * 9, "setup(data_files=[1, (2, 3), ('a',)])"):
         assert read_setup(text, "demo", lambda _: ()).rules == ()
+
+
+def test_rules_that_grow_without_end_are_not_known() -> None:
+    doubled = "set(A ab)\n" + 60 * 'set(A "${A}${A}")\n'
+    assert read_cmake(f"{doubled}install(FILES ${{A}} DESTINATION share/demo)", "demo", lambda _: ()).rules == ()
+    names = [f"a{number} = a{number - 1} + a{number - 1}" for number in range(1, 60)]
+    text = "\n".join(
+        ["a0 = 'ab'", *names, "b = f'{b}'", "setup(data_files=[('share/demo', [a59]), ('share/demo', [b])])"]
+    )
+    assert not read_setup(text, "demo", lambda _: ()).complete

@@ -24,6 +24,7 @@ _KEYWORD = re.compile(
     "DESTINATION|RENAME|PATTERN|FILES_MATCHING|REGEX|PERMISSIONS|COMPONENT|OPTIONAL|CONFIGURATIONS|TYPE|"
     "USE_SOURCE_PERMISSIONS|FILE_PERMISSIONS|DIRECTORY_PERMISSIONS|MESSAGE_NEVER"
 )
+_LONGEST = 100_000  # characters of the words of a call, or of a value
 _ROOTS = ("CMAKE_CURRENT_SOURCE_DIR", "CMAKE_SOURCE_DIR", "PROJECT_SOURCE_DIR", "CMAKE_CURRENT_LIST_DIR")
 
 
@@ -68,6 +69,7 @@ def read_cmake(text: str, package: str, find: Find) -> InstallRules:
         name = call[1].lower()
         words, is_known = _expand(call[2], known)
         if name == "set":
+            known.pop(call[2].split()[0] if call[2].split() else "", None)
             known |= {words[0]: ";".join(words[1:])} if words and is_known else {}
         elif name == "file":
             if len(words) > 2 and words[0].startswith("GLOB"):
@@ -90,6 +92,8 @@ def _expand(text: str, known: Mapping[str, str]) -> tuple[list[str], bool]:
         word = quoted or plain
         is_known = is_known and all(name in known for name in _VARIABLE.findall(word))
         words += _VARIABLE.sub(lambda match: known.get(match[1], match[0]), word).split(";")
+        if sum(map(len, words)) > _LONGEST:
+            return [], False
     return [each for each in words if each], is_known
 
 
@@ -106,7 +110,7 @@ def _read_install(words: list[str], package: str) -> Iterator[Rule]:
     excluded = tuple(pattern for pattern, after in pairs if after == ["EXCLUDE"])
     wanted = tuple(pattern for pattern, _ in pairs if pattern not in excluded) if "FILES_MATCHING" in words else ()
     renamed = words[words.index("RENAME") + 1] if "RENAME" in words[:-1] else ""
-    for word in words[1:end]:
+    for word in (each for each in words[1:end] if "${" not in each):
         source = posixpath.normpath(word)
         if kind == "DIRECTORY":
             last = "" if word.endswith("/") else posixpath.basename(source)
@@ -120,22 +124,22 @@ def read_setup(text: str, package: str, find: Find) -> InstallRules:
     """Read `data_files` of a setup.py."""
     try:
         tree = ast.parse(text)
+        return _read_data_files(tree, text, package, find)
     except (SyntaxError, ValueError, RecursionError):
         return InstallRules((), complete=False)
-    values: dict[str, ast.expr] = {}
-    for statement in tree.body:
-        if isinstance(statement, ast.Assign) and isinstance(statement.targets[0], ast.Name):
-            values[statement.targets[0].id] = statement.value
+
+
+def _read_data_files(tree: ast.Module, text: str, package: str, find: Find) -> InstallRules:
+    values = _Values(tree, find)
     keywords = (each for node in ast.walk(tree) if isinstance(node, ast.Call) for each in node.keywords)
     given = next((each.value for each in keywords if each.arg == "data_files"), None)
-    complete = given is not None and re.search(r"data_files\s*(?:\+=|\.)", text) is None
     if isinstance(given, ast.Name):
-        given = values.get(given.id)
+        given = values.written.get(given.id)
+    complete = re.search(r"data_files\s*(?:\+=|\.)", text) is None
     rules: list[Rule] = []
     for item in given.elts if isinstance(given, (ast.List, ast.Tuple)) else ():
         pair = item.elts if isinstance(item, ast.Tuple) and len(item.elts) == 2 else None
-        target = _evaluate(pair[0], values, find) if pair else None
-        sources = _evaluate(pair[1], values, find) if pair else None
+        target, sources = map(values.evaluate, pair) if pair else (None, None)
         if not isinstance(target, str) or not isinstance(sources, list):
             complete = False
         elif f"{posixpath.normpath(target)}/".startswith(f"share/{package}/"):
@@ -144,33 +148,49 @@ def read_setup(text: str, package: str, find: Find) -> InstallRules:
     return InstallRules(tuple(rules), complete and bool(rules))
 
 
-def _evaluate(node: ast.expr, values: Mapping[str, ast.expr], find: Find, depth: int = 20) -> str | list[str] | None:
-    """Return the value of an expression that is a text or a list of texts; None if it is not known."""
-    parts: list[str | list[str] | None]
-    if depth == 0:
+class _Values:
+    """Values of expressions that are texts or lists of texts; None for any other. A variable is computed once."""
+
+    def __init__(self, tree: ast.Module, find: Find) -> None:
+        self._find = find
+        self._known: dict[str, str | list[str] | None] = {}
+        self.written: dict[str, ast.expr] = {}
+        for statement in tree.body:
+            if isinstance(statement, ast.Assign) and isinstance(statement.targets[0], ast.Name):
+                self.written[statement.targets[0].id] = statement.value
+
+    def evaluate(self, node: ast.expr) -> str | list[str] | None:
+        """Return the value of an expression."""
+        value = self._evaluate(node)
+        return None if value is not None and len(value) > _LONGEST else value
+
+    def _evaluate(self, node: ast.expr) -> str | list[str] | None:
+        match node:
+            case ast.Constant(value=str(text)):
+                return text
+            case ast.Name(id=name) if name in self.written:
+                if name not in self._known:
+                    self._known[name] = None  # where it needs itself
+                    self._known[name] = self.evaluate(self.written[name])
+                return self._known[name]
+            case ast.List(elts=inner) | ast.Tuple(elts=inner):
+                return self._texts(inner)
+            case ast.BinOp(left=left, op=ast.Add(), right=right):
+                first, last = self.evaluate(left), self.evaluate(right)
+                if isinstance(first, str) and isinstance(last, str):
+                    return first + last
+                return first + last if isinstance(first, list) and isinstance(last, list) else None
+            case ast.JoinedStr(values=inner):
+                parts = self._texts([each.value if isinstance(each, ast.FormattedValue) else each for each in inner])
+                return None if parts is None else "".join(parts)
+            case ast.Call(func=function, args=arguments) if arguments and (words := self._texts(arguments)):
+                name = function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
+                return (
+                    posixpath.join(*words) if name == "join" else list(self._find(words[0])) if name == "glob" else None
+                )
         return None
-    match node:
-        case ast.Constant(value=str(text)):
-            return text
-        case ast.Name(id=name) if name in values:
-            return _evaluate(values[name], values, find, depth - 1)
-        case ast.List(elts=inner) | ast.Tuple(elts=inner):
-            parts = [_evaluate(each, values, find, depth - 1) for each in inner]
-            return [each for each in parts if isinstance(each, str)] if all(isinstance(p, str) for p in parts) else None
-        case ast.BinOp(left=left, op=ast.Add(), right=right):
-            first, last = (_evaluate(each, values, find, depth - 1) for each in (left, right))
-            if isinstance(first, str) and isinstance(last, str):
-                return first + last
-            return first + last if isinstance(first, list) and isinstance(last, list) else None
-        case ast.JoinedStr(values=inner):
-            wanted = [each.value if isinstance(each, ast.FormattedValue) else each for each in inner]
-            parts = [_evaluate(each, values, find, depth - 1) for each in wanted]
-            return "".join(map(str, parts)) if all(isinstance(each, str) for each in parts) else None
-        case ast.Call(func=function, args=arguments):
-            name = function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
-            texts = [_evaluate(each, values, find, depth - 1) for each in arguments]
-            known = [each for each in texts if isinstance(each, str)]
-            if len(known) != len(texts) or not known:
-                return None
-            return posixpath.join(*known) if name == "join" else list(find(known[0])) if name == "glob" else None
-    return None
+
+    def _texts(self, nodes: Iterable[ast.expr]) -> list[str] | None:
+        found = [self.evaluate(each) for each in nodes]
+        texts = [each for each in found if isinstance(each, str)]
+        return texts if len(texts) == len(found) else None
