@@ -52,11 +52,8 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     environment |= middleware.environment
     folder = make_run_folder(environment, middleware.run_id or new_run_id())
     arranged = middleware.arrange(number_logs(programs, middleware.logs), nodes, folder)
-    programs = (*arranged, *_write_steps(steps, folder))
-    if planned:
-        from ur.run.process.described import place_lines
-
-        planned = place_lines(planned, plan, folder)
+    started, planned = _place_effects(steps, planned, plan, folder)
+    programs = (*arranged, *started)
     commands = start_commands(plan.params, environment)
     if not programs and not middleware.core and not planned:
         done = middleware.set_parameters(plan, folder, options, commands)
@@ -159,12 +156,15 @@ def _plan_effects(
     return tuple(add_written(each, written) for each, _, _ in steps), plan_effects(plan, nodes, steps, awaited)
 
 
-def _write_steps(steps: Sequence[UnitProgram], folder: str) -> tuple[UnitProgram, ...]:
-    if not steps:
-        return ()
-    from ur.run.process.described import write_files
+def _place_effects(
+    steps: Sequence[UnitProgram], planned: tuple[Planned, ...], plan: Plan, folder: str
+) -> tuple[tuple[UnitProgram, ...], tuple[Planned, ...]]:
+    """Write the files of steps; return these, and what events cause, with paths in the folder of the run."""
+    if not steps and not planned:
+        return (), ()
+    from ur.run.process.described import place_lines, write_files
 
-    return tuple(write_files(program, folder) for program in steps)
+    return tuple(write_files(program, folder) for program in steps), place_lines(planned, plan, folder)
 
 
 def _report_share(options: RunOptions) -> Callable[[], Event] | None:

@@ -2,7 +2,10 @@
 
 import posixpath
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+from ur.launchfile.plan.commands import RunWith
 
 LOG_FOLDER = "<launch-log-dir>"
 """Stands for the folder of the run's log files, which does not exist before the start."""
@@ -41,3 +44,21 @@ class WrittenFiles:
 
 def _name(path: str) -> str:
     return _FOLDER + posixpath.normpath(f"/{path}").replace("//", "/")
+
+
+def run_with_files(
+    words: Sequence[str], environment: Mapping[str, str], written: Mapping[str, object], run: RunWith
+) -> tuple[int, bytes, bytes]:
+    """Run a command as `run` does; it finds the written files that it names. Raises OSError."""
+    if not any(path in word for path in written for word in words):
+        return run(words, environment)
+    from tempfile import TemporaryDirectory  # few files
+
+    with TemporaryDirectory() as folder:
+        files: dict[str, str] = {}
+        moved = [WrittenFiles(written.items()).move(word, folder, files) for word in words]
+        for name, text in files.items():
+            path = Path(folder, name)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+        return run(moved, environment)

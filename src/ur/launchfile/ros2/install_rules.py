@@ -29,7 +29,7 @@ _ROOTS = ("CMAKE_CURRENT_SOURCE_DIR", "CMAKE_SOURCE_DIR", "PROJECT_SOURCE_DIR", 
 
 
 class Rule(NamedTuple):
-    """What is installed at a path below the share folder: a file, or a folder with the files of some patterns."""
+    """A file, or a folder with the files of some patterns, that is installed at a path below the share folder."""
 
     target: str
     source: str

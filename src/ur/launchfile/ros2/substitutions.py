@@ -2,14 +2,13 @@
 
 import shutil
 from collections.abc import Callable, Mapping
-from pathlib import Path, PurePosixPath
+from pathlib import PurePosixPath
 from typing import Any
 
-from ur.launchfile.plan.commands import RunWith
 from ur.launchfile.plan.problems import INHERITED
 from ur.launchfile.plan.specs import ParameterValues
 from ur.launchfile.plan.values.budget import PER_YAML_CHARACTER, Budget
-from ur.launchfile.plan.written import LOG_FOLDER, WrittenFiles
+from ur.launchfile.plan.written import LOG_FOLDER, run_with_files
 from ur.launchfile.ros2.context import ANY_NAME, PER_SYSTEM_CALL, Context
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.source.arguments import split_words
@@ -222,7 +221,7 @@ def _command(made: Made, context: Context) -> str | Unknown:
         return Unknown("the folder of the log is made when the launch starts", made.span)
     words, mode = split_command(text, context.budget), perform(made.get("on_stderr", "fail"), context)
     try:
-        code, output, errors = _run(words, context, context.run_command)
+        code, output, errors = run_with_files(words, context.environment, context.written, context.run_command)
     except (OSError, IndexError) as problem:
         reason = str(getattr(problem, "strerror", None) or problem).lower()
         message = f"'{text}' cannot be run: {reason}, expected a program that prints a value"
@@ -234,23 +233,6 @@ def _command(made: Made, context: Context) -> str | Unknown:
         help_ = "on_stderr='ignore' accepts such lines" if not code else f"run it alone: {text}"
         raise DescriptionProblem(message, "bad-command", made.span, help_, text)
     return (output + (errors if mode == "capture" else b"")).decode(errors="replace")
-
-
-def _run(words: tuple[str, ...], context: Context, run: RunWith) -> tuple[int, bytes, bytes]:
-    """Run a command, which finds the files that the launch file has written. Raises OSError."""
-    if not any(path in word for path in context.written for word in words):
-        return run(words, context.environment)
-    from tempfile import TemporaryDirectory  # few files
-
-    with TemporaryDirectory() as folder:
-        files: dict[str, str] = {}
-        written = WrittenFiles(context.written.items())
-        moved = [written.move(word, folder, files) for word in words]
-        for name, text in files.items():
-            path = Path(folder, name)
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8")
-        return run(moved, context.environment)
 
 
 def _file(_: Made, context: Context) -> str:

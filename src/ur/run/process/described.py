@@ -169,7 +169,7 @@ def plan_effects(
 
     As upstream, the handler of an event that was registered last comes first. `awaited` replaces triggers by their ids.
     """
-    items: list[tuple[float, Trigger | None, Effect]] = [
+    items: list[tuple[float, Trigger | None, Effect | CancelPlanned]] = [
         (action.position + 0.5, action.trigger, _effect_of(action))  # behind that node
         for action in plan.actions
         if action.kind != "state"
@@ -188,7 +188,7 @@ def plan_effects(
     return (*others, *(each for handler in reversed(handlers.values()) for each in handler))
 
 
-def _effect_of(action: ActionSpec) -> Effect:
+def _effect_of(action: ActionSpec) -> Effect | CancelPlanned:
     match action.kind:
         case "log":
             return PrintPlanned(action.text)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from ur.launchfile.plan.specs import Trigger
 from ur.run.supervisor.events import Event, Exited, ParametersSet, Printed, Started, StartFailed
-from ur.run.supervisor.state import Effect, Planned, PrintPlanned, RunPhase, State
+from ur.run.supervisor.state import CancelPlanned, Effect, Planned, PrintPlanned, RunPhase, State
 
 
 def list_triggers(trigger: Trigger | None) -> tuple[Trigger, ...]:
@@ -28,18 +28,20 @@ def note_effects(state: State, event: Event, now: float) -> State:
         return state
     unit = state.find(getattr(event, "name", ""))
     planned, effects = advance(state.planned, event, now, of_helper=unit is not None and unit.unit.helper)
-    return replace(state, planned=planned, effects=tuple(effects))
+    for cancel in (each for each in effects if isinstance(each, CancelPlanned)):
+        planned = tuple(each for each in planned if all(part.handler != cancel.handler for part in each.triggers))
+    return replace(state, planned=planned, effects=tuple(e for e in effects if not isinstance(e, CancelPlanned)))
 
 
 def advance(
     planned: Iterable[Planned], event: Event, now: float, *, of_helper: bool = False
-) -> tuple[tuple[Planned, ...], list[Effect]]:
+) -> tuple[tuple[Planned, ...], list[Effect | CancelPlanned]]:
     """Return what is still planned after an event, and the effects that it has.
 
     The units of the launch file do not include helpers: only what awaits a state depends on their events.
     """
     left: list[Planned] = []
-    effects: list[Effect] = []
+    effects: list[Effect | CancelPlanned] = []
     for each in planned:
         rest = each.triggers
         if each.due is not None and each.due <= now:

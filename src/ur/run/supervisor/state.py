@@ -172,14 +172,14 @@ class CancelPlanned:
     handler: int
 
 
-Effect = StartPlanned | PrintPlanned | EndPlanned | CancelPlanned
+Effect = StartPlanned | PrintPlanned | EndPlanned
 
 
 @dataclass(frozen=True, slots=True)
 class Planned:
     """An effect, and the events that have to occur before it, in this order. `due` is the time of a timer that runs."""
 
-    effect: Effect
+    effect: Effect | CancelPlanned
     triggers: tuple[Trigger, ...] = ()
     due: float | None = None
 

@@ -63,7 +63,6 @@ from ur.run.supervisor.events import (
 )
 from ur.run.supervisor.planned import collect_final, note_effects
 from ur.run.supervisor.state import (
-    CancelPlanned,
     Effect,
     EndPlanned,
     ExitStatus,
@@ -363,9 +362,6 @@ def _apply_effect(state: State, effect: Effect, now: float) -> Step:
         return state, [ReportPlanned(effect.text)]
     if not is_before(state, RunPhase.STOPPING_NODES):
         return state, []
-    if isinstance(effect, CancelPlanned):
-        others = (each for each in state.planned if all(part.handler != effect.handler for part in each.triggers))
-        return replace(state, planned=tuple(others)), []
     if isinstance(effect, EndPlanned):
         return begin_end(state, effect.reason, 0, now)
     each = state.find(effect.name)
