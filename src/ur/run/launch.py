@@ -52,8 +52,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     environment |= middleware.environment
     folder = make_run_folder(environment, middleware.run_id or new_run_id())
     arranged = middleware.arrange(number_logs(programs, middleware.logs), nodes, folder)
-    started, planned = _place_effects(steps, planned, plan, folder)
-    programs = (*arranged, *started)
+    programs, planned = _place_effects(arranged, steps, planned, plan, folder)
     commands = start_commands(plan.params, environment)
     if not programs and not middleware.core and not planned:
         done = middleware.set_parameters(plan, folder, options, commands)
@@ -157,14 +156,19 @@ def _plan_effects(
 
 
 def _place_effects(
-    steps: Sequence[UnitProgram], planned: tuple[Planned, ...], plan: Plan, folder: str
+    programs: tuple[UnitProgram, ...],
+    steps: Sequence[UnitProgram],
+    planned: tuple[Planned, ...],
+    plan: Plan,
+    folder: str,
 ) -> tuple[tuple[UnitProgram, ...], tuple[Planned, ...]]:
-    """Write the files of steps; return these, and what events cause, with paths in the folder of the run."""
+    """Write the files of steps; return all programs, and what events cause, with paths in the folder of the run."""
     if not steps and not planned:
-        return (), ()
+        return programs, ()
     from ur.run.process.described import place_lines, write_files
 
-    return tuple(write_files(program, folder) for program in steps), place_lines(planned, plan, folder)
+    placed = (write_files(program, folder) for program in steps)
+    return (*programs, *placed), place_lines(planned, plan, folder)
 
 
 def _report_share(options: RunOptions) -> Callable[[], Event] | None:
