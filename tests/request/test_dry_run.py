@@ -104,3 +104,12 @@ def test_dump_has_containers_and_what_nodes_wait_for(file: str, capsys: pytest.C
     assert (nodes["/front/camera"]["kind"], nodes["/front/camera"]["container"]) == ("component", "/box")
     assert nodes["/late"]["starts"] == "after 5 s"
     assert dumped["params"]["/base/driver/rate"] == 5
+
+
+def test_lifecycle_node_that_starts_itself_says_so(file: str, capsys: pytest.CaptureFixture[str]) -> None:
+    body = "[LifecycleNode(package='demo', executable='life', name='n', namespace='', autostart=True)]"
+    text = "from launch import LaunchDescription\nfrom launch_ros.actions import LifecycleNode\n"
+    text += f"def generate_launch_description():\n    return LaunchDescription({body})\n"
+    Path(file).write_text(text, encoding="utf-8")
+    assert main(["launch", "--dry-run", file]) == 0
+    assert capsys.readouterr().out.splitlines()[0] == "# /n, lifecycle node, then configured and activated"

@@ -5,7 +5,15 @@ import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from ur.launchfile.plan.specs import LOCAL_ADDRESSES, MachineSpec, NodeSpec, ParameterFile, Plan, describe_trigger
+from ur.launchfile.plan.specs import (
+    ACTIVATED,
+    LOCAL_ADDRESSES,
+    MachineSpec,
+    NodeSpec,
+    ParameterFile,
+    Plan,
+    describe_trigger,
+)
 from ur.launchfile.world.protocol import World
 from ur.request.questions import changed_variables
 from ur.run.paths import ros_home
@@ -43,12 +51,14 @@ def format_dry_run(
 
 def _format_by_ros2(plan: Plan) -> Iterator[str]:
     """Yield comments and command lines of `ros2` that start the same, one node at a time."""
+    activated = {each.node for each in plan.actions if each.kind == "state" and each.text == ACTIVATED}
     for node in plan.nodes:
         about = [describe_trigger(node.trigger)] if node.trigger is not None else []
         about += [f"in {node.container}"] if node.container else []
         about += [f"again {node.respawn_delay:g} s after its end"] if node.respawn else []
         about += ["its end ends the launch"] if node.required else []
         about += ["lifecycle node"] if node.kind == "lifecycle" else []
+        about += ["then configured and activated"] if node.full_name in activated else []
         yield f"# {', '.join((node.full_name if node.kind != 'program' else node.name, *about))}"
         words = _words_of(node)
         changes: dict[str, str | None] = {**dict.fromkeys(node.unset), **dict(node.env)}

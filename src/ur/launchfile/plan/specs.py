@@ -180,6 +180,9 @@ class NodeSpec:
         return self.full_name if self.number == 1 else f"{self.full_name}-{self.number}"
 
 
+ACTIVATED = "1 3"
+"""The transitions that configure and activate a lifecycle node, by their numbers in lifecycle_msgs/Transition."""
+
 ActionKind = Literal["log", "shutdown", "state", "unregister"]
 
 

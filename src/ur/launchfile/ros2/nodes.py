@@ -9,6 +9,7 @@ from typing import Any, cast
 
 from ur.launchfile.plan.draft import Draft
 from ur.launchfile.plan.specs import (
+    ACTIVATED,
     ActionKind,
     ActionSpec,
     NodeKind,
@@ -31,7 +32,6 @@ from ur.launchfile.ros2.substitutions import is_wanted, perform, split_command
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
 
-CONFIGURE, ACTIVATE = 1, 3  # transitions of lifecycle nodes, lifecycle_msgs/Transition
 _ENDS = ("Shutdown", "EmitEvent")
 _NODE_NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
@@ -250,7 +250,7 @@ class Nodes(Collector):
                 self._warn(message, "duplicate-node", made.place("name"), help_, node.full_name)
         self._draft.nodes.append(node)
         if self._flag(made, "autostart"):
-            self._act(made, "state", f"{CONFIGURE} {ACTIVATE}", node.full_name)
+            self._act(made, "state", ACTIVATED, node.full_name)
         for old, new in node.remaps:
             self._trace(RemapStep(old, new, node.origin))
         if node.kind == "program":
