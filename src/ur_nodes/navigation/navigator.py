@@ -37,7 +37,7 @@ _SHUNTED, _MOST_SHUNTS = 0.12, 5  # rad off a heading, and manoeuvres for it, wi
 _WAIT_PAUSE = 1.0  # s between two plans while people are in the way
 _TIGHT_PAUSE = 2.0  # s between plans of such a path, which take longer
 _MOST_CONTACTS = 3  # with what the lidar does not see
-_BACKING = 8.0, 2.0  # s to back off at most, and at first, in which the same contact comes again
+_BACKING = 5.0, 2.0  # s to back off at most, and at first, in which the same contact comes again
 _ROOMY, _STAY = 1.3, 6.0  # m to people who have left, and s to make room for them at most
 
 
