@@ -221,6 +221,23 @@ def test_blank_and_byte_order_mark_before_the_declaration_are_no_fault() -> None
 
 def test_depth_that_is_not_simulated_and_casters_that_are_used_are_told() -> None:
     camera = '<gazebo reference="base_link"><sensor type="depth" name="eye"/></gazebo></robot>'
-    found = read(MESHES.replace("</robot>", camera))
+    text = MESHES.replace("</robot>", camera)
+    found = read_base_figures(parse_urdf(text, "robot.urdf"), {}, lidar=True)
     assert "camera base_link_frame is a depth camera: its picture is simulated, its depth is not" in found.notes
     assert "read: caster at x -0.27, y 0 (link " in describe_reading(read(MESHES))
+
+
+def test_depth_camera_stands_for_the_lidar_that_the_file_lacks(tmp_path: Path) -> None:
+    camera = (
+        '<gazebo reference="base_link"><sensor type="rgbd" name="eye"><camera><horizontal_fov>1.2</horizontal_fov>'
+        "</camera><update_rate>15</update_rate></sensor></gazebo></robot>"
+    )
+    bare = SMALL.replace("base_scan", "cliff_left_link").replace("<max>3.5</max>", "<max>0.15</max>")
+    text = bare.replace("</robot>", camera)
+    base = make_base(tmp_path, text, **SPEEDS)
+    assert base.lidar is not None
+    assert base.raspicam is not None
+    assert (base.lidar.angle_min, base.lidar.angle_max) == pytest.approx((-0.6, 0.6))
+    assert (base.lidar.frame, base.lidar.rate, base.lidar.range_max) == ("base_link_depth", 15.0, 8.0)
+    assert any("n_depthimage_to_laserscan" in note for note in read(text, **SPEEDS).notes)
+    assert not read_base_figures(parse_urdf(text, "robot.urdf"), SPEEDS, lidar=False).has_lidar

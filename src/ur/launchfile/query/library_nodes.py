@@ -27,6 +27,10 @@ LIBRARY_NODES: dict[str, Interface] = {
         "nav_vel_stamped pause_driving ~lease_request odom scan sonars",
         services="~stop ~release ~set_obstacle_stop",
     ),
+    "depthimage_to_laserscan": make_interface(
+        publishes="scan",
+        subscribes="image camera_info",
+    ),
     "driver_adapter": make_interface(
         publishes="joint_states",
         subscribes="odom driver/scan driver/bumpers",
@@ -85,7 +89,8 @@ LIBRARY_NODES: dict[str, Interface] = {
         publishes="cmd_vel cmd_vel_stamped ~current_goal ~global_costmap/costmap "
         "~global_costmap/costmap_updates ~local_costmap/costmap ~hold",
         subscribes="map odom scan tf move_base_simple/goal ~continue amcl/lost cmd_vel_mux/stopped "
-        "cmd_vel_mux/lease cmd_vel_mux/challenge cmd_vel_mux/speed_limit_in_force",
+        "cmd_vel_mux/lease cmd_vel_mux/challenge cmd_vel_mux/speed_limit_in_force "
+        "cmd_vel_mux/active imu/data",
         services="~make_plan ~clear_costmaps",
         actions="move_base",
     ),

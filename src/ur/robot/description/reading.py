@@ -203,7 +203,9 @@ def read_base_figures(
     With `lidar` True, a robot whose description names no lidar gets a typical one on top; with False it has none.
     """
     drive = find_drive(description)
-    sensors = tuple(each for each in find_sensors(description) if lidar is not False or each.kind != "lidar")
+    sensors = find_sensors(description)
+    if lidar is not None:  # one is given, or none is wanted
+        sensors = tuple(each for each in sensors if each.kind != "lidar" or (lidar and not each.depth))
     wheels = {wheel.joint.child for wheel in drive.wheels}
     figures = {key: Figure(value, "given") for key, value in given.items()}
     read_wheels(description, drive, figures)
@@ -236,7 +238,7 @@ def read_base_figures(
     placed = tuple(replace(each, pose=_moved(each.pose, origin)) for each in sensors)
     if lidar and not any(each.kind == "lidar" for each in sensors):
         placed = (_add_lidar(description, figures, outline), *placed)
-    notes += map(_describe_depth, filter(_has_depth, sensors))
+    notes += [_describe_depth(each, sensors) for each in sensors if each.depth and each.kind == "camera"]
     if extra:
         notes.append(f"left out, since a base has no such sensor, or another one of its kind: {', '.join(extra)}")
     return DescriptionReading(
@@ -316,13 +318,10 @@ def _read_outline(
     return outline, inner if outline != inner else ()
 
 
-def _has_depth(sensor: FoundSensor) -> bool:
-    kind = sensor.gazebo.kind if sensor.gazebo and sensor.kind == "camera" else ""
-    return re.search("depth|rgbd", kind, re.IGNORECASE) is not None
-
-
-def _describe_depth(camera: FoundSensor) -> str:
-    return f"camera {camera.frame} is a depth camera: its picture is simulated, its depth is not"
+def _describe_depth(camera: FoundSensor, sensors: Sequence[FoundSensor]) -> str:
+    scan = any(each.depth and each.kind == "lidar" for each in sensors)
+    use = "a scan in place of a lidar's (on the robot: n_depthimage_to_laserscan)" if scan else "not"
+    return f"camera {camera.frame} is a depth camera: its picture is simulated, its depth is {use}"
 
 
 def _span(points: Sequence[Point], axis: int) -> float:

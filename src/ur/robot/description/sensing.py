@@ -4,7 +4,7 @@ import math
 import re
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from ur.robot.description.pose import Pose, make_pose
@@ -22,6 +22,8 @@ _NAMES: Mapping[Kind, re.Pattern[str]] = {
     "camera": re.compile(r"camera|raspicam|realsense|kinect|astra|(^|_)zed|webcam|(^|_)cam(_|\d|$)", re.IGNORECASE),
     "imu": re.compile(r"(^|_)imu|gyro", re.IGNORECASE),
 }
+_DEPTH = re.compile(r"depth|rgbd|realsense|kinect|openni|astra|xtion|oak_d|(^|_)zed(_|\d|$)", re.IGNORECASE)
+_DEPTH_VIEW, _DEPTH_REACH, _DEPTH_COLUMNS = 1.0, (0.45, 8.0), 160  # rad, m: usual; a scan needs no more columns
 _FEWEST = 32  # rays of a lidar; a sensor with fewer measures a single range
 _BODY_FRAMES = ("base_footprint", "base_link", "left_wheel", "right_wheel")
 
@@ -30,7 +32,7 @@ _BODY_FRAMES = ("base_footprint", "base_link", "left_wheel", "right_wheel")
 class FoundSensor:
     """A sensor: its frame, its pose in the root link (it looks along x), and its Gazebo parameters if it has some.
 
-    `source` is where it was found.
+    `source` is where it was found. `depth`: it is a depth camera, or a lidar that stands for one.
     """
 
     kind: Kind
@@ -39,6 +41,7 @@ class FoundSensor:
     pose: Pose
     source: str
     gazebo: GazeboSensor | None = None
+    depth: bool = False
 
     def figure(self, name: str, ordinary: float, least: float = -1e6, most: float = 1e6) -> float:
         """Return a Gazebo parameter; `ordinary` if it is missing or out of range."""
@@ -49,7 +52,8 @@ class FoundSensor:
 def find_sensors(description: Description) -> tuple[FoundSensor, ...]:
     """Find the sensors that a base file can describe: one lidar, one camera, one IMU, and any number of sonars.
 
-    Of several lidars or cameras, it is the first that Gazebo simulates, else the first link by name.
+    Of several lidars or cameras, it is the first that Gazebo simulates, else the first link by name. Without a lidar,
+    a depth camera stands for one: for the scan that `depthimage_to_laserscan` makes of its pictures.
     """
     taken = set(_BODY_FRAMES)
     found: list[FoundSensor] = []
@@ -65,8 +69,27 @@ def find_sensors(description: Description) -> tuple[FoundSensor, ...]:
         single.add(each.kind)
         frame = _free_frame(each.frame, taken)
         taken |= {frame, f"{frame}_body"} if each.kind == "camera" else {frame}
-        found.append(FoundSensor(each.kind, each.link, frame, each.pose, each.source, each.gazebo))
+        depth = each.kind == "camera" and _sees_depth(each)
+        found.append(FoundSensor(each.kind, each.link, frame, each.pose, each.source, each.gazebo, depth))
+    if "lidar" not in single:
+        found += [_scan_of(each, _free_frame(f"{each.link}_depth", taken)) for each in found if each.depth]
     return tuple(found)
+
+
+def _sees_depth(camera: FoundSensor) -> bool:
+    gazebo = camera.gazebo
+    return _DEPTH.search(f"{gazebo.kind} {gazebo.plugin}" if gazebo else camera.link) is not None
+
+
+def _scan_of(camera: FoundSensor, frame: str) -> FoundSensor:
+    """Return the lidar that stands for a depth camera: level, as far as it sees to the sides."""
+    half = camera.figure("field_of_view", _DEPTH_VIEW, 0.1, 2.6) / 2.0
+    figures = {"angle_min": -half, "angle_max": half, "samples": _DEPTH_COLUMNS, "rate": camera.figure("rate", 10.0)}
+    figures |= dict(zip(("range_min", "range_max"), _DEPTH_REACH, strict=True))
+    gazebo = GazeboSensor(camera.link, "depth", camera.frame, "", camera.pose, tuple(figures.items()))
+    level = make_pose(camera.pose.at, (0.0, 0.0, camera.pose.angles()[2]))
+    source = f"depth camera {camera.frame}, by depthimage_to_laserscan"
+    return replace(camera, kind="lidar", frame=frame, pose=level, source=source, gazebo=gazebo)
 
 
 def list_extra_sensors(description: Description, used: tuple[FoundSensor, ...]) -> tuple[str, ...]:
