@@ -1,4 +1,4 @@
-"""What the robot has touched, or sonars hear, and its lidar does not see: marks that time alone does not end.
+"""Marks of what the robot has touched, or its sonars detect, and its lidar does not see; time alone ends none.
 
 A mark is forgotten when its place has been seen free from outside: at once if the lidar has seen something there
 before, else for a minute, as it sees through glass and over low boxes always.
@@ -46,7 +46,7 @@ def read_bumpers(layer: Parameters) -> tuple[BumperSource, ...]:
 def touched_points(
     outline: Floats, velocity: tuple[float, float, float], bumper: BumperSource | None = None, widen: float = 0.0
 ) -> Floats:
-    """Return what a robot touches: points (n, 2) just outside of its outline (m, 2), in its frame.
+    """Return where a robot touches something: points (n, 2) just outside of its outline (m, 2), in its frame.
 
     They are those of a bumper that the motion presses; without a `bumper`, of the whole outline. `velocity` is that
     ahead, in turns and to the left. To both sides of them are as many more, up to `widen` m away.

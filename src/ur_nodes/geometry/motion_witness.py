@@ -73,7 +73,7 @@ class MotionWitness:
     def update(self, odometry: Pose2, points: NDArray[np.float64], sensor: tuple[float, float]) -> Pose2 | None:
         """Take a scan: the ends (n, 2) of its beams in the robot's frame, and the odometry of its time.
 
-        Returns the claimed motion since the scan before, in the robot's frame then, if it did not happen.
+        Returns how much of the claimed motion since the scan before, in the robot's frame then, did not happen.
         """
         before, self._last = self._last, self._last or (odometry, points)
         if before is None:
@@ -84,10 +84,12 @@ class MotionWitness:
             return None
         self._last = (odometry, points)
         share = confirmed_share(before[1], points, moved, sensor)
-        slips = share is not None and abs(share) < _SLIP
         self.moves = share is not None and share > 1.0 - _SLIP
-        self.slipped = self.slipped + max(way, abs(moved.yaw)) if slips else 0.0
-        return moved if slips else None
+        self.slipped = self.slipped + max(way, abs(moved.yaw)) if share is not None and abs(share) < _SLIP else 0.0
+        if share is None or self.moves:
+            return None
+        rest = 1.0 - max(0.0, share)  # it slides along something
+        return Pose2(rest * moved.x, rest * moved.y, rest * moved.yaw)
 
     def restart(self) -> None:
         """Begin anew with the next scan."""

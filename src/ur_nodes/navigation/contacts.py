@@ -1,4 +1,4 @@
-"""What stops the robot although no lidar sees it: pressed bumpers, wheels that slip, and wheels that stand."""
+"""Detection of what no lidar sees and stops the robot: pressed bumpers, wheels that slip, and wheels that stand."""
 
 import math
 from dataclasses import dataclass, field
@@ -28,7 +28,7 @@ _SLOW, _SLOW_TURN = 0.05, 0.2  # m/s, rad/s: slower commands may not overcome fr
 
 @dataclass(slots=True)
 class StallDetector:
-    """Tells from commands, odometry, scans and a gyroscope that wheels turn in vain, or stand under a command."""
+    """Detects from commands, odometry, scans and a gyroscope that wheels turn in vain, or stand under a command."""
 
     witness: MotionWitness = field(default_factory=MotionWitness)
     _since: float = 0.0  # s: from here on the robot stands under a command
@@ -84,7 +84,7 @@ class Contact:
 
 
 class ContactSense:
-    """Subscribes to bumpers and an inertial unit; `step` tells once of each contact."""
+    """Subscribes to bumpers and an inertial unit; `step` returns each contact once."""
 
     def __init__(
         self,

@@ -1,7 +1,7 @@
 """World and robots as a MuJoCo model (MJCF text).
 
 Groups of shapes: lidars see 0 walls and boxes, 1 obstacles and people, 2 robots, but not 3 wheels and casters, 4 the
-floor, 5 glass, which sonars hear.
+floor, 5 glass, which sonars detect.
 """
 
 import math

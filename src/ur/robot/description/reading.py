@@ -203,9 +203,9 @@ def read_base_figures(
     With `lidar` True, a robot whose description names no lidar gets a typical one on top; with False it has none.
     """
     drive = find_drive(description)
-    sensors = find_sensors(description)
-    if lidar is not None:  # one is given, or none is wanted
-        sensors = tuple(each for each in sensors if each.kind != "lidar" or (lidar and not each.depth))
+    sensors = tuple(
+        each for each in find_sensors(description) if lidar is None or each.kind != "lidar" or (lidar and not each.depth)
+    )
     wheels = {wheel.joint.child for wheel in drive.wheels}
     figures = {key: Figure(value, "given") for key, value in given.items()}
     read_wheels(description, drive, figures)
