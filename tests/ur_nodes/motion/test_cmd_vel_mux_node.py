@@ -400,3 +400,15 @@ def test_mux_does_not_take_over_the_topic_that_it_sends_to(home: Path) -> None:
         MuxRobot(home, takes_over="cmd_vel_out")
     with pytest.raises(UserError, match="takes_over: 'key_vel', expected a topic that is none of the sources"):
         MuxRobot(home, takes_over="key_vel")
+
+
+def test_mux_without_sources_is_the_obstacle_stop_of_one_program(home: Path) -> None:
+    robot = MuxRobot(home)
+    robot.kill()
+    del robot.bus.parameters["/cmd_vel_mux/topics"]
+    robot.start()
+    program = robot.bus.node("nav2")
+    publisher = program.publish("cmd_vel_nav2", StampedTwist)
+    robot.person.every(0.05, lambda: publisher.send(StampedTwist(0, "", AHEAD)))
+    assert max(robot.speeds(1.0)) <= 0.2  # nothing has been seen yet
+    assert "no scan" in robot.newest("obstacle_stop", str)
