@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ur.robot.base import Base
+from ur.robot.base import BRAKE_AFTER, Base
 from ur.worlds.world_file import WorldModel
 from ur_nodes.geometry.hull import Floats
 from ur_nodes.geometry.pose import Pose2
@@ -61,7 +61,9 @@ class Drive:
         self.simulation = Simulation(self.world, self.base, seed=self.seed)
         forward, turn = axes_of(self.base.limits)
         sources = (Source("keyboard", "key_vel", 90, 0.15),)
-        self._state: MuxState = start_mux(MuxSettings(sources, forward, turn, lag=self.base.limits.lag))
+        limits = self.base.limits
+        settings = MuxSettings(sources, forward, turn, lag=limits.lag, brake_after=BRAKE_AFTER if limits.fast else None)
+        self._state: MuxState = start_mux(settings)
         self._sight: Sight = make_sight(self.base)
         self._queue: list[tuple[float, int, Callable[[], None]]] = []
         self._numbers = itertools.count()

@@ -15,9 +15,12 @@ CORRIDOR = (9.0, 1.0)  # m
 STEPPER = "person"
 
 
-def make_scene(kind: str, random: np.random.Generator) -> WorldModel:
-    """A square room with its middle at the origin, and what stands 1.2 to 1.8 m from there in some direction."""
-    angle, distance = random.uniform(-math.pi, math.pi), random.uniform(1.2, 1.8)
+def make_scene(kind: str, random: np.random.Generator, farther: float = 0.0) -> WorldModel:
+    """A square room with its middle at the origin, and what stands 1.2 to 1.8 m from there in some direction.
+
+    All is `farther` (m) from the origin, for a base that needs a way to get fast.
+    """
+    angle, distance, room = random.uniform(-math.pi, math.pi), random.uniform(1.2, 1.8) + farther, ROOM + 2.0 * farther
     x, y, yaw = distance * math.cos(angle), distance * math.sin(angle), random.uniform(-math.pi, math.pi)
     boxes: tuple[Box, ...] = ()
     obstacles: tuple[Box, ...] = ()
@@ -33,13 +36,13 @@ def make_scene(kind: str, random: np.random.Generator) -> WorldModel:
     elif kind == "pole":
         boxes = (Box("pole", (x, y, 0.5, yaw), (0.04, 0.04, 1.0)),)
     elif kind == "stepping in":
-        obstacles = (Box(STEPPER, (2.6, 2.6, 0.51, 0.0), (0.25, 0.25, 1.0), 60.0),)
-    side = 1.6 if kind == "wall" else ROOM / 2.0  # m from the middle to each wall
-    cells = np.ones((round(ROOM / _CELL) + 4,) * 2, bool)
-    edge = round((ROOM / 2.0 - side) / _CELL) + 2
+        obstacles = (Box(STEPPER, (room / 2.0 - 0.4, room / 2.0 - 0.4, 0.51, 0.0), (0.25, 0.25, 1.0), 60.0),)
+    side = 1.6 + farther if kind == "wall" else room / 2.0  # m from the middle to each wall
+    cells = np.ones((round(room / _CELL) + 4,) * 2, bool)
+    edge = round((room / 2.0 - side) / _CELL) + 2
     cells[edge:-edge, edge:-edge] = False
     start = 0.0, 0.0, angle + random.uniform(-0.3, 0.3)
-    return _world(cells, (-ROOM / 2.0 - 2 * _CELL,) * 2, boxes, obstacles, start)
+    return _world(cells, (-room / 2.0 - 2 * _CELL,) * 2, boxes, obstacles, start)
 
 
 def make_corridor(random: np.random.Generator) -> WorldModel:

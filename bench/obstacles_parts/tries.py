@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -35,10 +35,11 @@ class Result:
     load: float = 0.0  # share of a core for readings
 
 
-def try_base(name: str, tries: int, seed: int, *, guarded: bool = True) -> Result:
-    """Make so many tries with a base, `magni` or `magni/lidar`, and drive along the corridor."""
+def try_base(name: str, tries: int, seed: int, *, guarded: bool = True, speed: float = 0.0) -> Result:
+    """Make so many tries with a base, `magni` or `magni/lidar`, and drive along the corridor; at `speed`, if given."""
     base_name, _, variant = name.partition("/")
     base = load_base(PACKAGE, base_name, variant)
+    base = replace(base, limits=replace(base.limits, velocity=speed or base.limits.velocity))
     result = Result(name)
     seconds, decisions, readings = 0.0, 0, 0.0
     for number in range(tries):
@@ -59,7 +60,7 @@ def try_base(name: str, tries: int, seed: int, *, guarded: bool = True) -> Resul
 def run_try(base: Base, kind: str, seed: int, *, guarded: bool = True) -> Drive:
     """Drive towards something at full speed, then anywhere, as somebody does who plays with the keys."""
     random = np.random.default_rng(seed)
-    world = make_scene(kind, random)
+    world = make_scene(kind, random, 2.0 * _extra_way(base))
     keys = _Keys(base, random)
     drive = Drive(base, world, keys.command, guarded=guarded, seed=seed)
     if kind == "stepping in":
@@ -91,12 +92,18 @@ class _Keys:
         return self._now
 
 
+def _extra_way(base: Base) -> float:
+    """Return the way (m) that a fast base needs to come to rest."""
+    return base.limits.way_to_rest if base.limits.fast else 0.0
+
+
 def _step_in(drive: Drive, random: np.random.Generator) -> None:
     """Put somebody into the way, half a metre before the outline on the side that the robot drives to."""
     pose = drive.simulation.pose(0)
     xs = [x for x, _ in drive.base.footprint]
     ahead = drive.simulation.velocity(0)[0] >= 0.0
-    x = max(xs) + _STEPS_IN + 0.125 if ahead else min(xs) - _STEPS_IN - 0.125
+    away = _STEPS_IN + _extra_way(drive.base)
+    x = max(xs) + away + 0.125 if ahead else min(xs) - away - 0.125
     place = pose.compose(Pose2(x, random.uniform(-0.1, 0.1), 0.0))
     try:
         drive.simulation.set_pose(STEPPER, place)

@@ -37,7 +37,7 @@ class Wire:
     multicast: bool = True
     due: list[tuple[float, int, int, bytes]] = field(default_factory=list)
     held: list[tuple[int, bytes]] = field(default_factory=list)
-    numbers: itertools.count[int] = field(default_factory=itertools.count)
+    numbers: "itertools.count[int]" = field(default_factory=itertools.count)
     chance: random.Random = field(default_factory=lambda: random.Random(1))
 
     def order(self, given: dict[str, Any]) -> None:

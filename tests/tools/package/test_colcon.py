@@ -24,7 +24,15 @@ COPIED = ("src", "tests", "tools", "ubiquity_launches", "pyproject.toml", "ur")
 def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Where the package is installed."""
     workspace = tmp_path_factory.mktemp("workspace")
-    pip = [workspace / "tools/bin/pip", "install", "--quiet", *COLCON, "colcon-library-path", "cmake", "setuptools<80"]
+    pip = [
+        str(workspace / "tools/bin/pip"),
+        "install",
+        "--quiet",
+        *COLCON,
+        "colcon-library-path",
+        "cmake",
+        "setuptools<80",
+    ]
     subprocess.run([sys.executable, "-m", "venv", workspace / "tools"], check=True, timeout=100)
     if subprocess.run(pip, check=False, timeout=300, capture_output=True).returncode:
         pytest.skip("no package index")
@@ -38,7 +46,7 @@ def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "PATH": f"{workspace}/tools/bin:/usr/bin:/bin",
         "ROS_VERSION": "2",
     }
-    command = [workspace / "tools/bin/colcon", "build", "--base-paths", "src", "--executor", "sequential"]
+    command = [str(workspace / "tools/bin/colcon"), "build", "--base-paths", "src", "--executor", "sequential"]
     done = subprocess.run(
         command, cwd=workspace, env=environment, capture_output=True, text=True, timeout=300, check=False
     )
