@@ -21,6 +21,11 @@ def ip(*words: str) -> None:
     subprocess.run(["ip", "link", "set", "air", *words], check=False)
 
 
+def escape(ssid: str) -> str:
+    """Return a name as wpa_supplicant prints it."""
+    return "".join(chr(byte) if 32 <= byte < 127 else f"\\x{byte:02x}" for byte in ssid.encode())
+
+
 class Supplicant:
     """One that reads the configuration that netplan makes, and answers as wpa_supplicant does."""
 
@@ -57,19 +62,19 @@ class Supplicant:
             rows = ["network id / ssid / bssid / flags"]
             for number, each in enumerate(self.networks):
                 flags = "[CURRENT]" if number == self.used else "[TEMP-DISABLED]" if each["refused"] else ""
-                rows.append(f"{number}\t{each['ssid']}\tany\t{flags}")
+                rows.append(f"{number}\t{escape(each['ssid'])}\tany\t{flags}")
             return "\n".join(rows)
         if words[0] == "get_network":
             ssid = self.networks[int(words[1])]["ssid"] if words[1:2] and words[1].isdigit() else ""
             return f'"{ssid}"' if ssid.isascii() else ssid.encode().hex()
         if words[0] == "status":
             used = self.networks[self.used]["ssid"] if self.used >= 0 else ""
-            return f"ssid={used}\nid={self.used}\nwpa_state=COMPLETED" if used else "wpa_state=SCANNING"
+            return f"ssid={escape(used)}\nid={self.used}\nwpa_state=COMPLETED" if used else "wpa_state=SCANNING"
         if words[0] == "scan_results":
             rows = ["bssid / frequency / signal level / flags / ssid"]
             for ssid, (password, _, strength) in json.loads(AIR.read_text()).items():
                 rows.append(
-                    f"02:00:00:00:00:01\t2437\t{strength}\t{'[WPA2-PSK-CCMP]' if password else ''}[ESS]\t{ssid}"
+                    f"02:00:00:00:00:01\t2437\t{strength}\t{'[WPA2-PSK-CCMP]' if password else ''}[ESS]\t{escape(ssid)}"
                 )
             return "\n".join(rows)
         if words[0] == "set_network":

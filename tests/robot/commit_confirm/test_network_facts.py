@@ -94,7 +94,7 @@ NETPLANNED = """\
 \x1erunning
 \x1edevices
 \x1eaddresses
-wlan0            UP             192.168.1.7/24
+wlan0            UP             192.168.1.7/24 metric 600
 \x1eothers
 systemd-networkd
 \x1enetplan

@@ -33,7 +33,7 @@ SCAN_SCRIPT = """\
 mark seen; nmcli -t -f IN-USE,SIGNAL,FREQ,SECURITY,SSID device wifi list --rescan yes 2>/dev/null
 mark air; for w in $(wlan); do
 ! nmcli -t -f DEVICE,STATE device status | grep -v :unmanaged | grep -q "^$w:" || continue
-c=/run/wpa_supplicant; p=; [ -S "$c/$w" ] || {
+c=/run/wpa_supplicant; p=; [ -S "$c/$w" ] || { ! systemctl is-active --quiet "netplan-wpa-$w" || continue
 c=/run/ur-wpa; p=$c.pid; wpa_supplicant -B -i "$w" -C "$c" -P "$p" >/dev/null; }
 wpa_cli -p "$c" -i "$w" scan >/dev/null && sleep 4; wpa_cli -p "$c" -i "$w" scan_results
 [ -z "$p" ] || { kill "$(cat "$p")"; rm -rf "$c"; }; done 2>/dev/null
@@ -119,7 +119,7 @@ def parse_networks(output: str) -> Networks:
     """Parse the output of the scripts; a missing section is empty."""
     parts = {name: text for name, _, text in (part.partition("\n") for part in output.split(_MARK)[1:])}
     addresses = {
-        row[0].partition("@")[0]: tuple(row[2:])
+        row[0].partition("@")[0]: tuple(word for word in row[2:] if "/" in word)
         for row in (line.split() for line in parts.get("addresses", "").splitlines())
         if len(row) > 2
     }
@@ -167,14 +167,14 @@ def _parse_scan(text: str, used: set[str]) -> Iterator[list[str]]:
 
 def _unescape(text: str) -> str:
     """Revert wpa_supplicant's printf_encode: quoted characters, and bytes that are not printable in hexadecimal."""
-    plain = {"n": "\n", "r": "\r", "t": "\t", "e": "\x1b"}
+    plain = {b"n": b"\n", b"r": b"\r", b"t": b"\t", b"e": b"\x1b"}
 
-    def decode(found: re.Match[str]) -> str:
+    def decode(found: re.Match[bytes]) -> bytes:
         code = found[1]
-        return chr(int(code[1:], 16)) if len(code) == 3 else plain.get(code, code)
+        return bytes.fromhex(code[1:].decode()) if len(code) == 3 else plain.get(code, code)
 
-    raw = re.sub(r"\\(x[0-9a-fA-F]{2}|.)", decode, text)
-    return raw.encode("latin-1", "replace").decode(errors="surrogateescape")
+    raw = re.sub(rb"\\(x[0-9a-fA-F]{2}|.)", decode, text.encode(errors="surrogateescape"))
+    return raw.decode(errors="surrogateescape")
 
 
 def _merge(rows: Iterable[list[str]]) -> tuple[SeenNetwork, ...]:
