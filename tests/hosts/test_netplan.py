@@ -85,7 +85,7 @@ network:
     wifis:
         wlan0: {dhcp4: true, optional: true, access-points: {"Home": {password: "%s"}}}
 """
-HOME_PASSWORD, LAB_PASSWORD = "home-secret-5772", "01234567"
+HOME_PASSWORD, LAB_PASSWORD = "home-secret-5772", "06172635447"
 AIR = {
     "Home": [HOME_PASSWORD, True, -50],
     "Lab": [LAB_PASSWORD, True, -70],
@@ -188,7 +188,7 @@ def wait_served(robot: Machine) -> None:
 def look(bench: Bench) -> list[str]:
     """All that must be as before: files, what is remembered on the laptop, name, addresses and the network."""
     robot, laptop = bench["robot"], bench["laptop"]
-    addresses = "ip -brief -4 address show scope global | awk '{print $1, $3}'"
+    addresses = "ip -brief -4 address show scope global | awk '{print $3}'"
     network = "wpa_cli -i wlan0 status | grep ssid"
     return [
         robot.run(FILES).check().out,
