@@ -196,6 +196,20 @@ def test_power_cut_after_the_confirmation_changes_nothing(robot: RobotDisk) -> N
     robot.assert_nothing_left()
 
 
+def test_what_makes_a_confirmed_change_permanent_is_repeated_until_it_succeeds(robot: RobotDisk) -> None:
+    robot.arm()
+    (robot.folder / "change/pending/open").rename(robot.folder / "change/pending/confirmed")
+    robot.write("boot_id", "next boot\n")
+    robot.write("change/pending/commit", f"ls step0.in >>{robot.folder}/calls && [ -e {robot.folder}/ready ]\n")
+    robot.guard("boot")
+    assert "pending" in robot.names("change")
+    robot.write("ready", "")
+    robot.guard()
+    assert robot.read("calls").count("step0.in") == 2
+    robot.assert_nothing_left()
+    assert robot.last() == (True, "")
+
+
 def test_guard_that_was_killed_takes_the_change_back_when_it_starts_again(robot: RobotDisk) -> None:
     robot.arm()
     robot.write("etc/name", "new\n")
