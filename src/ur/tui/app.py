@@ -299,6 +299,11 @@ class WatchApp(LogActions):
         """End the run after confirmation."""
         self._ask_end(detach=False)
 
+    def action_leave(self, _anyway: bool = False) -> None:
+        """Quit: end the run, or only this interface if the run continues without it."""
+        if not isinstance(self.screen, Question):
+            self._ask_end(detach=self._may_leave)
+
     @property
     def _may_leave(self) -> bool:
         return self.guest or self.state.run.detached
@@ -319,8 +324,7 @@ class WatchApp(LogActions):
     def action_interrupt(self) -> None:
         """Handle Ctrl-C: end the run immediately, as without an interface; for a detached run only ask."""
         if self._may_leave and not self._stops:
-            if not isinstance(self.screen, Question):
-                self._ask_end(detach=self._may_leave)
+            self.action_leave()
         else:
             self._stop_run()
 
