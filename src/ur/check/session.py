@@ -8,8 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
-from ur.check.cache.outline import IncludeOutline
-from ur.check.cache.recall import CHECKED, Asked, NotedTrees, Recall, describe_package, digest_of
+from ur.check.cache.recall import CHECKED, Asked, IncludeOutline, NotedTrees, Recall, describe_package, digest_of
 from ur.check.cases import Resolved, list_cases, list_unknown, resolve_cases
 from ur.check.catalogue import load_rules
 from ur.check.collect import may_be_checked

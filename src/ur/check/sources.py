@@ -4,8 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from types import MappingProxyType
 
-from ur.check.cache.outline import IncludeOutline, outline_of
-from ur.check.cache.recall import NotedTrees
+from ur.check.cache.recall import IncludeOutline, NotedTrees, outline_of
 from ur.check.collect import collect_targets, is_script, list_launch_files, may_be_checked
 from ur.check.findings.suppress import Suppression
 from ur.check.inclusion import IncludeFinder, Inclusions, PossibleInclude, merge_includes

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 from tests.ur_nodes.exploration.drawn import ROOM, draw, place
 
-from ur_nodes.exploration.memory import AttemptMemory, Reason
+from ur_nodes.exploration.explorer import AttemptMemory, Reason
 from ur_nodes.exploration.search.floor import read_floor
 from ur_nodes.exploration.search.frontiers import find_frontiers
 

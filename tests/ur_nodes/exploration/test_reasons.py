@@ -1,7 +1,7 @@
 import numpy as np
 from tests.ur_nodes.exploration.drawn import ROOM, box, draw, place
 
-from ur_nodes.exploration.memory import Reason, explain_unreachable
+from ur_nodes.exploration.explorer import Reason, explain_unreachable
 from ur_nodes.exploration.search.floor import read_floor
 from ur_nodes.exploration.search.frontiers import find_frontiers
 from ur_nodes.geometry.grid import Grid

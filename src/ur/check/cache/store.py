@@ -17,8 +17,7 @@ from xml.parsers import expat
 import yaml
 from msgspec import Meta
 
-from ur.check.cache.outline import KeptOutline
-from ur.check.cache.recall import KnownFindings, Recall, RecalledFile, is_question
+from ur.check.cache.recall import KeptOutline, KnownFindings, Recall, RecalledFile, is_question
 from ur.source.foreign.json_values import read_json_names, write_json_names
 from ur.source.replace import PRIVATE, make_folder, replace_file
 from ur.source.user_folders import user_folder

@@ -16,7 +16,7 @@ from action_msgs.srv import CancelGoal
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from ur_nodes.ports.actions import Goal, GoalFollower, GoalPhase, GoalState
-from ur_nodes.ros2.navigation.server import fill_target, find_action, key_message, reason_of
+from ur_nodes.ros2.navigation.messages import fill_target, find_action, key_message, reason_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,7 +10,7 @@ from geometry_msgs.msg import PoseStamped
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.values import StampedPose
-from ur_nodes.ros2.navigation.server import (
+from ur_nodes.ros2.navigation.messages import (
     UNKNOWN_ERROR,
     fill_feedback,
     fill_result,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur_nodes.ros2.recorder.recorder import Arrivals
+from ur_nodes.ros2.recorder.arrivals import Arrivals
 
 SECOND = 10**9
 
