@@ -41,7 +41,7 @@ class SourceFile:
         return self.text[starts[number - 1] : end].rstrip("\r\n")
 
     def line_starts(self) -> list[int]:
-        """Return the offsets at which the lines begin. Nobody changes the list."""
+        """Return the offsets at which the lines begin; the list must not be changed."""
         if self._line_starts is None:
             starts = [0]
             index = self.text.find("\n")

@@ -30,7 +30,7 @@ class Made:
     changes afterwards.
     """
 
-    __slots__ = ("_span", "kind", "places", "values")
+    __slots__ = ("_span", "get", "kind", "places", "values")
 
     def __init__(
         self,
@@ -41,6 +41,7 @@ class Made:
     ) -> None:
         self.kind = kind
         self.values = values
+        self.get: Callable[..., object] = values.get  # of an argument
         self._span = span
         self.places: Mapping[str, Span] = {} if places is None else places
 
@@ -54,10 +55,6 @@ class Made:
 
     def __repr__(self) -> str:
         return f"{self.kind} at {self.span}"
-
-    def get(self, name: str, default: object = None) -> object:
-        """Return an argument."""
-        return self.values.get(name, default)
 
     def place(self, name: str) -> Span:
         """Return the span of an argument; of the object if the argument is not written."""

@@ -195,7 +195,7 @@ class Nodes(Collector):
         changes, unset = self._changes_of(made)
         retries = made.get("respawn_max_retries")
         on_exit = made.get("on_exit")
-        ends: list[Any] = list(on_exit) if isinstance(on_exit, (list, tuple)) else [on_exit]
+        ends: list[Any] = list(on_exit) if isinstance(on_exit, (list, tuple)) else [on_exit] if on_exit else []
         required = any(
             isinstance(each, Made)
             and (

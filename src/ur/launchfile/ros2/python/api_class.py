@@ -11,7 +11,7 @@ from ur.source.suggest import did_you_mean
 
 
 class CallPlaces(Mapping[str, Span]):
-    """Where the arguments of a call are written, by their names. Each is found when it is asked for, by `find`."""
+    """Positions of the arguments of a call, by their names. `find` returns one when it is asked for."""
 
     __slots__ = ("_find", "_node", "_positional")
 
@@ -34,18 +34,21 @@ class CallPlaces(Mapping[str, Span]):
                 return Span(whole.file, whole.start, whole.start + len(name))
         return self.find_function()
 
-    def _nodes(self) -> dict[str, ast.expr]:
-        named = {keyword.arg: keyword.value for keyword in self._node.keywords if keyword.arg is not None}
-        return {**named, **dict(zip(self._positional, self._node.args, strict=False))}
-
     def __getitem__(self, name: str) -> Span:
-        return self._find(self._nodes()[name])
+        for known, node in zip(self._positional, self._node.args, strict=False):
+            if known == name:
+                return self._find(node)
+        for keyword in self._node.keywords:
+            if keyword.arg == name:
+                return self._find(keyword.value)
+        raise KeyError(name)
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._nodes())
+        named = [keyword.arg for keyword in self._node.keywords if keyword.arg is not None]
+        return iter(dict.fromkeys([*named, *self._positional[: len(self._node.args)]]))
 
     def __len__(self) -> int:
-        return len(self._nodes())
+        return len(list(iter(self)))
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -96,10 +96,10 @@ class Library:
     def _make(self, name: str) -> Module | None:
         if name in self._own:
             return self._own[name]()
-        inner = [own for own in self._own if own.startswith(f"{name}.")]
-        if inner:
-            return Module(name, {own[len(name) + 1 :]: self.find(own) for own in inner})
-        return _api_module(name) or (Module(name, {}) if name.partition(".")[0] in _IGNORED else None)
+        if (known := _api_module(name)) is not None:
+            return known
+        inner = {own[len(name) + 1 :]: self.find(own) for own in self._own if own.startswith(f"{name}.")}
+        return Module(name, inner) if inner or name.partition(".")[0] in _IGNORED else None
 
     def make_context(self) -> ContextObject:
         """Return what LaunchContext() makes."""

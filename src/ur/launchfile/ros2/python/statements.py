@@ -9,7 +9,7 @@ _kept: dict[str, ast.Module] = {}
 
 
 def parse_text(text: str) -> ast.Module:
-    """Return the syntax tree of a text, which nobody changes. Raises what `ast.parse` does.
+    """Return the syntax tree of a text; it must not be changed. Raises the exceptions of `ast.parse`.
 
     Trees are kept for the next reader of the same text: an editor and `ur check` read the same files again and again.
     """
