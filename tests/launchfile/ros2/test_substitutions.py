@@ -249,3 +249,10 @@ def test_substitutions_in_a_parameter_file_are_performed_where_allowed() -> None
 def test_global_parameter_that_is_not_set_is_a_mistake() -> None:
     plan = load(python("Node(executable='n', arguments=[Parameter('rate')])", before=PARAMETER))
     assert rules(plan, errors=True) == ["undeclared-argument"]
+
+
+def test_folder_of_the_log_has_a_name_in_each_language_until_the_start() -> None:
+    plan = load_clean(python("Node(executable='n', arguments=[PathJoinSubstitution([LaunchLogDir(), 'a'])])"))
+    assert plan.nodes[0].words == ("<launch-log-dir>/a",)
+    body = xml('<node pkg="" exec="n" args="$(log_dir)/a $(launch_log_dir)"/>')
+    assert load_clean(body, "/ws/a.launch.xml").nodes[0].words == ("<launch-log-dir>/a", "<launch-log-dir>")

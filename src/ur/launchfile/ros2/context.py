@@ -84,7 +84,7 @@ class Context:
         self.modules: dict[str, object] = {}  # of Python, by their files
         self._listed: dict[str, list[tuple[str, ...]]] = {}
         self._shares: dict[str, str] = {}  # folders of packages, and their names
-        self._rules: dict[str, InstallRules] = {}  # of those that are source trees
+        self._rules: dict[str, InstallRules | None] = {}  # of packages, by their folders
         self.rewritten: dict[str, object] = {}
         """The contents of parameter files that are rewritten when the launch starts, by their paths here."""
         self.written: dict[str, object] = {}
@@ -221,11 +221,10 @@ class Context:
         A source tree is no share folder: its install rules decide which of its files is meant. Where they are not known
         completely, a file of the same name counts, also as a template (`.in`); of several that whose path agrees most.
         """
-        folder = self._source_of(path)
-        if folder is None:
+        folder, rules = self._rules_of(path)
+        if rules is None:
             return path
         inner = path[len(folder) + 1 :]
-        rules = self._rules_of(folder)
         for each in rules.find(inner):
             if self.is_file(found := f"{folder}/{each}"):
                 return found
@@ -240,30 +239,28 @@ class Context:
 
     def is_left_out(self, path: str) -> bool:
         """Return whether a file is in the source tree of a package, but certain not to be installed at this path."""
-        folder = self._source_of(path)
-        if folder is None:
+        folder, rules = self._rules_of(path)
+        if rules is None or not rules.complete:
             return False
-        rules = self._rules_of(folder)
-        return rules.complete and not any(
-            self.is_file(f"{folder}/{each}") for each in rules.find(path[len(folder) + 1 :])
-        )
+        return not any(self.is_file(f"{folder}/{each}") for each in rules.find(path[len(folder) + 1 :]))
 
-    def _source_of(self, path: str) -> str | None:
-        """Return the source tree of the package in whose share folder a path is; None for one that is installed."""
-        folder = next((each for each in self._shares if path.startswith(f"{each}/")), None)
-        is_source = folder is not None and {"CMakeLists.txt", "setup.py"} & set(self.list_folder(folder))
-        return folder if is_source else None
+    def _rules_of(self, path: str) -> "tuple[str, InstallRules | None]":
+        """Return the package in whose share folder a path is, and its install rules; None if it is no source tree."""
+        folder = next((each for each in self._shares if path.startswith(f"{each}/")), "")
+        if folder and folder not in self._rules:
+            self._rules[folder] = self._read_rules(folder)
+        return folder, self._rules.get(folder)
 
-    def _rules_of(self, folder: str) -> "InstallRules":
-        if folder not in self._rules:
-            from ur.launchfile.ros2.install_rules import read_cmake, read_setup  # only for source trees
+    def _read_rules(self, folder: str) -> "InstallRules | None":
+        present = [each for each in ("CMakeLists.txt", "setup.py") if each in self.list_folder(folder)]
+        if not present:
+            return None
+        from ur.launchfile.ros2.install_rules import read_cmake, read_setup  # only for source trees
 
-            name = self._shares[folder]
-            is_cmake = "CMakeLists.txt" in self.list_folder(folder)
-            text = self.text_of(f"{folder}/{'CMakeLists.txt' if is_cmake else 'setup.py'}")[:MOST_BYTES]
-            self.budget.charge(len(text))
-            self._rules[folder] = (read_cmake if is_cmake else read_setup)(text, name, partial(self._find, folder))
-        return self._rules[folder]
+        text = self.text_of(f"{folder}/{present[0]}")[:MOST_BYTES]
+        self.budget.charge(len(text))
+        read = read_cmake if present[0] == "CMakeLists.txt" else read_setup
+        return read(text, self._shares[folder], partial(self._find, folder))
 
     def _find(self, folder: str, pattern: str) -> list[str]:
         """Return the files below a folder that agree with a pattern of `glob`; `**` stands for any folders."""

@@ -53,7 +53,7 @@ def read_sections(path: str, context: Context, span: Span) -> ParameterSections:
 
 def fill_file(path: str, context: Context, span: Span) -> str | Unknown:
     """Return the path of a parameter file in which substitutions are performed, as ParameterFile(allow_substs=True)."""
-    if path not in context.written and not context.is_file(path):
+    if not context.is_file(path):
         return path
     if _is_unwritten(path, context):
         return _keep(path, context, context.rewritten[path], context.written[path])
@@ -68,16 +68,12 @@ def _keep(path: str, context: Context, content: object, text: object) -> str:
 
 
 def _read_text(path: str, context: Context, span: Span) -> str:
-    known = context.written.get(path)
-    if known is not None:
-        return str(known)
     try:
-        data = context.read(path)
+        return context.read(path).decode(errors="replace")
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         message = f"{path}: {reason}, expected a parameter file"
         raise DescriptionProblem(message, "missing-file", span, context.near_file(path), path) from None
-    return data.decode(errors="replace")
 
 
 def _load(text: str, path: str, span: Span, context: Context) -> object:
