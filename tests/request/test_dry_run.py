@@ -80,6 +80,19 @@ def test_start_with_ros1_selected_is_refused_with_the_command_that_installs_ros2
     assert "ur use sim --ros 2" in printed
 
 
+def test_file_that_its_package_alone_shows_to_be_for_ros2_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("UR_ROBOT", "sim --ros 1")
+    (tmp_path / "package.xml").write_text("<package><buildtool_depend>ament_cmake</buildtool_depend></package>")
+    (tmp_path / "a.launch.xml").write_text("<launch><arg name='a' default='1'/></launch>")
+    assert main(["launch", "--plain", str(tmp_path / "a.launch.xml")]) != 0
+    printed = capsys.readouterr().err
+    assert "this is a launch file for ROS 2, and ROS 1 is selected" in printed
+    assert "this is a launch file for ROS 2 (its package is built with ament)" in printed
+
+
 def test_origin_of_an_argument_and_a_parameter_is_explained(file: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["explain", file, "map:=office", "mode"]) == 0
     text = capsys.readouterr().out

@@ -16,14 +16,14 @@ from typing import TYPE_CHECKING
 
 from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.world import World
-from ur.request.launch_request import LaunchOptions, LaunchRequest, StartReporter, make_request
+from ur.request.launch_request import LaunchFiles, LaunchOptions, LaunchRequest, StartReporter, make_request
 from ur.request.plan_files import find_node
 from ur.robot.selection import Selection
 from ur.run.debugger.choice import TOOLS, Debugging, Tool, choose_tool, plan_debugging
 from ur.run.debugger.environment import find_debug_tools, find_free_port, read_target
 from ur.run.process.command import find_executable
 from ur.source.arguments import CommandLine
-from ur.source.diagnostic import Diagnostic, Severity, UserError, error
+from ur.source.diagnostic import Diagnostic, Note, Severity, UserError, error
 from ur.source.suggest import did_you_mean
 
 
@@ -272,7 +272,7 @@ def load_with_packages(launch: Launch) -> LoadedPlan:
             refuse_undeclared(launch.options.program, request.arguments, request.files.declared)
         loaded = load_chosen(follow_world(request), launch.reporter.report, inspect)
         if loaded.plan is not None and loaded.plan.launcher != "roslaunch" and os.environ.get("ROS_VERSION") != "2":
-            raise UserError(_explain_launcher(launch.line.argv))
+            raise UserError(_explain_launcher(launch.line.argv, request.files))
         return loaded
 
     def make_xacro_first(findings: Iterable[Diagnostic]) -> None:
@@ -293,12 +293,14 @@ def load_with_packages(launch: Launch) -> LoadedPlan:
     return loaded
 
 
-def _explain_launcher(argv: tuple[str, ...]) -> Diagnostic:
+def _explain_launcher(argv: tuple[str, ...], files: LaunchFiles) -> Diagnostic:
     message = f"{argv[0]}: this is a launch file for ROS 2, and ROS {os.environ.get('ROS_VERSION') or '1'} is selected"
     if os.environ.get("ROS_VERSION") == "0":
         message = f"{argv[0]}: this is a launch file for ROS 2, which is not installed on this computer"
     help_ = "ur use sim --ros 2, then start it again; 'ur launch --dry-run' shows what it starts"
-    return error(message, rule="wrong-ros-version", help=help_, subject=argv[0])
+    trees = (each for each in files.parsed.values() if each.source.path in files.paths)
+    signs = tuple(Note(each.message, each.span) for tree in trees for each in tree.diagnostics[:1])
+    return error(message, rule="wrong-ros-version", notes=signs, help=help_, subject=argv[0])
 
 
 def write_report(diagnostics: Iterable[Diagnostic], path: str) -> None:
