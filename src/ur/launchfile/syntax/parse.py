@@ -416,7 +416,7 @@ def find_ros2(
 def _is_ament(path: str, read: Callable[[str], bytes]) -> bool:
     """Return whether the package of a file is built for ROS 2 only; the package is the nearest one."""
     folder = os.path.abspath(path)  # noqa: PTH100 - links stay, and pathlib takes time to load
-    for _ in range(_DEEPEST):
+    for _ in range(min(_DEEPEST, folder.count("/"))):
         folder = folder.rpartition("/")[0]
         try:
             kinds = set(_BUILD.findall(_COMMENT.sub(b"", read(f"{folder}/package.xml"))))
