@@ -14,7 +14,7 @@ _STEP = (0.06, 0.12)  # m, rad of claimed motion between two scans that are comp
 _GAP, _EDGE = 0.06, 0.5  # rad, and share of the range: neighbouring beams with more between them meet different things
 _CHANGE = 0.4  # of the claimed motion: beams whose range changes by less do not matter
 _SECTORS, _BEAMS, _FEWEST = 12, 3, 3  # of the turn; beams in one that counts; such sectors: a person fills two at most
-_SLIP = 0.3  # less of the claimed motion is none
+_SLIP, _MOVES = 0.3, 0.6  # less of the claimed motion is none; more is all of it
 
 
 def confirmed_share(
@@ -84,9 +84,9 @@ class MotionWitness:
             return None
         self._last = (odometry, points)
         share = confirmed_share(before[1], points, moved, sensor)
-        self.moves = share is not None and share > 1.0 - _SLIP
+        self.moves = share is not None and share > _MOVES
         self.slipped = self.slipped + max(way, abs(moved.yaw)) if share is not None and abs(share) < _SLIP else 0.0
-        if share is None or self.moves:
+        if share is None or share > _MOVES:
             return None
         rest = 1.0 - max(0.0, share)  # it slides along something
         return Pose2(rest * moved.x, rest * moved.y, rest * moved.yaw)

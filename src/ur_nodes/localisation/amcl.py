@@ -15,6 +15,9 @@ from ur_nodes.ports.log import Log
 from ur_nodes.ports.values import Map, PoseEstimate, Result, Scan
 
 
+_AFTER_SLIP = np.diag((0.1, 0.1, 0.1)) ** 2  # m^2, m^2, rad^2: of the pose after wheels have slipped
+
+
 class Amcl:
     """Localises on the map in use. `last` is the newest estimate, also that of an earlier map; None before the first.
 
@@ -114,8 +117,9 @@ class Amcl:
         if slip := self._witness.update(odometry, points, (float(mount.offset[0]), float(mount.offset[1]))):
             back = odometry.compose(slip.inverse()).compose(odometry.inverse())
             self._slip = self._slip.compose(back)
-            self.correction = self.correction.compose(back) if self.correction else None
-            self._localiser.request_update()
+            if self.correction and not self._localiser.lost:  # what stops it may turn it, too
+                self.correction = self.correction.compose(back)
+                self._localiser.set_pose(self.correction.compose(odometry), _AFTER_SLIP)
         estimate = self._localiser.update(self._slip.compose(odometry), points)
         if not estimate:
             return None

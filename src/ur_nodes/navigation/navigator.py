@@ -168,7 +168,10 @@ class Navigator:
         if step.waits:
             return self._wait(run, step.velocity, inputs, step.ahead)
         run.waited_since = None
-        if run.is_stuck(step.blocked, inputs.now, pose, self._settings):
+        patience = self._settings
+        if run.contacts:  # more pushing does not help
+            patience = replace(patience, controller_patience=2.0, progress_timeout=4.0)
+        if run.is_stuck(step.blocked, inputs.now, pose, patience):
             return self._get_stuck(run, inputs, run.reason or blocked_at(pose, inputs.odom))
         astray = driven.away > (_ASTRAY_TIGHT if run.legs.is_tight else _ASTRAY)
         tight = run.legs.is_tight  # of such a path another variant is no reason for another path

@@ -204,7 +204,9 @@ def read_base_figures(
     """
     drive = find_drive(description)
     sensors = tuple(
-        each for each in find_sensors(description) if lidar is None or each.kind != "lidar" or (lidar and not each.depth)
+        each
+        for each in find_sensors(description)
+        if lidar is None or each.kind != "lidar" or (lidar and not each.depth)
     )
     wheels = {wheel.joint.child for wheel in drive.wheels}
     figures = {key: Figure(value, "given") for key, value in given.items()}
