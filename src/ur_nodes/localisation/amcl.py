@@ -14,7 +14,6 @@ from ur_nodes.localisation.particle_filter import Particles
 from ur_nodes.ports.log import Log
 from ur_nodes.ports.values import Map, PoseEstimate, Result, Scan
 
-
 _AFTER_SLIP = np.diag((0.1, 0.1, 0.1)) ** 2  # m^2, m^2, rad^2: of the pose after wheels have slipped
 
 
