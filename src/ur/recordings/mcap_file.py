@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import os
+import shlex
 import struct
 import sys
 import time
@@ -304,11 +305,22 @@ def _read(
         yield schemas.get(channel.schema_id), channel, message
 
 
+_BAG = b"#ROSBAG V2.0"
+
+
 @contextmanager
 def _reading(path: Path) -> Iterator[IO[bytes]]:
     try:
         with open_file(path, sys.maxsize) as file:
-            if file.read(len(MAGIC)) != MAGIC:
+            head = file.read(len(_BAG))
+            if head == _BAG:
+                program, folder = Path(sys.executable).with_name("rosbags-convert"), path.with_suffix("")
+                command = [str(program), "--src", str(path), "--dst", str(folder)]
+                convert = shlex.join([*command, "--dst-storage", "mcap", "--dst-typestore", "ros2_kilted"])
+                raise UserError(
+                    error_about(str(path), "a bag of ROS 1, expected an MCAP file", rule="bad-recording", help=convert)
+                )
+            if not head.startswith(MAGIC):
                 raise _no_recording(path, "it does not begin as one")
             file.seek(0)
             yield file

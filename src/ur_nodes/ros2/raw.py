@@ -19,7 +19,7 @@ from ur_nodes.ports.raw import Fields, RawMessage, RecordedMessage, ServiceAnswe
 from ur_nodes.ports.values import Result
 from ur_nodes.ros2 import ends
 from ur_nodes.ros2.messages.definitions import find_bare, find_class, find_schema
-from ur_nodes.ros2.names import name_of
+from ur_nodes.ros2.names import name_of, resolve
 from ur_nodes.ros2.qualities import offered
 from ur_nodes.ros2.recorder.recorder import IntervalRecorder
 from ur_nodes.ros2.recorder.subscriptions import open_subscription, read_publishers
@@ -97,7 +97,7 @@ class RawPublisher:
     """See `ports.node.Publisher`."""
 
     def __init__(self, node: Node, topic: str, message_class: type[genpy.Message], profile: QoSProfile) -> None:
-        self.topic = str(node.resolve_topic_name(name_of(topic)))
+        self.topic = resolve(node, topic)  # a recording may have ROS 1's name
         self._node, self._class = node, message_class
         self._sender = ends.MessageSender(node, message_class, self.topic, profile)
 
