@@ -30,6 +30,7 @@ class Lane:
     axis: Axis
     speed: float
     namespace: str = ""
+    rest: float = 0.3  # s: the longest time that the robot may move after the last fresh command
 
     @property
     def name(self) -> str:
@@ -44,7 +45,7 @@ class Lane:
     @property
     def limit(self) -> float:
         """The longest time that the robot may move after the last fresh command: s."""
-        return _LIMITS.get(self.commander, 0.3)
+        return _LIMITS.get(self.commander, self.rest)
 
     @property
     def topic(self) -> str:

@@ -40,6 +40,8 @@ class Ghost:
 class Verdict:
     """The longest motion after the last fresh command (s), when that was, all ghosts, and how long the base moved.
 
+    `way` is the longest way (m) after the last fresh command, from the moment at which it was published.
+
     `recorded` is False when the base moved and no command along the axis of the lane is in the record. Such a verdict
     has neither a longest motion nor ghosts, and means nothing.
     """
@@ -49,15 +51,17 @@ class Verdict:
     ghosts: tuple[Ghost, ...]
     moved: float
     recorded: bool = True
+    way: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class Moving:
-    """Signs of the motion at a time: -1, 0 or 1 each."""
+    """Signs of the motion at a time: -1, 0 or 1 each; `speed` ahead in m/s, where it is known."""
 
     at: float
     forward: int
     turn: int
+    speed: float = 0.0
 
 
 def simulate_base(base: Base, outputs: Iterable[tuple[float, float, float]], end: float) -> list[Moving]:
@@ -80,7 +84,7 @@ def simulate_base(base: Base, outputs: Iterable[tuple[float, float, float]], end
             drive.update(now)
         forward += share * (drive.velocity[0] - forward)
         turn += share * (drive.velocity[1] - turn)
-        found.append(Moving(now, _sign(forward, RESTS[0]), _sign(turn, RESTS[1])))
+        found.append(Moving(now, _sign(forward, RESTS[0]), _sign(turn, RESTS[1]), forward))
     return found
 
 
@@ -96,6 +100,7 @@ def judge(
     longest, longest_at, moved, moved_at_all = 0.0, 0.0, 0.0, False
     ghosts: list[Ghost] = []
     began: tuple[int, float, float] | None = None  # sign, when, age then
+    way = longest_way = older = 0.0
     last = -math.inf
     for moving in motion:
         along, across = lane.pick(moving.forward, moving.turn)
@@ -108,17 +113,21 @@ def judge(
             continue
         moved_at_all = True
         age = _age(asked.get(sign, []), moving.at)
+        way = (way if age > older else 0.0) + abs(moving.speed) * _PERIOD
+        older = age
         began = began or (sign, moving.at, age)
         if moving.at < since:
             continue
         moved += _PERIOD
         if began[2] <= lane.limit and age > longest:
             longest, longest_at = age, moving.at
+        if began[2] <= lane.limit:
+            longest_way = max(longest_way, way)
     if began:
         _end_motion(lane, began, last, since, ghosts)
     if moved_at_all and not any(asked.values()):
         return Verdict(0.0, 0.0, (), moved, recorded=False)
-    return Verdict(longest, longest_at, tuple(ghosts), moved)
+    return Verdict(longest, longest_at, tuple(ghosts), moved, way=longest_way)
 
 
 def is_at_rest(outputs: Iterable[tuple[float, float, float]], since: float) -> bool:

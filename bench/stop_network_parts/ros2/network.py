@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 import random
+import re
 import shutil
 import subprocess
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 
 from bench.stop_network_parts.lane import Lane
@@ -19,11 +21,12 @@ from bench.stop_network_parts.ros2.computers import ADDRESSES, Computers, Progra
 from bench.stop_network_parts.verdict import is_at_rest, judge, simulate_base
 from bench.stop_parts.nursery import read_sent
 
-from ur.robot.base import load_base
+from ur.robot.base import BRAKE_AFTER, load_base
 
 MOTORS = {"client": "twist", "plain": "stamped", "stamped": "twist", "vendor": "twist"}
 """The lanes, each with what its base takes: Twist or TwistStamped."""
 LANES = tuple(Lane(name, "linear", 0.5, name) for name in MOTORS)
+_BASE = "base.yaml"
 _ROOT = Path(__file__).resolve().parents[3]
 PYTHON = _ROOT / ".ros2/bin/python"
 """Python with the wheels of ROS 2."""
@@ -44,10 +47,16 @@ _VENDOR = """<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="wl
 class Network:
     """The computers and what runs on them."""
 
-    def __init__(self, computers: Computers, base: str, seed: int, *, multicast: bool) -> None:
+    def __init__(self, computers: Computers, base: str, seed: int, speed: float, *, multicast: bool) -> None:
         self.computers, self.multicast = computers, multicast
         self.chance = random.Random(seed)
-        self.base = load_base(LIBRARY, base, "")
+        self.package = write_base(computers.folder, base, speed) if speed else LIBRARY
+        self.base = load_base(self.package, base, "")
+        limits = self.base.limits
+        rest = BRAKE_AFTER + limits.velocity / limits.deceleration if limits.fast else LANES[0].rest
+        self.lanes = tuple(
+            replace(lane, speed=speed or lane.speed, rest=1.05 * rest) if speed else lane for lane in LANES
+        )
         self.commanders: dict[str, Program] = {}
         self.second: dict[str, Program] = {}
         self.muxes: dict[str, Program] = {}
@@ -71,7 +80,16 @@ class Network:
         self._end(self.muxes)
         for lane in LANES:
             names = ("__name:=cmd_vel_mux", f"__ns:={lane.name}", "cmd_vel_out:=base_vel", "_takes_over:=cmd_vel")
-            command = [str(PYTHON), "-m", "ur_nodes", _MUX, *names, f"_base:={self.base.name}", *_SOURCE]
+            command = [
+                str(PYTHON),
+                "-m",
+                "ur_nodes",
+                _MUX,
+                *names,
+                f"_base:={self.base.name}",
+                f"_package:={self.package}",
+                *_SOURCE,
+            ]
             mux = self.computers.start("robot", f"mux_{lane.name}", command, self._on_robot(lane))
             self.muxes[lane.name] = mux
         pids = {f"mux {name}": mux.process.pid for name, mux in self.muxes.items()}
@@ -121,7 +139,7 @@ class Network:
         time.sleep(_AFTER)
         end = time.monotonic()
         self.drive("")
-        return [self._judge(cause, pattern, lane, began, since, end) for lane in LANES]
+        return [self._judge(cause, pattern, lane, began, since, end) for lane in self.lanes]
 
     def _judge(self, cause: str, pattern: str, lane: Lane, began: float, since: float, end: float) -> Trial:
         files = (self._sent(lane, side) for side in ("laptop", "laptop2"))
@@ -171,7 +189,7 @@ class Network:
 
 
 @contextmanager
-def start_network(folder: Path, base: str, seed: int, *, multicast: bool) -> Iterator[Network]:
+def start_network(folder: Path, base: str, seed: int, speed: float = 0.0, *, multicast: bool) -> Iterator[Network]:
     """Computers with everything started. `folder` takes notes and logs."""
     for left in folder.iterdir():
         shutil.rmtree(left) if left.is_dir() else left.unlink()
@@ -188,14 +206,24 @@ def start_network(folder: Path, base: str, seed: int, *, multicast: bool) -> Ite
         "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4",  # the computers share a kernel, and so its memory
         "CYCLONEDDS_URI": _VENDOR.format(multicast=str(multicast).lower(), robot=ADDRESSES["robot"]),
         "UR_BENCH_CLOCK": str(_make_clock(folder)),
+        "UR_BENCH_SPEED": str(speed or ""),
     }
     with start_computers(folder, environment) as computers:
-        network = Network(computers, base, seed, multicast=multicast)
+        network = Network(computers, base, seed, speed, multicast=multicast)
         try:
             network.start()
             yield network
         finally:
             network.close()
+
+
+def write_base(folder: Path, base: str, speed: float) -> Path:
+    """Write a package with a base that is so fast (m/s) into a folder, and return the package."""
+    text = (LIBRARY / "bases" / base / _BASE).read_text()
+    place = folder / "package/bases" / base
+    place.mkdir(parents=True)
+    (place / _BASE).write_text(re.sub(r"\{velocity: [0-9.]+", f"{{velocity: {speed:g}", text))
+    return folder / "package"
 
 
 def set_clock(folder: Path, seconds: float) -> None:

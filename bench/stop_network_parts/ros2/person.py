@@ -12,7 +12,7 @@ from bench.stop_network_parts.lane import Pattern
 
 RECORD = struct.Struct("=dddd")  # of `nursery.read_sent`
 PERIOD = 0.05  # s
-SPEED = 0.5  # m/s
+SPEED = float(os.environ.get("UR_BENCH_SPEED") or 0.5)  # m/s
 
 
 class Person:
