@@ -102,7 +102,10 @@ def find_command(machine: Machine, line: str) -> int:
 __all__ = [
     "PASSWORD",
     "PENDING",
+    "PROFILE_UUID",
+    "SETTINGS",
     "SNAPSHOT",
+    "TAKE_OVER",
     "find_command",
     "has_other_leader",
     "managed_pair",

@@ -13,8 +13,9 @@ from tests.hosts.bench import UR, Bench, Machine, boot, wait_until
 from tests.hosts.managed import (
     PASSWORD,
     PROFILE_UUID,
+    SETTINGS,
+    TAKE_OVER,
     has_other_leader,
-    managed_pair,
     wait_reached,
     wait_settled,
     wait_up,
@@ -46,17 +47,33 @@ exec /usr/bin/nmcli "$@"
 """
 
 
-@pytest.fixture(scope="module")
+@contextmanager
+def login_pair() -> Iterator[Bench]:
+    """Make no more than a login by key: setting a robot up takes minutes, and changes nothing about networks."""
+    with boot(("laptop", "bob")) as booted:
+        laptop, robot = booted["laptop"], booted["bob"]
+        robot.run(INSTALL, timeout=300).check()
+        robot.write("/usr/local/bin/udevadm", "#!/bin/sh\n", mode=0o755)  # a container has none
+        laptop.run("mkdir -pm 700 .ssh; ssh-keygen -q -t ed25519 -N '' -f .ssh/id_ed25519", user="pat").check()
+        laptop.write("/home/pat/.ssh/known_hosts", f"bob.local {robot.read('/etc/ssh/ssh_host_ed25519_key.pub')}")
+        laptop.write("/home/pat/.ssh/config", "Host bob.local eve.local\nUser ros\n")
+        robot.write("/home/ros/.ssh/authorized_keys", laptop.read("/home/pat/.ssh/id_ed25519.pub"))
+        laptop.run("chown -R pat: /home/pat/.ssh").check()
+        robot.run(f"chown -R ros: /home/ros/.ssh; echo ros:{PASSWORD} | chpasswd").check()
+        yield Bench(booted.ledger, {"laptop": laptop, "robot": robot}, booted.root)
+
+
+@pytest.fixture
 def managed() -> Iterator[Bench]:
     """A robot whose NetworkManager keeps its profiles in netplan."""
-    with managed_pair() as bench:
+    with login_pair() as bench:
         robot = bench["robot"]
-        robot.run(INSTALL, timeout=300).check()
         robot.write(f"/etc/netplan/90-NM-{PROFILE_UUID}.yaml", MANAGED, mode=0o600)
         robot.write("/usr/local/bin/nmcli", WRITER, mode=0o755)
-        robot.run("rm /etc/NetworkManager/system-connections/wired.nmconnection; netplan generate").check()
-        robot.run("systemctl restart NetworkManager").check()
+        robot.write("/etc/NetworkManager/conf.d/bench.conf", SETTINGS)
+        robot.run(f"netplan generate && {TAKE_OVER}").check()
         wait_up(robot)
+        wait_reached(bench["laptop"], "bob", robot.address)
         yield bench
 
 
@@ -129,27 +146,12 @@ FILES = "find /etc/netplan /run/netplan /etc/systemd/system /etc/hostname -type 
 @pytest.fixture(scope="module")
 def served() -> Iterator[Bench]:
     """A robot as Ubuntu's server images have it: cloud-init's file for netplan, and systemd-networkd."""
-    with served_pair() as bench:
-        yield bench
-
-
-@contextmanager
-def served_pair() -> Iterator[Bench]:
-    """Make no more than a login by key: setting it up takes minutes, and changes nothing about networks."""
-    with boot(("laptop", "bob")) as booted:
-        laptop, robot = booted["laptop"], booted["bob"]
-        robot.run(INSTALL, timeout=300).check()
-        robot.write("/usr/local/bin/udevadm", "#!/bin/sh\n", mode=0o755)  # a container has none
+    with login_pair() as bench:
+        robot = bench["robot"]
         robot.write("/etc/netplan/50-cloud-init.yaml", CLOUD, mode=0o600)
         robot.run("rm /etc/systemd/network/10-host0.network && netplan apply").check()
-        laptop.run("mkdir -pm 700 .ssh; ssh-keygen -q -t ed25519 -N '' -f .ssh/id_ed25519", user="pat").check()
-        laptop.write("/home/pat/.ssh/known_hosts", f"bob.local {robot.read('/etc/ssh/ssh_host_ed25519_key.pub')}")
-        laptop.write("/home/pat/.ssh/config", "Host bob.local eve.local\nUser ros\n")
-        robot.write("/home/ros/.ssh/authorized_keys", laptop.read("/home/pat/.ssh/id_ed25519.pub"))
-        laptop.run("chown -R pat: /home/pat/.ssh").check()
-        robot.run("chown -R ros: /home/ros/.ssh; echo ros:$0 | chpasswd".replace("$0", PASSWORD)).check()
-        wait_reached(laptop, "bob", robot.address)
-        yield Bench(booted.ledger, {"laptop": laptop, "robot": robot}, booted.root)
+        wait_reached(bench["laptop"], "bob", robot.address)
+        yield bench
 
 
 def make_wireless(bench: Bench) -> None:
