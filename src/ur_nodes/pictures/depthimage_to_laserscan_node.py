@@ -12,7 +12,7 @@ from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.values import Calibration, Picture, Scan
 from ur_nodes.run import run
 
-_ENCODINGS = {"16UC1": (np.dtype("<u2"), 0.001), "mono16": (np.dtype("<u2"), 0.001), "32FC1": (np.dtype("<f4"), 1.0)}
+_ENCODINGS = {"16UC1": ("<u2", 0.001), "mono16": ("<u2", 0.001), "32FC1": ("<f4", 1.0)}  # of numbers, and m of 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,8 @@ def read_depth(picture: Picture) -> NDArray[np.float64] | None:
     """Return the depths (height, width) of a picture in m, 0 or NaN where there is none; None for another encoding."""
     if picture.encoding not in _ENCODINGS:
         return None
-    kind, unit = _ENCODINGS[picture.encoding]
+    name, unit = _ENCODINGS[picture.encoding]
+    kind: np.dtype[np.generic] = np.dtype(name)
     if picture.step < picture.width * kind.itemsize or len(picture.data) < picture.step * picture.height:
         return None
     rows = np.frombuffer(picture.data, np.uint8, picture.step * picture.height).reshape(picture.height, picture.step)

@@ -18,7 +18,7 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Fields, RawMessage, RecordedMessage, ServiceAnswer
 from ur_nodes.ports.values import Result
 from ur_nodes.ros2 import ends
-from ur_nodes.ros2.messages.definitions import find_bare, find_class, find_schema
+from ur_nodes.ros2.messages.packages import find_bare, find_class, find_schema
 from ur_nodes.ros2.names import name_of, resolve
 from ur_nodes.ros2.qualities import offered
 from ur_nodes.ros2.recorder.recorder import IntervalRecorder

@@ -25,7 +25,8 @@ def test_wall_ahead_is_a_line_in_the_scan() -> None:
     seen = np.isfinite(scan.ranges)
     assert seen.sum() > 60
     assert scan.ranges[seen] * np.cos(angles[seen]) == pytest.approx(2.0, abs=0.03)
-    assert (scan.stamp, scan.frame, scan.angle_max) == (5, "laser", pytest.approx(math.atan(0.8)))
+    assert (scan.stamp, scan.frame) == (5, "laser")
+    assert scan.angle_max == pytest.approx(math.atan(0.8))
 
 
 def test_thing_on_the_right_of_the_picture_is_on_the_right_of_the_scan() -> None:
@@ -68,7 +69,8 @@ def test_other_pictures_have_no_depth() -> None:
 def test_node_publishes_a_scan_for_each_picture_after_the_calibration() -> None:
     bus = Bus()
     bus.load_parameters("/scanner", {"scan_height": 4, "output_frame": "eye", "range_max": 5.0})
-    node, camera, scans = bus.node("scanner"), bus.node("camera"), []
+    node, camera = bus.node("scanner"), bus.node("camera")
+    scans: list[Scan] = []
     start(node)
     camera.subscribe("scan", Scan, scans.append)
     pictures, infos = camera.publish("image", Picture), camera.publish("camera_info", Calibration)

@@ -10,7 +10,7 @@ from rclpy.qos import ReliabilityPolicy
 
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ros2.messages.bare_type import bare_class, reset_error
-from ur_nodes.ros2.messages.definitions import find_class, find_schema, split_type
+from ur_nodes.ros2.messages.packages import find_class, find_schema, split_type
 from ur_nodes.ros2.qualities import requested
 
 if TYPE_CHECKING:
