@@ -32,9 +32,9 @@ def confirmed_share(
     driven, near_driven = _ranges_at(bearings, *_polar(moved.inverse().transform_points(before), sensor))
     change = driven - still
     reach = max(math.hypot(moved.x, moved.y), 0.5 * abs(moved.yaw))
-    told = near_still & near_driven & (np.abs(change) > _CHANGE * reach) & (np.abs(change) < 3.0 * reach)
-    shares = (ranges[told] - still[told]) / change[told]
-    sectors = (bearings[told] // (math.tau / _SECTORS)).astype(np.intp)
+    counts = near_still & near_driven & (np.abs(change) > _CHANGE * reach) & (np.abs(change) < 3.0 * reach)
+    shares = (ranges[counts] - still[counts]) / change[counts]
+    sectors = (bearings[counts] // (math.tau / _SECTORS)).astype(np.intp)
     each = [float(np.median(shares[sectors == one])) for one in np.unique(sectors) if (sectors == one).sum() >= _BEAMS]
     return float(np.median(each)) if len(each) >= _FEWEST else None
 

@@ -77,7 +77,7 @@ class StallDetector:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Contact:
-    """How the robot was stopped, and the points (n, 2) in its frame where it touches something."""
+    """A text about what stopped the robot, and the points (n, 2) in its frame where it touches something."""
 
     text: str
     points: NDArray[np.float64]
