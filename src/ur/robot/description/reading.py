@@ -203,11 +203,7 @@ def read_base_figures(
     With `lidar` True, a robot whose description names no lidar gets a typical one on top; with False it has none.
     """
     drive = find_drive(description)
-    sensors = tuple(
-        each
-        for each in find_sensors(description)
-        if lidar is None or each.kind != "lidar" or (lidar and not each.depth)
-    )
+    sensors = _choose_sensors(description, lidar)
     wheels = {wheel.joint.child for wheel in drive.wheels}
     figures = {key: Figure(value, "given") for key, value in given.items()}
     read_wheels(description, drive, figures)
@@ -253,6 +249,12 @@ def read_base_figures(
         placed,
         tuple(notes),
     )
+
+
+def _choose_sensors(description: Description, lidar: bool | None) -> tuple[FoundSensor, ...]:
+    """Find the sensors; without the lidar if there shall be none, and without one of depths if there shall be one."""
+    found = find_sensors(description)
+    return tuple(each for each in found if lidar is None or each.kind != "lidar" or (lidar and not each.depth))
 
 
 def _read_speeds(
