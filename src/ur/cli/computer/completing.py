@@ -19,7 +19,7 @@ from ur.complete.verbs import complete_line
 _RUN_COMMANDS = {
     "robot command": "ur.cli.robot_setup.robot",
     "boot command": "ur.cli.robots.boot",
-    "setup command": "ur.cli.computer.setup",
+    "setup command": "ur.cli.computer.set_up",
     "new command": "ur.cli.files.new",
     "maps command": "ur.cli.maps.maps",
     "image command": "ur.cli.robot_setup.image",

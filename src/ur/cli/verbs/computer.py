@@ -8,7 +8,7 @@ _SECTION = "This computer"
 COMPUTER = (
     Verb(
         "setup",
-        "ur.cli.computer.setup",
+        "ur.cli.computer.set_up",
         "Set this computer up: shells, keys, workspace, names.",
         _SECTION,
         examples=(("ur setup", "Set this computer up."), ("ur setup --dry-run", "Show what that would change.")),
