@@ -29,7 +29,7 @@ def test_changing_the_root_from_inside_is_refused_with_the_command_to_use(
     words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "mark").touch()
-    monkeypatch.setattr("ur.cli.computer.setup.MARK", str(tmp_path / "mark"))
+    monkeypatch.setattr("ur.cli.computer.set_up.MARK", str(tmp_path / "mark"))
     assert main(["setup", "debian", *words]) == 2
     said = capsys.readouterr().err
     assert "cannot run inside the Debian root" in said

@@ -122,16 +122,16 @@ def find_keywords(source: SourceFile, offset: int) -> list[Keyword]:
     text = _HIDDEN.sub(
         lambda found: (" " if found[0][0] == "#" else '"') * len(found[0]), source.text[begin : offset + _NEAR]
     )
-    word = re.search(r"\w*\Z", text[: offset - begin])
+    word = re.search(r"(?<!\w)\w*\Z", text[: offset - begin])
     start = word.start() if word is not None else offset - begin
     opened = _bracket_before(text, start)
-    called = re.search(r"(\w+)\s*\Z", text[: max(opened, 0)])
+    called = re.search(r"(?<!\w)(\w+)\s*\Z", text[: max(opened, 0)])
     known = describe_call(called[1]) if called is not None else {}
     if not known or text[:start].rstrip()[-1:] not in ("(", ","):
         return []
     rest = re.search(r"\A(\w*)(\s*=(?!=))?", text[offset - begin :])
     assert rest is not None
-    given = set(re.findall(r"(\w+)\s*=(?!=)", _outer(text[opened + 1 :])))
+    given = set(re.findall(r"(?<!\w)(\w+)\s*=(?!=)", _outer(text[opened + 1 :])))
     typed = source.text[begin + start : offset]
     span = Span(source, begin + start, offset + len(rest[1]))
     return [

@@ -17,8 +17,9 @@ Find = Callable[[str], Iterable[str]]
 _CALL = re.compile(r"(?i)\b(install|ament_auto_package|set|file)\s*\(([^()]*)\)")
 _WORDS = re.compile(r'"([^"]*)"|([^\s"]+)')
 _VARIABLE = re.compile(r"\$\{(\w+)\}")
+_CALLED = re.compile(r"(?<!\w)(\w+)\s*\(")
 _COMPUTED = re.compile(  # what may install more
-    r"(?i)\b(?:foreach|add_subdirectory|macro|function|configure_file|add_custom_command|include|install_\w+|\w*xacro\w*)\s*\("
+    r"foreach|add_subdirectory|macro|function|configure_file|add_custom_command|include|install_.+|.*xacro.*"
 )
 _KEYWORD = re.compile(
     "DESTINATION|RENAME|PATTERN|FILES_MATCHING|REGEX|PERMISSIONS|COMPONENT|OPTIONAL|CONFIGURATIONS|TYPE|"
@@ -64,7 +65,7 @@ def read_cmake(text: str, package: str, find: Find) -> InstallRules:
     known = {"PROJECT_NAME": package, "CMAKE_INSTALL_PREFIX": "", "CMAKE_INSTALL_DATADIR": "share"}
     known |= dict.fromkeys(_ROOTS, ".")
     rules: list[Rule] = []
-    complete = _COMPUTED.search(text) is None
+    complete = not any(_COMPUTED.fullmatch(name) for name in {each.lower() for each in _CALLED.findall(text)})
     for call in _CALL.finditer(text):
         name = call[1].lower()
         words, is_known = _expand(call[2], known)

@@ -363,7 +363,7 @@ _OF_ROS1 = re.compile(  # an element or a substitution that only roslaunch has
     r"\$\((?:find|arg|anon) |<(?:rosparam|machine|test|master|param|remap|env)\b|\s(?:type|ns|doc|pass_all_args)\s*="
 )
 _BUILD = re.compile(rb"<build(?:_type|tool_depend)\b[^>]*>\s*(ament|catkin)")
-_COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+_COMMENT = re.compile(rb"<!--.*?(?:-->|\Z)", re.DOTALL)
 _DEEPEST = 8  # folders above a launch file
 _HELP = "'ros2 launch' starts it; roslaunch needs a file of the package's branch for ROS 1"
 
