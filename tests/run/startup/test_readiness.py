@@ -140,3 +140,17 @@ def test_simulated_time_is_reported_where_no_node_publishes_it(publishers: tuple
     check_clock(lambda: view, threading.Event(), lines.append, patience=0.0)
     assert view.forgotten.is_set()
     assert len(lines) == reports
+
+
+def test_clock_that_a_view_finds_only_after_a_while_is_not_reported_as_missing() -> None:
+    class LateView(OneLook):
+        looks = 0
+
+        def look(self, topics: Collection[str]) -> RunGraph:
+            self.looks += 1
+            return super().look(topics) if self.looks > 3 else RunGraph({}, {}, {})
+
+    view, lines = LateView("/clock"), list[str]()
+    check_clock(lambda: view, threading.Event(), lines.append, patience=0.0)
+    assert view.forgotten.is_set()
+    assert lines == []

@@ -13,6 +13,7 @@ PERIOD = 0.1  # s between two checks while a condition is unmet
 STALE = 2.0  # s without a message after which a topic counts as silent
 
 Report = Callable[[str, int, tuple[str, ...]], None]
+_LOOKS, _LOOK = 20, 0.1  # a new view of ROS 2 knows its nodes only after a while; s between two
 
 
 def find_missing(
@@ -81,7 +82,10 @@ def check_clock(
         return
     view = make_view()
     with suppress(NoGraph):  # which is reported by itself
-        if not view.look(()).publishers.get("/clock") and not over.is_set():
+        for _ in range(_LOOKS):
+            if view.look(()).publishers.get("/clock") or over.wait(_LOOK):
+                break
+        else:
             report(
                 f"no node has published /clock for {patience:g} s, and /use_sim_time is true: nodes wait until a "
                 "simulator or 'rosbag play --clock FILE' does; for the time of this computer, remove /use_sim_time"
