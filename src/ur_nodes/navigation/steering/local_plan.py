@@ -17,7 +17,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.people.tracked_people import approaches, hull_of_footprint, rooms_to
 from ur_nodes.navigation.planning.outline_grid import overlaps
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
-from ur_nodes.navigation.steering.rollout import Floats, FollowSettings, ReferencePath, RolloutState, roll_out
+from ur_nodes.navigation.steering.rollout import FAST, Floats, FollowSettings, ReferencePath, RolloutState, roll_out
 from ur_nodes.navigation.steering.speed_profile import DriveVelocity, SpeedLimits, brake_for
 
 # Variants of the steering law: the share of the speed limit, the offset to the left of the path (m).
@@ -28,8 +28,7 @@ _LEAST_GAIN, _LEAST_TURN = 0.02, 0.05  # m, rad/s: a variant with less of both g
 _BESIDE_POINTS = 0.015  # m between the outline and a point of the scan
 _NO_NEARER = 0.002  # m
 _SAMPLED = 0.1  # s between two poses of a sweep
-_FAST = 0.6  # m/s: bases that drive no faster keep the margin of their footprint at any speed
-_CAREFUL = 0.5  # m/s: of a faster one where it only just passes, since what steering is off by grows with the speed
+_CAREFUL = 0.5  # m/s: of a fast base where it only just passes, since what steering is off by grows with the speed
 _MARGIN = 0.05  # m of room that permit no more than that
 _PER_METRE = 3.0  # m/s more for each metre of room
 
@@ -70,7 +69,7 @@ def follow_reference(
 
     The command differs from the present motion by no more than the accelerations allow in `period`.
     """
-    if limits.speed > _FAST:
+    if limits.speed > FAST:
         reference = slow_beside(reference, index, around.costmap, footprint, limits)
     plain = roll_out(reference, index, motion, _PLAIN, limits, settings, period)
     times: Floats = period + settings.step * np.arange(len(plain.poses), dtype=np.float64)

@@ -17,6 +17,8 @@ from ur_nodes.navigation.steering.speed_profile import DriveVelocity, SpeedLimit
 
 Floats = NDArray[np.float64]
 
+FAST = 0.6
+"""m/s: bases that drive no faster keep the margin of their footprint at any speed, and steer as they always have."""
 _BRAKING = 0.6  # of the acceleration: brakes so that a stop is reached without effort
 _TURN_BRAKING = 0.7  # likewise, of turns on the spot
 _LAST_POINTS = 8  # too coarse to stop by: there the distance itself counts
@@ -205,12 +207,14 @@ def _steer(
         share, curvature = 1.0, min(max(curvature, -1.0 / limits.radius), 1.0 / limits.radius)
     soon = min(near + round(v * seconds / course.spacing), course.end)
     allowed = min(variant[0] * limits.speed, course.speeds[soon])
-    wanted = min(allowed, limits.turn / max(abs(curvature), _STRAIGHT)) * share
+    spin = min(limits.turn, math.sqrt(2.0 * _TURN_BRAKING * limits.turn_acceleration * abs(bearing)))
+    # A fast base that turns more than it can end at the bearing weaves.
+    swing = spin if limits.speed > FAST and not limits.radius else limits.turn
+    wanted = min(allowed, swing / max(abs(curvature), _STRAIGHT)) * share
     if near > course.end - _LAST_POINTS:
         (c, s), x, y = course.direction, course.end_x - state.x, course.end_y - state.y
         left_over = x * c + y * s - settings.delay * v
         wanted = min(wanted, math.sqrt(2.0 * _BRAKING * limits.acceleration * max(left_over, 0.0)))
-    spin = min(limits.turn, math.sqrt(2.0 * _TURN_BRAKING * limits.turn_acceleration * abs(bearing)))
     turning = wanted * curvature * share + (1.0 - share) * math.copysign(spin, bearing)
     return wanted, min(max(turning, -limits.turn), limits.turn)
 

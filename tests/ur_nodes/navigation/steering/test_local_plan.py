@@ -2,6 +2,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.ur_nodes.navigation.closed_loop import LIMITS, STAGE
@@ -13,7 +14,7 @@ from ur_nodes.navigation.planning.path_geometry import nearest_index, resample
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles, without_points
 from ur_nodes.navigation.steering.local_plan import follow_reference, slow_beside, sweep_is_free
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState, follow_settings, make_reference
-from ur_nodes.navigation.steering.speed_profile import speed_profile, turn_rate
+from ur_nodes.navigation.steering.speed_profile import SpeedLimits, speed_profile, turn_rate
 
 FOOTPRINT = footprint_of_outline(STAGE, 0.05, 0.01)
 CORNER = resample(np.array([(0.0, 0.0), (1.5, 0.0), (1.5, 1.5)]), 0.05)
@@ -169,3 +170,23 @@ def test_follow_settings_of_the_usual_bases_are_the_usual_ones() -> None:
     fast = follow_settings(replace(LIMITS, speed=2.0))
     assert fast.horizon > 2.0 / LIMITS.acceleration
     assert fast.preview_most > FollowSettings().preview_most
+
+
+@pytest.mark.parametrize("speed", [1.0, 2.0, 3.0])
+def test_fast_base_that_begins_across_its_path_does_not_weave(speed: float) -> None:
+    limits = SpeedLimits(speed, 2.0, 0.8, 2.5)
+    reference = make_reference(resample(np.array([(0.0, 0.0), (4.0, 0.0)]), 0.05), limits)
+    motion, index, aside = RolloutState(Pose2(0.0, 0.0, -2.1), 0.0, 0.0), 0, []
+    for _ in range(60):
+        step = follow_reference(
+            reference, index, motion, LocalObstacles(window()), FOOTPRINT, limits, follow_settings(limits), 0.1
+        )
+        pose, yaw = motion.pose, motion.pose.yaw + 0.05 * step.turn
+        way = 0.1 * step.speed
+        after = Pose2(pose.x + way * math.cos(yaw), pose.y + way * math.sin(yaw), pose.yaw + 0.1 * step.turn)
+        motion = RolloutState(after, step.speed, step.turn)
+        index = nearest_index(reference.points, after.x, after.y, index, reference.end + 1)
+        aside.append(after.y)
+    assert max(map(abs, aside)) < 0.15
+    assert abs(motion.pose.yaw) < 0.2
+    assert motion.pose.x > 2.0
