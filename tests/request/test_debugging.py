@@ -8,7 +8,7 @@ import pytest
 from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.system import SystemWorld
-from ur.request.launch import debug_nodes, has_terminal
+from ur.request.debugging import debug_nodes, has_terminal
 from ur.source.diagnostic import UserError
 
 LAUNCH = """<launch>

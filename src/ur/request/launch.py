@@ -6,90 +6,18 @@ The imports of a stage are inside it: most launches need few of them, and a star
 from __future__ import annotations
 
 import os
-import shlex
 import socket
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ur.launchfile.plan.specs import NodeSpec, Plan
-from ur.launchfile.world import World
+from ur.launchfile.plan.specs import Plan
 from ur.request.launch_request import LaunchFiles, LaunchOptions, LaunchRequest, StartReporter, make_request
-from ur.request.plan_files import find_node
 from ur.robot.selection import Selection
-from ur.run.debugger.choice import TOOLS, Debugging, Tool, choose_tool, plan_debugging
-from ur.run.debugger.environment import find_debug_tools, find_free_port, read_target
-from ur.run.process.command import find_executable
 from ur.source.arguments import CommandLine
 from ur.source.diagnostic import Diagnostic, Note, Severity, UserError, error
-from ur.source.suggest import did_you_mean
-
-
-def debug_nodes(plan: Plan, requests: Sequence[str], world: World, *, terminal: bool) -> tuple[Plan, tuple[str, ...]]:
-    """Return the plan with debuggers, and instructions for other terminals. `terminal`: a terminal is available.
-
-    A debugger replaces the node's own launch-prefix, and is not restarted when it ends. Raises UserError for an unknown
-    node or debugger, or a debugger that is unsuitable or not installed.
-    """
-    changed: dict[str, NodeSpec] = {}
-    lines: list[str] = []
-    port = 5678  # debugpy's usual one
-    for request in requests:
-        name, _, tool_name = request.partition("=")
-        node = find_node(plan, name)
-        path = find_executable(node, world)
-        target = read_target(node.full_name, path)
-        tools = find_debug_tools(
-            world.environment,
-            terminal=terminal and not any(each.terminal for each in (*plan.nodes, *changed.values())),
-            python=target.interpreter if target.kind == "python" else "",
-        )
-        tool = _parse_tool(request, tool_name) if tool_name else choose_tool(target.kind)
-        if tool == "debugpy":
-            port = find_free_port(port)
-        found = plan_debugging(target, tool, tools, port)
-        changed[node.full_name] = _put_in_front(node, found)
-        lines += found.notes if found.terminal == "log" else found.notes[1:]  # a window is visible
-        port += 1
-    return replace(plan, nodes=tuple(changed.get(node.full_name, node) for node in plan.nodes)), tuple(lines)
-
-
-def has_terminal() -> bool:
-    """Return whether keyboard and screen are a terminal of this process group."""
-    try:
-        return os.isatty(0) and os.isatty(1) and os.tcgetpgrp(0) == os.getpgrp()
-    except OSError:
-        return False
-
-
-def _put_in_front(node: NodeSpec, found: Debugging) -> NodeSpec:
-    here = found.terminal == "here"
-    return replace(
-        node,
-        launch_prefix=shlex.join(found.prefix),
-        respawn=False,
-        terminal=here,
-        required=node.required or here,
-        output="screen" if found.terminal == "log" else node.output,
-    )
-
-
-def _parse_tool(request: str, name: str) -> Tool:
-    for tool in TOOLS:
-        if tool == name:
-            return tool
-    near = did_you_mean(name, TOOLS)
-    raise UserError(
-        error(
-            f"--debug {request}: no such debugger, expected one of {', '.join(TOOLS)}",
-            rule="unknown-debugger",
-            help=f"did you mean {near}?" if near else None,
-            subject=request,
-        )
-    )
-
 
 if TYPE_CHECKING:
     from ur.launchfile.world.protocol import World
@@ -217,6 +145,7 @@ def debug(launch: Launch, staged: Staged) -> Staged:
     options = launch.options
     if not options.debug:
         return staged
+    from ur.request.debugging import debug_nodes, has_terminal
 
     terminal = not (options.detach or options.json) and has_terminal()
     plan, lines = debug_nodes(staged.plan, options.debug, staged.world, terminal=terminal)
