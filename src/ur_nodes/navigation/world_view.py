@@ -130,12 +130,9 @@ class WorldView:
         source, scan = self._settings.local.scan, self._scan
         if source is None:
             self._lay_map()
-            for _ in range(len(self._ranges)):
-                self._use_range(self._ranges.popleft())
-            return
         for _ in range(len(self._ranges)):
             self._use_range(self._ranges.popleft())
-        if scan is None or scan.stamp == self._used:
+        if source is None or scan is None or scan.stamp == self._used:
             return
         try:
             mount = self.frames.lookup(self._settings.base_frame, scan.frame)
