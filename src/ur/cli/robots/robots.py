@@ -14,7 +14,7 @@ import click
 
 from ur.cli.output import plain_text
 from ur.cli.robots.fleet import read_names
-from ur.request.remote.on_robot import STARTING_PERIOD, RobotPoller
+from ur.request.remote.robot_poller import STARTING_PERIOD, RobotPoller
 from ur.request.requirements.python_packages import need_all
 from ur.robot.discovery.announcements import Announcement, Browser
 from ur.robot.discovery.listing import RobotAnswer, RobotRow, choose_rows, list_robots
