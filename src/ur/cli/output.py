@@ -1,9 +1,7 @@
-"""Output of untrusted texts: table cells without markup, exact bytes, and files."""
+"""Output of untrusted texts: table cells without markup, exact bytes, files; and secrets and names that are given."""
 
 from __future__ import annotations
 
-import getpass
-import socket
 import sys
 from typing import TYPE_CHECKING
 
@@ -29,6 +27,8 @@ def read_lines(descriptor: int | None, option: str, count: int, *, close: bool =
 
 def ask_twice(what: str) -> str:
     """Ask for a new password, without echo, until it is typed twice; '' for none."""
+    import getpass
+
     while True:
         new = getpass.getpass(f"{what}: ")
         if new == "" or getpass.getpass("the same again: ") == new:
@@ -38,6 +38,8 @@ def ask_twice(what: str) -> str:
 
 def check_name(name: str) -> None:
     """Raise UserError if a name is not a valid robot name, or is that of this computer."""
+    import socket
+
     from ur.robot.setup.robot_states import is_robot_name
 
     if not is_robot_name(name):
