@@ -257,7 +257,7 @@ def make_run_options(request: LaunchRequest, call_started: Callable[[RunEntry], 
     options, selection, values = request.options, request.selection, request.values
     assert selection is not None
     base = values.get("robot_base", selection.base)
-    # Return the arguments of rosmaster that options set
+    # The arguments of rosmaster that options set
     found: list[str] = []
     if options.timeout is not None:
         found += ["-t", str(options.timeout)]

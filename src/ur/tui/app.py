@@ -237,7 +237,7 @@ class LogActions(RunScreen):
             return
         pager = self.services.find_pager()
         if pager is None:
-            # Return a dialog with the end of a node's log file
+            # A dialog with the end of a node's log file
             lines = read_last_lines(row.changed.log, 2000, 512 * 1024)
             text = Text.from_ansi("\n".join(lines)) if lines else Text("(empty)")
             self.push_screen(TextDialog(f"{row.name}  {row.changed.log}", text, self.palette, at_end=True))

@@ -188,7 +188,7 @@ class NavigationTopics:
         """Return the newest state, without mux, lease and silence."""
         seen, goal, pose = self._seen, self.goal(), self.robot.pose()
         speed, _, turn = self.robot.velocity()
-        # List what a goal needs and is missing
+        # What a goal needs and is missing
         names = self._names
         missing = []
         if self._seen.grid is None:

@@ -112,7 +112,7 @@ class LikelihoodField:
             exact[rows.start - top : rows.stop - top, columns.start - left : columns.stop - left] = signed[inner]
         distances = np.clip(exact, -model.max_distance, model.max_distance).astype(np.float32)
         self.distances[top:bottom, left:right] = distances
-        # Return the log likelihood of beams that end so far (m) from a wall: 0 for a sure hit, bounded below by z_rand
+        # The log likelihood of beams that end so far (m) from a wall: 0 for a sure hit, bounded below by z_rand
         hit = model.z_hit * np.exp(-0.5 * np.square(np.maximum(distances, 0.0) / model.sigma_hit))
         floor = max(model.z_rand, 1e-6)
         result: NDArray[np.float64] = np.log((hit + floor) / (model.z_hit + floor))

@@ -97,7 +97,7 @@ class DrivingPages:
             with suppress(ConnectionError, asyncio.TimeoutError):
                 await asyncio.wait_for(before.socket.close(code=WSCloseCode.GOING_AWAY, message=b"opened again"), 1.0)
         self._drivers[client] = driver
-        # Return the previous number of a page, or the lowest one that no other page of its browser has
+        # The previous number of a page, or the lowest one that no other page of its browser has
         others = (each for each, arrival in self._arrivals.items() if arrival["computer"] == computer)
         taken = {self._numbers[each] for each in others if each != client}
         number = self._numbers.pop(client, 1)

@@ -251,7 +251,7 @@ class Robot:
         `direction` is in degrees to the left of ahead. inf if nothing is in range. Raises Lost.
         """
         check_finite(width=width, direction=direction)
-        # Return the shortest range (m) within `width` degrees about `direction` (degrees to the left); inf for none
+        # The shortest range (m) within `width` degrees about `direction` (degrees to the left); inf for none
         scan = self.scan()
         angles = angles_of_beams(len(scan.ranges), scan.angle_min, scan.angle_increment) - math.radians(direction)
         about = np.abs((angles + math.pi) % (2.0 * math.pi) - math.pi) <= math.radians(width) / 2.0
@@ -272,7 +272,7 @@ class Robot:
 
     def events(self) -> tuple[str, ...]:
         """Return the reasons that keep the robot from driving for this program now, as lines for users; () if none."""
-        # Return the reasons that keep this program from driving now, as lines for users
+        # The reasons that keep this program from driving now, as lines for users
         snapshot = self._navigator.snapshot()
         silence = describe_silence(snapshot.silence.who, snapshot.silence.seconds) if snapshot.silence else ""
         emergency = describe_emergency(snapshot.mux, "it is to be released first")

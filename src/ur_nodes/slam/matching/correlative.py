@@ -118,7 +118,7 @@ class _Poses:
         step = cell / max(far, 20.0 * cell)
         reach = math.ceil(window.shift / cell)
         top = min(top, max(0, int(math.log2(max(1, 2 * reach))) - 1))
-        # Return the turns of a block at each level that no point leaves; a turn moves a point by up to `swing` cells
+        # The turns of a block at each level that no point leaves; a turn moves a point by up to `swing` cells
         swing = float(lengths.max(initial=0.0)) * step / cell
         turns = []
         for most, free in zip(_MOST_TURNS, _SWING, strict=True):

@@ -149,7 +149,7 @@ def _describe(name: str, count: int, message: RawMessage) -> Mapping[str, object
     kind, size = message.type_name[:200], len(message.data)
     value: dict[str, object] = {"t": "echo", "topic": name, "kind": kind, "size": size, "count": count}
     try:
-        # Return a message as lines of text. Raises BadDefinitionError and BadMessageError.
+        # A message as lines of text. Raises BadDefinitionError and BadMessageError.
         if len(message.data) > _LONGEST:
             raise BadMessageError(f"message of {len(message.data)} bytes, expected at most {_LONGEST} to print it")
         value["lines"] = render(decode(read_definition(message.type_name, message.schema), message.data))
