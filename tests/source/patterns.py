@@ -1,13 +1,15 @@
 """The regular expressions of `src`, and texts of their own alphabet; run as a program, it prints the slow ones.
 
 A pattern is what a module's top level or a literal in a function gives to `re`; the methods are those that the module
-calls it with. Each text is searched within CPU seconds, several hundred times what linear time takes.
+calls it with. A text that takes long is compared with a quarter of it: linear time takes a quarter for that, quadratic
+time a sixteenth.
 """
 
 import ast
 import re
 import signal
 import sys
+import time
 from collections import deque
 from collections.abc import Iterator
 from contextlib import suppress
@@ -19,7 +21,10 @@ from typing import Any
 
 SOURCE = Path(__file__).parents[2] / "src"
 LENGTH = 65_536
-SECONDS = 0.5  # of processor time
+SECONDS = 0.3
+"""Processor time (s) from which on a text is compared with a quarter of it; linear time takes a hundredth mostly."""
+GROWTH = 8.0
+"""More than four times and less than sixteen times: longer than this times what a quarter takes is slow."""
 _METHODS = {"match", "search", "fullmatch", "sub", "subn", "split", "findall", "finditer"}
 _MOST_UNITS = 12
 
@@ -183,7 +188,7 @@ def _as_class(members: Any) -> str:
 
 
 class Slow(Exception):  # noqa: N818 - says what happened
-    """A pattern has taken longer than SECONDS of processor time."""
+    """A pattern has taken longer than it was given."""
 
 
 _running = False
@@ -195,30 +200,46 @@ def _stop(_: int, __: FrameType | None) -> None:
 
 
 def find_slow_text(each: Pattern, seconds: float = SECONDS, length: int = LENGTH) -> str | None:
-    """Return the beginning of a text that takes a pattern longer (s of processor time), None for none."""
-    global _running
+    """Return the beginning of a text that takes a pattern more than linear time, None for none.
+
+    `seconds` of processor time are linear for certain.
+    """
     signal.signal(signal.SIGVTALRM, _stop)
     assert each.pattern is not None
     at_start = each.methods <= {"match", "fullmatch"}
     if count_unbounded(_parser.parse(each.pattern.pattern, each.pattern.flags & ~re.DEBUG)) <= at_start:
         return None  # linear: no repetition within or beside another, nor from each start
-    for text in list_texts(each.pattern, length):
-        given: Any = text.encode("utf-8", "replace") if isinstance(each.pattern.pattern, bytes) else text
+    quarters = list_texts(each.pattern, length // 4)
+    for text, quarter in zip(list_texts(each.pattern, length), quarters, strict=True):
         for method in sorted(each.methods):
-            words = (given[:0], given) if method in ("sub", "subn") else (given,)
-            signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
             try:
-                _running = True
-                found = getattr(each.pattern, method)(*words)
-                if method == "finditer":
-                    deque(found, 0)
-                _running = False
+                _search(each.pattern, method, text, seconds)
             except Slow:
-                return f"{method} {text[:40]!r}"
-            finally:
-                _running = False
-    signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+                try:
+                    least = min(_search(each.pattern, method, quarter, 4 * seconds) for _ in range(3))
+                    _search(each.pattern, method, text, max(seconds, GROWTH * least))
+                except Slow:
+                    return f"{method} {text[:40]!r}"
     return None
+
+
+def _search(pattern: re.Pattern[Any], method: str, text: str, seconds: float) -> float:
+    """Return the seconds of processor time of a search; Slow where it takes longer than it is given."""
+    global _running
+    given: Any = text.encode("utf-8", "replace") if isinstance(pattern.pattern, bytes) else text
+    words = (given[:0], given) if method in ("sub", "subn") else (given,)
+    begin = time.process_time()
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+    try:
+        _running = True
+        found = getattr(pattern, method)(*words)
+        if method == "finditer":
+            deque(found, 0)
+        _running = False
+    finally:
+        _running = False
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+    return time.process_time() - begin
 
 
 def main() -> int:

@@ -94,7 +94,7 @@ def is_unknown(text: str) -> bool:
     return _UNKNOWN in text
 
 
-_DESCRIPTION = re.compile(r"<description[^>]*>(.*?)</description>", re.DOTALL)
+_DESCRIPTION = re.compile(r"<description[^>]{0,200}>(.*?)(?:</description>|\Z)", re.DOTALL)
 _TAG = re.compile(r"<[^>]{0,500}>")
 
 
