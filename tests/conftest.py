@@ -89,10 +89,15 @@ def pytest_report_collectionfinish(items: list[pytest.Item]) -> str | None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the tests of tests/slow.tsv as slow but for those of tests/promises.tsv, and give them half an hour."""
+    """Mark the tests of tests/slow.tsv as slow but for those of tests/promises.tsv, and give them half an hour.
+
+    Mark those of tests/e2e as robots.
+    """
     listed = read_rows(LIST.read_text(encoding="utf-8"))
     promised = {test for _, test in read_promises(PROMISES.read_text(encoding="utf-8"))}
     for item in items:
+        if item.nodeid.startswith("tests/e2e/"):
+            item.add_marker(pytest.mark.robot)
         if is_listed(name := name_of(item.nodeid), listed):
             if not is_listed(name, promised):
                 item.add_marker(pytest.mark.slow)

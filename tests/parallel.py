@@ -1,8 +1,9 @@
 """Tests in several processes that share one collection: pytest -n N.
 
 This process collects, and forks N workers, which run what it hands them: a file at a time, for the fixtures that its
-tests share, a folder where these have the scope of a package, or one slow test that shares none. pytest-xdist collects
-once in each worker, which took a tenth of the time of all tests.
+tests share, a folder where these have the scope of a package, or one slow test that shares none. At most half of the
+workers run tests that start a whole robot (the marker `robot`), whose programs wait for one another: five at once on two
+processors took minutes to start. pytest-xdist collects once in each worker, which took a tenth of the time of all tests.
 """
 
 import os
@@ -94,14 +95,19 @@ class _Run:
     def __init__(self, session: pytest.Session) -> None:
         self._session = session
         self._hook = session.config.hook
-        self._groups = deque(group_items(session.items))
+        groups = group_items(session.items)
+        self._groups = deque(each for each in groups if not self._is_robot(each))
+        self._robots = deque(each for each in groups if self._is_robot(each))
+        """Groups that start a whole robot."""
+        self._most_robots = 1
         self._workers: list[_Worker] = []
 
     def run(self, count: int) -> None:
         """Start workers, report what they report, and replace those that end before their tests have."""
         stop = ""
+        self._most_robots = max(1, count // 2)
         try:
-            for _ in range(min(count, len(self._groups))):
+            for _ in range(min(count, len(self._groups) + len(self._robots))):
                 self._start()
             while self._workers and not stop:
                 connections.wait([e for worker in self._workers for e in (worker.connection, worker.process.sentinel)])
@@ -137,7 +143,7 @@ class _Run:
 
     def _handle(self, worker: _Worker, kind: str, content: Any) -> None:
         if kind == "ask":
-            group = self._groups.popleft() if self._groups else []
+            group = self._take(worker)
             worker.items.extend(group)
             worker.connection.send(group)
         elif kind == "report":
@@ -153,6 +159,16 @@ class _Run:
         else:
             worker.error = content
 
+    def _is_robot(self, group: Iterable[int]) -> bool:
+        return any(self._session.items[index].get_closest_marker("robot") for index in group)
+
+    def _take(self, worker: _Worker) -> list[int]:
+        """Return the next group for a worker; none where only robots are left and the others run enough of them."""
+        robots = sum(self._is_robot(each.items) for each in self._workers if each is not worker)
+        if self._robots and robots < self._most_robots:
+            return self._robots.popleft()
+        return self._groups.popleft() if self._groups else []
+
     def _replace(self, worker: _Worker) -> None:
         """Report the test that ended its process as failed, and run what followed it in another."""
         worker.process.join()
@@ -165,8 +181,8 @@ class _Run:
         report = pytest.TestReport(item.nodeid, item.location, {}, "failed", error, "call")
         self._hook.pytest_runtest_logreport(report=report)
         if worker.items:
-            self._groups.appendleft(list(worker.items))
-        if self._groups:
+            (self._robots if self._is_robot(worker.items) else self._groups).appendleft(list(worker.items))
+        if self._groups or self._robots:
             self._start()
 
     def _end(self, grace: float = 0.0) -> None:

@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[1]
 
 
 def write(folder: Path, **files: str) -> None:
-    (folder / "pytest.ini").write_text("[pytest]\naddopts = -q -p tests.parallel\nmarkers = ros\n  slow\n")
+    (folder / "pytest.ini").write_text("[pytest]\naddopts = -q -p tests.parallel\nmarkers = ros\n  slow\n  robot\n")
     for name, text in files.items():
         (folder / f"{name}.py").write_text(textwrap.dedent(text))
 
@@ -98,6 +98,46 @@ def test_slow_tests_of_a_file_run_beside_each_other(tmp_path: Path) -> None:
     )
     code, output = run(tmp_path, "-n", "2")
     assert code == 0, output
+
+
+def test_at_most_half_of_the_workers_run_robots_and_every_test_is_run(tmp_path: Path) -> None:
+    robot = """
+        import os, pathlib, pytest, secrets
+        @pytest.mark.robot
+        @pytest.mark.parametrize("number", range(3))
+        def test_runs(number):
+            mine = pathlib.Path(f"running_{secrets.token_hex(4)}")
+            mine.touch()
+            beside = len(list(pathlib.Path().glob("running_*")))
+            mine.unlink()
+            assert beside <= 2
+        """
+    light = "import pytest\n@pytest.mark.parametrize('number', range(5))\ndef test_light(number): pass\n"
+    write(tmp_path, **{f"test_robot_{name}": robot for name in "abcdefgh"}, test_light=light)
+    code, output = run(tmp_path, "-n", "5")
+    assert code == 0, output
+    assert "29 passed" in output
+    code, output = run(tmp_path, "-n", "1")
+    assert code == 0, output
+    assert "29 passed" in output
+
+
+def test_robot_that_ends_its_process_is_replaced(tmp_path: Path) -> None:
+    write(
+        tmp_path,
+        test_a="""
+            import os, pytest
+            pytestmark = pytest.mark.robot
+            @pytest.mark.parametrize("number", range(4))
+            def test_ends(number):
+                if number == 1:
+                    os._exit(3)
+            """,
+        test_b="import pytest\npytestmark = pytest.mark.robot\ndef test_other(): pass\n",
+    )
+    code, output = run(tmp_path, "-n", "3")
+    assert code == 1, output
+    assert "1 failed, 4 passed" in output
 
 
 def test_slow_tests_that_share_a_fixture_run_in_one_process(tmp_path: Path) -> None:

@@ -78,15 +78,18 @@ def test_test_that_fails_twice_fails_and_is_not_recorded(tree: Path) -> None:
     assert not (tree / "tests" / "second_tries.yaml").exists()
 
 
-def test_all_tests_of_one_file_have_a_second_chance_together(tree: Path) -> None:
-    tests = [f"tests/test_a.py::test_{name}" for name in "bcde"]
+def test_all_tests_of_six_files_have_a_second_chance_together(tree: Path) -> None:
+    tests = [f"tests/test_{name}.py::test_{number}" for name in "abcdef" for number in range(6)]
     assert run_twice(tree, failed=" ".join(tests)).returncode == 0
     assert read_record(tree) == tests
 
 
-def test_more_than_twelve_tests_of_several_files_have_no_second_chance(tree: Path) -> None:
-    failed = " ".join(f"tests/test_a.py::test_{number}" for number in range(12))
-    assert run_twice(tree, failed=f"{failed} tests/test_e.py::test_f").returncode == 1
+@pytest.mark.parametrize("files, each", [(7, 2), (1, 41)])
+def test_more_than_twelve_tests_of_seven_files_or_forty_have_no_second_chance(
+    tree: Path, files: int, each: int
+) -> None:
+    failed = " ".join(f"tests/test_{name}.py::test_{number}" for name in range(files) for number in range(each))
+    assert run_twice(tree, failed=failed).returncode == 1
     assert not (tree / "tests" / "second_tries.yaml").exists()
 
 
