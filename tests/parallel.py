@@ -2,8 +2,9 @@
 
 This process collects, and forks N workers, which run what it hands them: a file at a time, for the fixtures that its
 tests share, a folder where these have the scope of a package, or one slow test that shares none. At most half of the
-workers run tests that start a whole robot (the marker `robot`), whose programs wait for one another: five at once on two
-processors took minutes to start. pytest-xdist collects once in each worker, which took a tenth of the time of all tests.
+workers run tests that start a whole robot (the marker `robot`), whose programs wait for one another: five at once on
+two processors took minutes to start. pytest-xdist collects once in each worker, which took a tenth of the time of all
+tests.
 """
 
 import os

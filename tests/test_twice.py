@@ -84,7 +84,7 @@ def test_all_tests_of_six_files_have_a_second_chance_together(tree: Path) -> Non
     assert read_record(tree) == tests
 
 
-@pytest.mark.parametrize("files, each", [(7, 2), (1, 41)])
+@pytest.mark.parametrize(("files", "each"), [(7, 2), (1, 41)])
 def test_more_than_twelve_tests_of_seven_files_or_forty_have_no_second_chance(
     tree: Path, files: int, each: int
 ) -> None:

@@ -164,7 +164,7 @@ def start_robot(folder: Path, *arguments: str) -> Iterator[LaunchedRobot]:
         )
     robot = LaunchedRobot(launch, env, log)
     try:
-        robot.ask("ready", seconds=60)
+        robot.ask("ready", seconds=150)
         yield robot
     finally:
         robot.client.kill()

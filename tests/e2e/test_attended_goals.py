@@ -16,7 +16,7 @@ from tests.e2e.terminal import ProgramTerminal
 from tests.e2e.test_first_drive import find_node, put_at_start
 from tests.e2e.test_safe_motion import NAVIGATE, stand
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(600)]
 
 FAR = "g 7.23 10.63\n"
 

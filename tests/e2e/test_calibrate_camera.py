@@ -16,7 +16,7 @@ from ur_nodes.camera.calibration_file import read_calibration
 
 pytest.importorskip("cv2")
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(600)]
 CAMERA = ROOT / "tests" / "ur_nodes" / "camera" / "fake_camera_node.py"
 POSES, FILES = 3, 4  # of the board, and how often each is in the film: for 1 s each time
 

@@ -8,7 +8,7 @@ from tests.e2e.conftest import ROOT
 from tests.e2e.test_programs import run_command
 from tests.robot.description.urdfs import FOUR_WHEELS
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(600)]
 
 
 def test_skid_steer_of_a_description_reaches_a_goal_in_the_office(tmp_path: Path) -> None:

@@ -27,7 +27,7 @@ def test_only_files_named_after_the_base_are_added(tmp_path: Path) -> None:
 
 
 @pytest.mark.ros
-@pytest.mark.timeout(400)
+@pytest.mark.timeout(600)
 @pytest.mark.parametrize(
     "program",
     [

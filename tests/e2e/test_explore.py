@@ -10,7 +10,7 @@ from tests.e2e.test_programs import run_command, run_program
 
 from ur_nodes.geometry.grid import load_map
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(200)]
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(600)]
 
 
 def write_two_rooms(folder: Path) -> Path:

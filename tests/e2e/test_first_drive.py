@@ -12,7 +12,7 @@ import pytest
 from tests.e2e.conftest import ROOT, LaunchedRobot, list_family
 from tests.e2e.terminal import ProgramTerminal
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(600)]
 
 START = {"x": 0.0, "y": 0.0, "degrees": 0.0}
 
@@ -84,7 +84,7 @@ def test_killed_node_is_restarted_and_the_robot_goes_on(robot: LaunchedRobot, na
     victim = find_node(robot, name)
     os.kill(victim, signal.SIGKILL)
     find_node(robot, name, other_than=victim)
-    robot.ask("ready", seconds=60)
+    robot.ask("ready", seconds=150)
     put_at_start(robot)
     result: dict[str, Any] = robot.ask("goal", x=1.0, y=0.0, degrees=0.0, seconds=60)
     assert result["state"] == "SUCCEEDED", result["text"]

@@ -22,7 +22,7 @@ from tests.ros_session import free_port
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 pytest.importorskip("foxglove", reason="foxglove-sdk is not installed: requirements/foxglove.lock")
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(600)]
 SDK, OLD = "foxglove.sdk.v1", "foxglove.websocket.v1"
 LIMIT = 60.0  # s
 

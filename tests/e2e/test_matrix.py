@@ -39,14 +39,14 @@ def _parameters(sample: Collection[str]) -> list[object]:
 
 
 @pytest.mark.ros
-@pytest.mark.timeout(400)
+@pytest.mark.timeout(600)
 @pytest.mark.parametrize("cell", _parameters(ROS_1))
 def test_program_runs_on_base_or_says_what_it_lacks(cell: Cell, tmp_path: Path) -> None:
     result = try_cell(cell, tmp_path)
     assert not result.faults, "\n".join(result.faults)
 
 
-@pytest.mark.timeout(400)
+@pytest.mark.timeout(600)
 @pytest.mark.skipif(not PYTHON.exists(), reason="no wheels of ROS 2 for this processor")
 @pytest.mark.parametrize("cell", _parameters(ROS_2))
 def test_program_runs_on_base_or_says_what_it_lacks_on_ros_2(cell: Cell, tmp_path: Path) -> None:

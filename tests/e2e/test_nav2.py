@@ -23,7 +23,7 @@ BUTTON = "[...document.querySelectorAll('button')].find((each) => each.textConte
 NODE = ROOT / "ubiquity_launches/lib/node"
 
 pytestmark = [
-    pytest.mark.timeout(400),
+    pytest.mark.timeout(600),
     pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
     pytest.mark.skipif(not PYTHON.exists(), reason="no wheels of ROS 2 for this processor"),
 ]

@@ -10,7 +10,7 @@ from tests.e2e.web_page import PROGRAM, BrowserPage, open_first, start_server
 
 pytestmark = [
     pytest.mark.ros,
-    pytest.mark.timeout(300),
+    pytest.mark.timeout(600),
     pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
 ]
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")

@@ -12,7 +12,7 @@ TITLES = ("Start", "Stop")
 LAUNCH = str(Path(__file__).with_name("robot.launch"))
 
 pytestmark = [
-    pytest.mark.timeout(300),
+    pytest.mark.timeout(600),
     pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
     pytest.mark.skipif(not PYTHON.exists(), reason="no wheels of ROS 2 for this processor"),
 ]

@@ -13,7 +13,7 @@ from tests.e2e.test_attended_goals import environment, navigate
 from tests.e2e.test_first_drive import find_node, put_at_start
 from tests.e2e.test_safe_motion import NAVIGATE, stand
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(600)]
 
 NEAR = [{"name": "sofa", "x": 0.5, "y": 0.0}, {"name": "hall", "x": 0.9, "y": 0.0}]
 FAR = [{"name": "attic", "x": 7.23, "y": 10.63}, *NEAR]

@@ -11,7 +11,7 @@ from tests.e2e.conftest import ROOT, make_environment
 from tests.office_fiducials import write_office_map
 from tests.ur_nodes.simulator.renderer import needs_renderer
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(200)]
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(600)]
 
 
 def run_program(

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from tests.e2e.conftest import ROOT, make_environment
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(200)]
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(600)]
 
 LIBRARY = ROOT / "ubiquity_launches"
 HOSTILE = "lab' sh -c 'touch PWN' '.yaml"  # in a quotation of a launch-prefix, it would run a command

@@ -12,7 +12,7 @@ from tests.e2e.matrix_table import Topic
 from tests.ros2_session import PYTHON, free_domain
 
 pytestmark = [
-    pytest.mark.timeout(300),
+    pytest.mark.timeout(600),
     pytest.mark.skipif(not PYTHON.exists(), reason="no wheels of ROS 2 for this processor"),
 ]
 rosbags = pytest.importorskip("rosbags.highlevel", reason="rosbags is not installed: requirements/recordings.lock")

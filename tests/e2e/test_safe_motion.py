@@ -16,7 +16,7 @@ from tests.e2e.terminal import ProgramTerminal
 from tests.e2e.test_first_drive import GOALS, find_node, put_at_start
 from tests.json_client import wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(600)]
 
 KEYBOARD = str(ROOT / "ubiquity_launches" / "n_teleop_twist_keyboard" / "bin" / "teleop_twist_keyboard.py")
 NAVIGATE = str(ROOT / "ubiquity_launches" / "n_keyboard_navigate" / "bin" / "keyboard_navigate_node")
@@ -156,7 +156,7 @@ def test_robot_stands_when_a_node_that_drives_it_is_killed_and_drives_again_when
     if name == "move_base":  # navigation goes on by itself when only the mux was gone
         stand(robot)
     find_node(robot, name, other_than=victim, seconds=60)
-    robot.ask("ready", seconds=60)
+    robot.ask("ready", seconds=150)
     put_at_start(robot)
     result = robot.ask("goal", x=1.0, y=0.0, degrees=0.0, seconds=60)
     assert result["state"] == "SUCCEEDED", result["text"]

@@ -15,7 +15,7 @@ __all__ = ["server"]  # a fixture
 
 pytestmark = [
     pytest.mark.ros,
-    pytest.mark.timeout(300),
+    pytest.mark.timeout(600),
     pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
 ]
 

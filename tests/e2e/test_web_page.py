@@ -16,7 +16,7 @@ DESK = (1400, 900)
 
 pytestmark = [
     pytest.mark.ros,
-    pytest.mark.timeout(300),
+    pytest.mark.timeout(600),
     pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
 ]
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")

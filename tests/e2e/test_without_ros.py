@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from tests.e2e.conftest import ROOT
 
-pytestmark = pytest.mark.timeout(200)
+pytestmark = pytest.mark.timeout(600)
 
 
 def test_robot_is_driven_to_a_goal_by_nodes_in_one_process(tmp_path: Path) -> None:

@@ -212,15 +212,20 @@ def find_slow_text(each: Pattern, seconds: float = SECONDS, length: int = LENGTH
     quarters = list_texts(each.pattern, length // 4)
     for text, quarter in zip(list_texts(each.pattern, length), quarters, strict=True):
         for method in sorted(each.methods):
-            try:
-                _search(each.pattern, method, text, seconds)
-            except Slow:
-                try:
-                    least = min(_search(each.pattern, method, quarter, 4 * seconds) for _ in range(3))
-                    _search(each.pattern, method, text, max(seconds, GROWTH * least))
-                except Slow:
-                    return f"{method} {text[:40]!r}"
+            if _is_slow(each.pattern, method, text, quarter, seconds):
+                return f"{method} {text[:40]!r}"
     return None
+
+
+def _is_slow(pattern: re.Pattern[Any], method: str, text: str, quarter: str, seconds: float) -> bool:
+    with suppress(Slow):
+        _search(pattern, method, text, seconds)
+        return False
+    with suppress(Slow):
+        least = min(_search(pattern, method, quarter, 4 * seconds) for _ in range(3))
+        _search(pattern, method, text, max(seconds, GROWTH * least))
+        return False
+    return True
 
 
 def _search(pattern: re.Pattern[Any], method: str, text: str, seconds: float) -> float:

@@ -52,7 +52,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory, joystick: VirtualJoystick) -
         )
     started = JoystickRobot(launch, env, joystick)
     try:
-        assert started.ask("ready", seconds=60) == "idle"
+        assert started.ask("ready", seconds=150) == "idle"
         yield started
     finally:
         started.client.kill()
@@ -127,7 +127,7 @@ def test_new_mux_sends_a_stop_to_the_base(robot: JoystickRobot) -> None:
     robot.ask("history")  # no client drives, so what is published from now on is the new mux's stop
     kill_mux(robot)
     robot.ask("hears", velocity=[0.0, 0.0], seconds=60)  # for drivers that go on with the last command they received
-    assert robot.ask("ready", seconds=60) == "idle"
+    assert robot.ask("ready", seconds=150) == "idle"
 
 
 def kill_mux(robot: JoystickRobot) -> None:

@@ -58,7 +58,7 @@ def start_robot(folder: Path) -> Iterator[Client]:
     )
     try:
         robot = Client(client)
-        robot.ask("ready", seconds=60.0)
+        robot.ask("ready", seconds=150.0)
         yield robot
     finally:
         client.kill()
