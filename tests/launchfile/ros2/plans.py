@@ -15,7 +15,7 @@ IMPORTS = "\n".join(
         "launch_ros.substitutions",
     )
 )  # fmt: skip
-PACKAGES = {"demo": "/opt/demo/share/demo", "nav": "/opt/nav/share/nav"}
+PACKAGES = {"demo": "/opt/demo/share/demo", "nav": "/opt/nav/share/nav", "launch": "/opt/launch/share/launch"}
 ENVIRONMENT = {"HOME": "/home/robot", "PATH": "/usr/bin", "ROBOT": "r2"}
 FILES = {
     "/opt/demo/share/demo/package.xml": "<package/>",

@@ -150,7 +150,7 @@ KNOWN = {  # statements that set `x`, the text of it
         "from nav2_common.launch import ParseMultiRobotPose\nx = ParseMultiRobotPose('robots').value()",
         "{}",
     ),
-    "packages": ("from ros2pkg.api import get_package_names\nx = get_package_names()", "['demo', 'nav']"),
+    "packages": ("from ros2pkg.api import get_package_names\nx = get_package_names()", "['demo', 'launch', 'nav']"),
     "folders of packages": (
         "import ament_index_python.packages as p\nx = p.get_packages_with_prefixes()['nav']",
         "/opt/nav",
@@ -198,6 +198,27 @@ KNOWN = {  # statements that set `x`, the text of it
         "x = p(LaunchContext(), n('a'))",
         "a",
     ),
+    "generator": (
+        "def f(n):\n    for i in range(n):\n        yield i\n    yield from [7, 8]\ndef g():\n    return\n    yield\n"
+        "x = [*f(2), *g(), dict([(a, a) for a in f(1)])]",
+        "[0, 1, 7, 8, {0: 0, 7: 7, 8: 8}]",
+    ),
+    "kind of a value": (
+        "from typing import MutableMapping\nx = [isinstance(a, MutableMapping) for a in ({}, [])]",
+        "[True, False]",
+    ),
+    "generic class": (
+        "from typing import Generic, TypeVar\nT = TypeVar('T')\nclass A(Generic[T]):\n    b = 1\n"
+        "class C(A[int]):\n    pass\nx = C().b",
+        "1",
+    ),
+    "class and function that are not followed": (
+        "import launch_testing\n@launch_testing.post_shutdown_test()\nclass A:\n    pass\n"
+        "async def f():\n    pass\nx = 1",
+        "1",
+    ),
+    "module that is relative": ("from demo.inner.user import x", "[7, 'a!', 7]"),
+    "module of the API that a workspace has": ("from nav.exposed import x", "1"),
     "nested data": ("x = [{'a': (1, 2)}][0]['a'][1]", "2"),
 }
 HELPERS = {
@@ -207,6 +228,12 @@ HELPERS = {
     "/ws/beside.py": "value = 7\n",
     "/opt/demo/share/demo/demo/helper.py": "def name(a):\n    return a + '!'\n",
     "/opt/demo/share/demo/demo/__init__.py": "",
+    "/opt/demo/share/demo/demo/inner/__init__.py": "from . import own\nvalue = own.value\n",
+    "/opt/demo/share/demo/demo/inner/own.py": "value = 7\n",
+    "/opt/demo/share/demo/demo/inner/user.py": "from ..helper import name\nfrom .own import value\n"
+    "from . import value as same\nx = [value, name('a'), same]\n",
+    "/opt/nav/lib/python3.12/site-packages/nav/exposed.py": "from launch.frontend import expose_action\nx = 1\n",
+    "/opt/launch/share/launch/launch/frontend/__init__.py": "from . import nothing\nraise RuntimeError\n",
 }
 
 
@@ -243,6 +270,7 @@ UNKNOWN = {  # statements after which `x` is not known
     "attribute": "import time\nclass A:\n    def __init__(self):\n        self.b = 1\n        if time.time():\n"
     "            self.b = 2\nx = A().b",
     "text of an object": "class A:\n    pass\nx = f'{A()}'",
+    "generator": "import time\ndef f():\n    for a in range(int(time.time())):\n        yield a\nx = list(f())[0]",
     "pattern of repeats": "import re\nx = re.match('(a+)+$', 'aab')",
 }
 

@@ -303,7 +303,11 @@ class Context:
 
         It is beside a file, in the folders that the file adds to sys.path, or in the package of its name.
         """
-        first, *rest = name.strip(".").split(".")
+        inner = name.lstrip(".")
+        if level := len(name) - len(inner):  # of the package that the file is in, or of one above it
+            whole = "/".join((*beside.split("/")[:-level], *filter(None, inner.split("."))))
+            return [path for path in (f"{whole}.py" if inner else "", f"{whole}/__init__.py") if self.is_file(path)]
+        first, *rest = name.split(".")
         folders = [beside.rpartition("/")[0], *(str(each) for each in folders_of_file)]
         with suppress(PackageNotFound, OSError, ValueError):
             share = self.world.find_package(first)

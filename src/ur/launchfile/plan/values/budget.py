@@ -64,6 +64,10 @@ class Budget:
         self._end = self.left - PER_EXPRESSION
         self._least = max(self._end, 0)
 
+    def end(self) -> None:
+        """End an expression: what follows may spend all that is left."""
+        self._end = self._least = 0
+
     def charge(self, units: int) -> None:
         """Charge units for work outside of expressions. Raises TooLong if too few are left."""
         self.left -= units

@@ -48,6 +48,7 @@ class Expressions(Evaluator):
         self._is_ascii = source.text.isascii()
         self.function: Function | None = None  # that is being called
         self.tries = 0  # how many `try` of the file are around this place
+        self.yields: list[object] = []  # what the function has yielded that is being called
         self.call_function: CallFunction = _not_called
         self.find_method: Callable[[object, str], object] = lambda *_: None
         """Return a method that needs the computer, of a value; None if it is none of those."""
@@ -126,6 +127,18 @@ class Expressions(Evaluator):
             raise ValueError(f"expected a text of at most {MAX_LENGTH:,} characters")
         self.budget.spend(_PER_EVAL + PER_YAML_CHARACTER * len(text))
         return self.visit(ast.parse(text.strip(), mode="eval").body)
+
+    def visit_Yield(self, node: ast.Yield) -> None:
+        self.yields.append(None if node.value is None else self.visit(node.value))
+        functions.size_of(self.yields)
+
+    def visit_YieldFrom(self, node: ast.YieldFrom) -> None:
+        values: Any = self.visit(node.value)
+        if isinstance(values, Unknown):
+            raise NotRead(values.reason, values.span or self.span(node))
+        self.budget.weigh(values)
+        self.yields.extend(values)
+        functions.size_of(self.yields)
 
     def visit_Lambda(self, node: ast.Lambda) -> object:
         defaults = tuple(self.visit(each) for each in node.args.defaults)
@@ -244,6 +257,8 @@ class Expressions(Evaluator):
                 return each
         if isinstance(value, Mapping) and not isinstance(value, dict):
             return value[index]
+        if isinstance(value, UserClass) and "__class_getitem__" not in value.members:
+            return value  # of a generic class, for types of which alone its parts are
         if value is list and index in (bool, int, float, str):
             return list[index]  # type: ignore[valid-type]
         if isinstance(value, ApiClass | type) or value is None:

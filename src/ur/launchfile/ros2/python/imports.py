@@ -7,7 +7,7 @@ from typing import cast
 from ur.launchfile.ros2.context import Context
 from ur.launchfile.ros2.model import DescriptionProblem, Unknown
 from ur.launchfile.ros2.python.expressions import Expressions
-from ur.launchfile.ros2.python.modules import Library, is_api, missing_member
+from ur.launchfile.ros2.python.modules import Library, is_api, is_below_api, missing_member
 from ur.launchfile.ros2.python.objects import Module
 
 
@@ -46,24 +46,25 @@ class Imports:
         names = self._expressions.frame.names_here
         for alias in node.names:
             target = alias.asname or alias.name
-            if module is None:
-                names[target] = self._missing_module(name, node)
-            elif alias.name == "*":
+            inner = f"{name}.{alias.name}" if node.module else f"{name}{alias.name}"
+            if alias.name == "*" and module is not None:
                 names.update(module.members)
-            elif alias.name in module.members:
+            elif module is not None and alias.name in module.members:
                 names[target] = module.members[alias.name]
-            elif is_api(name):
+            elif module is not None and is_api(name):
                 self._report(missing_member(module, alias.name, self._expressions.span(alias)))
                 names[target] = Unknown(f"{name} has no {alias.name}", self._expressions.span(alias))
+            elif (found := self._find_module(inner)) is not None:  # also of a package that is being read
+                names[target] = found
+            elif module is None:
+                names[target] = self._missing_module(name, node)
             else:
-                names[target] = self._find_module(f"{name}.{alias.name}") or Unknown(
-                    f"{name}.{alias.name} is not computed while reading", self._expressions.span(node)
-                )
+                names[target] = Unknown(f"{inner} is not computed while reading", self._expressions.span(node))
 
     def _find_module(self, name: str) -> Module | None:
         """Return a module: one that is known, or a file of a package or beside the launch file, which is read."""
         known = self._library.find(name)
-        if known is not None:
+        if known is not None or is_below_api(name):  # of which a workspace may have the sources
             return known
         context = self._context
         for path in context.module_paths(name, self._expressions.source.path, self._library.standard.paths):
@@ -75,6 +76,6 @@ class Imports:
 
     def _missing_module(self, name: str, node: ast.stmt) -> Unknown:
         here, top = self._expressions, name.partition(".")[0]
-        if top in sys.stdlib_module_names or not top or is_api(name):
+        if top in sys.stdlib_module_names or not top or is_below_api(name):
             return Unknown(f"the module {name} is not followed while reading", here.span(node))
         return Unknown(f"the Python module {name} is not installed", here.span(node), "package")

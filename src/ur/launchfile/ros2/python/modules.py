@@ -56,6 +56,9 @@ class PackageNotFoundError(KeyError):
     """The exception of ament_index_python, as files handle it by its name."""
 
 
+_TYPES: dict[str, object] = {"List": list, **dict.fromkeys(("Dict", "Mapping", "MutableMapping"), dict)}
+
+
 class Library:
     """The modules of one launch file in its context."""
 
@@ -67,7 +70,7 @@ class Library:
             "os": self._os,
             "os.path": self._os_path,
             "math": lambda: Module("math", functions.MATH),
-            "typing": lambda: Module("typing", {"List": list, "Dict": dict, "TYPE_CHECKING": False}),
+            "typing": lambda: Module("typing", _TYPES | {"TYPE_CHECKING": False}),
             "pathlib": lambda: Module("pathlib", {"Path": make_path, "PurePath": make_path}),
             "xacro": lambda: Module(
                 "xacro",
@@ -384,3 +387,9 @@ def missing_member(module: Module, name: str, span: Span) -> DescriptionProblem:
 def is_api(name: str) -> bool:
     """Return whether a module belongs to the launch API, all of whose names are known."""
     return name in modules() and not name.startswith("nav2_common")
+
+
+def is_below_api(name: str) -> bool:
+    """Return whether a module is one of a package of the launch API, known or not."""
+    top = name.partition(".")[0]
+    return top != "nav2_common" and any(each.partition(".")[0] == top for each in modules())

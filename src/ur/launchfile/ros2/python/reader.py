@@ -38,6 +38,7 @@ from ur.launchfile.ros2.python.statements import (
     assigns_names,
     decorator_name,
     extended_names,
+    is_generator,
     parse_text,
     reading_of,
     walk_here,
@@ -125,6 +126,8 @@ class _Reader(Imports):
         except (TooLong, RecursionError) as problem:
             self._gaps[Unknown(str(problem) or "it is nested too deep")] = None
             return Description(path, None, tuple(self._problems), tuple(self._gaps))
+        finally:
+            self._context.budget.end()
         if isinstance(launch, Unknown):
             self._gaps[launch] = None
         if isinstance(launch, Made) and launch.kind == "LaunchDescription":
@@ -201,6 +204,8 @@ class _Reader(Imports):
         if self._depth and isinstance(statement, ast.Raise | ast.Assert):
             self._gap(unknown)
             raise Returned(unknown)
+        if any(isinstance(each, ast.Yield | ast.YieldFrom) for each in walk_here(statement)):
+            self._expressions.yields.append(unknown)
         if any(isinstance(each, ast.Return) for each in walk_here(statement)):
             raise Returned(unknown)
         if not isinstance(statement, (ast.Import, ast.ImportFrom)) and not assigns_names(statement):
@@ -246,7 +251,9 @@ class _Reader(Imports):
         here = self._expressions
         kinds = {decorator_name(each) for each in node.decorator_list}
         if node.keywords or not kinds <= {"dataclass", *_NEUTRAL}:
-            raise NotRead(f"the class {node.name} is not followed while reading", here.span(node))
+            text = f"the class {node.name} is not followed while reading"
+            here.frame.names_here[node.name] = Unknown(text, here.span(node))
+            return
         visited = [here.visit(base) for base in node.bases]
         bases = [base for base in visited if isinstance(base, UserClass)]
         api = [
@@ -274,6 +281,10 @@ class _Reader(Imports):
             self._exception_of(node, bases),
         )
 
+    def _run_AsyncFunctionDef(self, node: ast.AsyncFunctionDef) -> None:  # noqa: N802
+        text = f"the function {node.name} is not followed while reading"
+        self._expressions.frame.names_here[node.name] = Unknown(text, self._expressions.span(node))
+
     def _exception_of(self, node: ast.ClassDef, bases: list[UserClass]) -> type[Exception] | None:
         """Return what is raised with a class: a class of its name, below the exception that it is derived from."""
         known = [base.exception for base in bases if base.exception is not None]
@@ -292,6 +303,7 @@ class _Reader(Imports):
         variables, here.variables = here.variables, []
         loops, self._loops = self._loops, 0
         tries, here.tries = here.tries, 0
+        yields, here.yields = here.yields, []
         self._tries_around += tries
         self._depth += 1
         try:
@@ -299,12 +311,17 @@ class _Reader(Imports):
                 return here.visit(function.node.body)
             self._run(function.node.body)
         except Returned as returned:
-            return returned.value
+            if isinstance(returned.value, Unknown) or not is_generator(function.node):
+                return returned.value
+        else:
+            if not is_generator(function.node):
+                return None
         finally:
+            generated, here.yields = here.yields, yields
             here.frame, here.variables, here.function, here.tries = outer, variables, caller, tries
             self._depth, self._loops = self._depth - 1, loops
             self._tries_around -= tries
-        return None
+        return iter(generated)  # all at once, as expressions are computed
 
     def _run_Return(self, node: ast.Return) -> None:  # noqa: N802
         if not self._depth:

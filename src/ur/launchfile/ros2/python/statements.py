@@ -69,6 +69,12 @@ def walk_here(statement: ast.stmt) -> Iterator[ast.AST]:
             waiting.extend(ast.iter_child_nodes(node) if not inner else [])
 
 
+def is_generator(function: ast.FunctionDef | ast.Lambda) -> bool:
+    """Return whether a function yields."""
+    body = [] if isinstance(function, ast.Lambda) else function.body
+    return any(isinstance(part, ast.Yield | ast.YieldFrom) for each in body for part in walk_here(each))
+
+
 def assigned_names(statement: ast.stmt) -> Iterator[str]:
     """Yield the names that a statement gives a value, also those of a class, a function or an import."""
     if isinstance(statement, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
