@@ -107,7 +107,7 @@ def is_alive(pid: int) -> bool:
         return False
 
 
-def end(process: subprocess.Popen[Any], seconds: float = 60.0) -> None:
+def end(process: subprocess.Popen[Any], seconds: float = 150.0) -> None:
     """Interrupt as Ctrl-C would, and insist if that does not help. Fails when something is left.
 
     What has ended and is not reaped yet is not left: that is for the first process of the computer to do.

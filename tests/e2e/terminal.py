@@ -78,7 +78,7 @@ class ProgramTerminal:
         """Forget all that was shown so far."""
         self._shown = b""
 
-    def wait_for(self, text: str, seconds: float = 60.0) -> None:
+    def wait_for(self, text: str, seconds: float = 150.0) -> None:
         """Until a text was shown since the last call."""
         end = time.monotonic() + seconds
         while text not in self.text:

@@ -52,20 +52,20 @@ def kill_on_the_way(robot: LaunchedRobot, name: str) -> None:
     """A program sends the robot away and is killed."""
     put_at_start(robot)
     with navigate(robot, name, FAR) as process:
-        robot.ask("moving", seconds=60)
+        robot.ask("moving", seconds=150)
         process.kill()
 
 
 def test_robot_holds_the_goal_of_a_killed_program_and_goes_on_when_it_is_back(robot: LaunchedRobot) -> None:
     kill_on_the_way(robot, "laptop")
-    robot.ask("goals", state="ACTIVE", text="held: no word from laptop for ", seconds=60)
+    robot.ask("goals", state="ACTIVE", text="held: no word from laptop for ", seconds=150)
     stand(robot)
     with ProgramTerminal([NAVIGATE, "__name:=back"], environment(robot, "laptop")) as terminal:
-        robot.ask("moving", seconds=60)
-        robot.ask("goals", state="ACTIVE", text="", seconds=60)
+        robot.ask("moving", seconds=150)
+        robot.ask("goals", state="ACTIVE", text="", seconds=150)
         terminal.wait_for("driving")
         terminal.type("x\r")
-        robot.ask("goals", state="PREEMPTED", text="cancelled", seconds=60)
+        robot.ask("goals", state="PREEMPTED", text="cancelled", seconds=150)
         stand(robot)
         terminal.type("q\r")
         terminal.process.wait(60)
@@ -74,16 +74,16 @@ def test_robot_holds_the_goal_of_a_killed_program_and_goes_on_when_it_is_back(ro
 def test_goal_is_cancelled_when_another_computer_takes_over(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     with navigate(robot, "laptop", FAR, keep_open=False) as former:
-        robot.ask("moving", seconds=60)
+        robot.ask("moving", seconds=150)
         with navigate(robot, "laptop2", "g 1 0\n", keep_open=False) as second:
-            out, _ = second.communicate(timeout=60)
+            out, _ = second.communicate(timeout=150)
             assert out.startswith("g 1 0: not sent: laptop (keyboard_navigate) drives since ")
             assert second.returncode == 1
         with navigate(robot, "laptop2", "take\ng 0.5 0\n", keep_open=False) as second:
-            out, _ = former.communicate(timeout=60)
+            out, _ = former.communicate(timeout=150)
             assert "laptop2 took over" in out
             assert former.returncode == 1
-            out, errors = second.communicate(timeout=90)
+            out, errors = second.communicate(timeout=150)
             assert (second.returncode, out.splitlines()[0]) == (0, "take: drives now"), errors
             assert "g 0.5 0: reached" in out
 
@@ -94,38 +94,38 @@ def test_screen_says_that_the_robot_is_silent_and_holds_the_goal_open(robot: Lau
     with ProgramTerminal([NAVIGATE, "__name:=at_hand"], environment(robot, "laptop")) as terminal:
         terminal.wait_for("localised")
         terminal.type("g 7.23 10.63\r")
-        robot.ask("moving", seconds=60)
+        robot.ask("moving", seconds=150)
         try:
             for pid in silent:
                 os.kill(pid, signal.SIGSTOP)
             terminal.wait_for("no word from the robot for 1.")
             terminal.wait_for("goal unknown until it answers")
-            stopped = robot.ask("still", seconds=60)
+            stopped = robot.ask("still", seconds=150)
             terminal.wait_for("no word from the robot for 5.")
             assert "failed" not in terminal.text
         finally:
             for pid in silent:
                 os.kill(pid, signal.SIGCONT)
         terminal.wait_for("driving")
-        assert robot.ask("moving", seconds=60)["true"] != stopped["true"]
+        assert robot.ask("moving", seconds=150)["true"] != stopped["true"]
         terminal.type("q\r")
         terminal.process.wait(60)
-    robot.ask("goals", state="PREEMPTED", text="cancelled", seconds=60)
+    robot.ask("goals", state="PREEMPTED", text="cancelled", seconds=150)
     stand(robot)
 
 
 def test_robot_that_is_told_to_ask_waits_for_the_answer_on_the_screen(tmp_path: Path) -> None:
     with start_robot(tmp_path, "on_return:=ask") as robot:
         kill_on_the_way(robot, "laptop")
-        robot.ask("goals", state="ACTIVE", text="held: no word from laptop for ", seconds=60)
+        robot.ask("goals", state="ACTIVE", text="held: no word from laptop for ", seconds=150)
         stand(robot)
         with ProgramTerminal([NAVIGATE, "__name:=back"], environment(robot, "laptop")) as terminal:
             terminal.wait_for("held: the robot waits for you; Enter or c continues, x cancels")
             stand(robot)
             terminal.type("\r")
-            robot.ask("moving", seconds=60)
+            robot.ask("moving", seconds=150)
             terminal.wait_for("driving")
             terminal.type("x\r")
-            robot.ask("goals", state="PREEMPTED", text="cancelled", seconds=60)
+            robot.ask("goals", state="PREEMPTED", text="cancelled", seconds=150)
             terminal.type("q\r")
             terminal.process.wait(60)

@@ -65,7 +65,7 @@ def test_plain_roslaunch_finds_the_files_of_the_base_too(tmp_path: Path) -> None
     }
     words = [PACKAGE.name, "m_local_costmap.launch.xml", f"robot_base:={NAME}"]
     command = ["/usr/bin/roslaunch", "--dump-params", *words]
-    done = subprocess.run(command, env=env, capture_output=True, text=True, check=True, timeout=90)
+    done = subprocess.run(command, env=env, capture_output=True, text=True, check=True, timeout=150)
     values = yaml.safe_load(done.stdout)
     assert Path(values["/simulator/package"]).resolve() == (tmp_path / "share" / PACKAGE.name).resolve()
     assert f'<robot name="{NAME}"' in values["/robot_description"]

@@ -24,12 +24,12 @@ def distance(first: list[float], second: tuple[float, float] | list[float]) -> f
 def put_at_start(robot: LaunchedRobot) -> None:
     """Stop the robot at the start, localised there, with no emergency and no lease left by a test that failed."""
     robot.ask("call", service="cmd_vel_mux/release")
-    robot.ask("stopped", value=False, seconds=60)
-    robot.ask("free", seconds=60)
+    robot.ask("stopped", value=False, seconds=150)
+    robot.ask("free", seconds=150)
     robot.ask("cancel")
-    robot.ask("still", seconds=60)
+    robot.ask("still", seconds=150)
     assert robot.ask("place", **START)["success"]
-    robot.ask("believe", **START, seconds=60)
+    robot.ask("believe", **START, seconds=150)
 
 
 def read_command(pid: int) -> list[str]:
@@ -39,7 +39,7 @@ def read_command(pid: int) -> list[str]:
         return []
 
 
-def find_node(robot: LaunchedRobot, name: str, other_than: int = 0, seconds: float = 60.0) -> int:
+def find_node(robot: LaunchedRobot, name: str, other_than: int = 0, seconds: float = 150.0) -> int:
     """The process id of a node, waited for."""
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
@@ -54,13 +54,13 @@ def test_robot_drives_as_told_and_stops_when_the_commands_stop(robot: LaunchedRo
     put_at_start(robot)
     before = robot.ask("where")["true"]
     robot.ask("drive", forward=0.3, turn=0.0, seconds=1.0)
-    after = robot.ask("still", seconds=60)["true"]
+    after = robot.ask("still", seconds=150)["true"]
     assert 0.02 < distance(before, after) < 1.5  # 0.3 m, had the computer all the time it needs
 
 
 def test_robot_reaches_a_goal(robot: LaunchedRobot) -> None:
     put_at_start(robot)
-    result = robot.ask("goal", x=1.5, y=0.0, degrees=90.0, seconds=60)
+    result = robot.ask("goal", x=1.5, y=0.0, degrees=90.0, seconds=150)
     assert result["state"] == "SUCCEEDED", result["text"]
     x, y, yaw = result["true"]
     assert math.hypot(x - 1.5, y) < 0.15
@@ -86,7 +86,7 @@ def test_killed_node_is_restarted_and_the_robot_goes_on(robot: LaunchedRobot, na
     find_node(robot, name, other_than=victim)
     robot.ask("ready", seconds=150)
     put_at_start(robot)
-    result: dict[str, Any] = robot.ask("goal", x=1.0, y=0.0, degrees=0.0, seconds=60)
+    result: dict[str, Any] = robot.ask("goal", x=1.0, y=0.0, degrees=0.0, seconds=150)
     assert result["state"] == "SUCCEEDED", result["text"]
 
 
@@ -99,9 +99,9 @@ def test_robot_stands_when_the_viewer_is_killed_and_the_robot_side_lives_on(robo
     with ProgramTerminal([str(ROOT / "ur"), "launch", str(launch), "robot_base:=stage"], robot.env) as viewer:
         viewer.wait_for("■ stopped")
         viewer.hold("i")
-        robot.ask("moving", seconds=60)
+        robot.ask("moving", seconds=150)
         viewer.process.kill()  # `ur` alone: what it started must not live on
-        robot.ask("still", seconds=60)
-        robot.ask("active", name="idle", seconds=60)
-    result = robot.ask("goal", x=1.0, y=0.0, degrees=0.0, seconds=60)
+        robot.ask("still", seconds=150)
+        robot.ask("active", name="idle", seconds=150)
+    result = robot.ask("goal", x=1.0, y=0.0, degrees=0.0, seconds=150)
     assert result["state"] == "SUCCEEDED", result["text"]

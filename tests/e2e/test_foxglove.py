@@ -183,14 +183,14 @@ async def test_viewer_sees_scan_map_and_camera_and_sends_a_goal(server: PageProc
                     await viewer.until(lambda: viewer.messages.get(4), 5.0)
                     break
             assert viewer.messages.get(4), viewer.status
-            await asyncio.to_thread(robot.ask, "moving", seconds=60)
-            await asyncio.to_thread(robot.ask, "lease", state="held", seconds=60)
+            await asyncio.to_thread(robot.ask, "moving", seconds=150)
+            await asyncio.to_thread(robot.ask, "lease", state="held", seconds=150)
             for _ in range(15):
                 await viewer.publish(12, "/move_base_simple/goal", "geometry_msgs/PoseStamped", pose_bytes(1.0, 0.0))
             await viewer.until(lambda: any("too many at once, expected at most 2 a second" in e for e in viewer.status))
             await socket.close()
-        await asyncio.to_thread(robot.ask, "still", seconds=60)  # nobody can continue its goal: it is cancelled
-        await asyncio.to_thread(robot.ask, "lease", state="free", seconds=60)
+        await asyncio.to_thread(robot.ask, "still", seconds=150)  # nobody can continue its goal: it is cancelled
+        await asyncio.to_thread(robot.ask, "lease", state="free", seconds=150)
 
 
 async def test_viewer_that_may_only_look_cannot_publish(robot: LaunchedRobot) -> None:
@@ -223,12 +223,12 @@ async def test_killed_server_leaves_the_base_at_rest_and_no_process(robot: Launc
                 await FoxgloveViewer(viewer).subscribe(1, "/scan")
                 async with client.ws_connect(f"{url}/ws/drive?tab=0123456789") as page:
                     driving = asyncio.create_task(hold_stick(page))
-                    await asyncio.to_thread(robot.ask, "moving", seconds=60)
+                    await asyncio.to_thread(robot.ask, "moving", seconds=150)
                     family = [each for each in list_family(server.process.pid) if is_alive(each)]
                     assert len(family) >= 3  # the server, the robot's end, and that of viewers
                     server.process.send_signal(signal.SIGKILL)
                     server.process.wait(30)
-                    await asyncio.to_thread(robot.ask, "still", seconds=60)
+                    await asyncio.to_thread(robot.ask, "still", seconds=150)
                     with contextlib.suppress(aiohttp.ClientConnectionResetError):  # it was sending just then
                         await driving
     finally:

@@ -21,7 +21,7 @@ FAR = [{"name": "attic", "x": 7.23, "y": 10.63}, *NEAR]
 
 @pytest.fixture(autouse=True)
 def _quiet(robot: LaunchedRobot) -> None:
-    robot.ask("ask_patrol", action="end", seconds=60)
+    robot.ask("ask_patrol", action="end", seconds=150)
     put_at_start(robot)
 
 
@@ -30,30 +30,30 @@ def test_patrol_goes_on_without_the_program_that_started_it_until_another_ends_i
     with navigate(robot, "laptop", lines, keep_open=False) as process:
         out, errors = process.communicate(timeout=120)
         assert out.splitlines()[-1] == "patrol loop wait=0 sofa hall: started", out + errors
-    robot.ask("patrol", state="driving", rounds=2, seconds=120)
+    robot.ask("patrol", state="driving", rounds=2, seconds=150)
     with ProgramTerminal([NAVIGATE, "__name:=second"], environment(robot, "laptop2")) as terminal:
         terminal.wait_for("patrol: drives to")
         terminal.type("patrol pause\r")
         terminal.wait_for("patrol paused before")
-        assert robot.ask("patrol", state="paused", seconds=60)["reason"] == "by laptop2"
+        assert robot.ask("patrol", state="paused", seconds=150)["reason"] == "by laptop2"
         stand(robot)
         terminal.type("patrol resume\r")
-        robot.ask("patrol", state="driving", seconds=60)
+        robot.ask("patrol", state="driving", seconds=150)
         terminal.type("patrol end\r")
-        robot.ask("patrol", state="ended", seconds=60)
-        robot.ask("free", seconds=60)
+        robot.ask("patrol", state="ended", seconds=150)
+        robot.ask("free", seconds=150)
         terminal.type("q\r")
         terminal.process.wait(60)
     stand(robot)
 
 
 def test_killed_node_leaves_nothing_driving_and_forgets_the_patrol(robot: LaunchedRobot) -> None:
-    assert robot.ask("ask_patrol", action="start", places=FAR, loop=True, seconds=60) == {"problem": ""}
-    robot.ask("moving", seconds=60)
+    assert robot.ask("ask_patrol", action="start", places=FAR, loop=True, seconds=150) == {"problem": ""}
+    robot.ask("moving", seconds=150)
     victim = find_node(robot, "patrol")
     os.kill(victim, signal.SIGKILL)
     find_node(robot, "patrol", other_than=victim)
-    robot.ask("patrol", state="idle", seconds=60)
+    robot.ask("patrol", state="idle", seconds=150)
     stand(robot)
-    robot.ask("goals", state="PREEMPTED", text="", seconds=60)
-    robot.ask("free", seconds=60)
+    robot.ask("goals", state="PREEMPTED", text="", seconds=150)
+    robot.ask("free", seconds=150)

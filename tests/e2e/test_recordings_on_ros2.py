@@ -28,7 +28,7 @@ def shell(tmp_path: Path) -> Iterator[UrShell]:
     assert made.ur("stop", "--all").returncode == 0
 
 
-def wait(condition: Callable[[], bool], what: str, seconds: float = 90.0) -> None:
+def wait(condition: Callable[[], bool], what: str, seconds: float = 150.0) -> None:
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end, what

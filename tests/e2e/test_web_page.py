@@ -60,7 +60,7 @@ def test_stick_drives_while_it_is_held_and_stops_when_it_is_let_go(page: Browser
     page.push_stick()
     assert page.run("page.state.lease.client === page.drive.client")
     page.touch("End")
-    after = robot.ask("still", seconds=60)["true"]
+    after = robot.ask("still", seconds=150)["true"]
     assert abs(after[0] - before[0]) + abs(after[1] - before[1]) > 0.01
     assert page.run("page.drive.press") == "idle"
 
@@ -70,17 +70,17 @@ def test_hidden_page_lets_go(page: BrowserPage, robot: LaunchedRobot) -> None:
     page.push_stick()
     page.run("dispatchEvent(new Event('blur'))")
     assert page.run("page.drive.press") == "idle"
-    robot.ask("still", seconds=60)
+    robot.ask("still", seconds=150)
     page.touch("End")
 
 
 def test_stop_button_stops_everything_until_the_release(page: BrowserPage, robot: LaunchedRobot) -> None:
     page.touch("Start", *page.middle("#stop"))  # a finger that stays
-    robot.ask("stopped", value=True, seconds=60)
+    robot.ask("stopped", value=True, seconds=150)
     page.touch("End")
     page.wait("document.querySelector('.banner.red button')")
     page.tap(".banner.red button")
-    robot.ask("stopped", value=False, seconds=60)
+    robot.ask("stopped", value=False, seconds=150)
     page.wait("!document.querySelector('.banner.red')")
 
 
@@ -136,16 +136,16 @@ def test_patrol_goes_on_at_each_place_and_without_the_page_that_started_it(
         other.run("document.getElementById('patrol-repeat').click(); document.getElementById('patrol').click(); 0")
         other.wait("page.state.patrol.state === 'driving'")
         other.browser.kill()
-    robot.ask("patrol", state="driving", rounds=1, seconds=120)  # with no page that says anything else
+    robot.ask("patrol", state="driving", rounds=1, seconds=150)  # with no page that says anything else
     page.wait("document.getElementById('driver').textContent.startsWith('patrol drives')")
     page.press_banner("Pause")
-    robot.ask("patrol", state="paused", seconds=60)
-    robot.ask("still", seconds=60)
+    robot.ask("patrol", state="paused", seconds=150)
+    robot.ask("still", seconds=150)
     page.press_banner("Continue")
-    robot.ask("patrol", state="driving", seconds=60)
+    robot.ask("patrol", state="driving", seconds=150)
     page.press_banner("End the patrol")
-    robot.ask("patrol", state="ended", seconds=60)
-    robot.ask("still", seconds=60)
+    robot.ask("patrol", state="ended", seconds=150)
+    robot.ask("still", seconds=150)
     page.wait("page.state.lease.state === 'free'")
 
 
@@ -163,7 +163,7 @@ def test_route_that_is_tapped_is_driven_and_shown(page: BrowserPage, robot: Laun
     page.wait("page.state.patrol.state === 'driving' && document.getElementById('route-end').checkVisibility()")
     stops = page.run("page.state.patrol.stops")
     assert [each[1:] for each in stops] == [pytest.approx(each, abs=0.05) for each in wanted]
-    robot.ask("patrol", state="done", seconds=120)
+    robot.ask("patrol", state="done", seconds=150)
     page.wait("document.getElementById('route-tap').checkVisibility()")
     page.tap_panel("route")
 
@@ -262,17 +262,17 @@ def test_page_recovers_when_the_end_at_the_robot_is_killed_while_the_stick_is_he
     page.push_stick()
     (before,) = find_ends(robot)
     os.kill(before, signal.SIGKILL)
-    robot.ask("still", seconds=60)
+    robot.ask("still", seconds=150)
     page.wait("page.drive.press === 'dead'")
     page.wait("document.getElementById('banners').innerText.includes('Connecting to the robot')")
     page.wait("page.server.end === 'up' && page.poseAge < 0.3 && page.pose.linkAge < 0.3")
     assert find_ends(robot) != [before]
     assert page.run("page.drive.press") == "dead"  # until the stick is let go
-    assert robot.ask("still", seconds=60)
+    assert robot.ask("still", seconds=150)
     page.touch("End")
     page.push_stick()
     page.touch("End")
-    robot.ask("still", seconds=60)
+    robot.ask("still", seconds=150)
 
 
 def press_until_refused(page: BrowserPage) -> None:
@@ -308,7 +308,7 @@ def test_killed_browser_leaves_nothing_driving(
         other.tap("#mode-drive")
         other.push_stick()
         other.browser.kill()
-    robot.ask("still", seconds=60)
+    robot.ask("still", seconds=150)
     page.wait("page.poseAge < 0.3 && Math.abs(page.pose.speed) < 0.005")
 
 
@@ -341,7 +341,7 @@ def test_second_page_asks_for_the_drive_is_given_it_and_it_is_taken_back(
             other.touch("End")
             press_until_refused(other)
         assert other.run("page.drive.why") == "driver"
-        robot.ask("still", seconds=60)
+        robot.ask("still", seconds=150)
         page.wait(DRIVES)
         other.touch("End")
         other.wait("[...document.querySelectorAll('.banner button')].some((e) => e.textContent === 'Ask')")
@@ -357,7 +357,7 @@ def test_initial_pose_is_set_by_press_drag_release(page: BrowserPage, robot: Lau
         page.touch("Start", left, top)
         page.touch("Move", left + 80 * math.cos(yaw), top - 80 * math.sin(yaw))
         page.touch("End")
-        placed = robot.ask("placed", seconds=60)["pose"]
+        placed = robot.ask("placed", seconds=150)["pose"]
         assert placed[:2] == pytest.approx([x, y + aside], abs=0.05)
         assert math.cos(placed[2] - yaw) > 0.99
         assert page.run("page.mode") == "look"

@@ -26,7 +26,7 @@ class BrowserPage:
     def run(self, script: str) -> Any:
         return self.browser.run(script)
 
-    def wait(self, script: str, seconds: float = 60.0) -> None:
+    def wait(self, script: str, seconds: float = 150.0) -> None:
         """Wait until an expression is true."""
         deadline = time.monotonic() + seconds
         while not self.browser.holds(script):
