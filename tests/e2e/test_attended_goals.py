@@ -8,10 +8,9 @@ import signal
 import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
 import pytest
-from tests.e2e.conftest import LaunchedRobot, start_robot
+from tests.e2e.conftest import LaunchedRobot
 from tests.e2e.terminal import ProgramTerminal
 from tests.e2e.test_first_drive import find_node, put_at_start
 from tests.e2e.test_safe_motion import NAVIGATE, stand
@@ -112,20 +111,3 @@ def test_screen_says_that_the_robot_is_silent_and_holds_the_goal_open(robot: Lau
         terminal.process.wait(60)
     robot.ask("goals", state="PREEMPTED", text="cancelled", seconds=150)
     stand(robot)
-
-
-def test_robot_that_is_told_to_ask_waits_for_the_answer_on_the_screen(tmp_path: Path) -> None:
-    with start_robot(tmp_path, "on_return:=ask") as robot:
-        kill_on_the_way(robot, "laptop")
-        robot.ask("goals", state="ACTIVE", text="held: no word from laptop for ", seconds=150)
-        stand(robot)
-        with ProgramTerminal([NAVIGATE, "__name:=back"], environment(robot, "laptop")) as terminal:
-            terminal.wait_for("held: the robot waits for you; Enter or c continues, x cancels")
-            stand(robot)
-            terminal.type("\r")
-            robot.ask("moving", seconds=150)
-            terminal.wait_for("driving")
-            terminal.type("x\r")
-            robot.ask("goals", state="PREEMPTED", text="cancelled", seconds=150)
-            terminal.type("q\r")
-            terminal.process.wait(60)

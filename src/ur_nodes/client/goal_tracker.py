@@ -35,14 +35,6 @@ _MOST_OVERDUE: Final = 7
 
 
 @dataclass(frozen=True, slots=True)
-class Hold:
-    """The goal that move_base holds: its id ('' for none), and whether move_base waits for an answer."""
-
-    goal_id: str = ""
-    asking: bool = False
-
-
-@dataclass(frozen=True, slots=True)
 class GoalTracker:
     """The tracked goal. `goal_id` is '' while it is another client's and its id is unknown.
 
@@ -58,7 +50,7 @@ class GoalTracker:
     known: bool = False
     listed_at: float = 0.0
     absent_since: float | None = None
-    hold: Hold = field(default_factory=Hold)
+    hold: str = ""
     replaced: str = ""
     overdue: tuple[Pose2, ...] = ()
 
@@ -130,8 +122,8 @@ def is_unconfirmed(tracker: GoalTracker, now: float) -> bool:
     return bool(sent) and now - tracker.received_at <= REQUEST_FRESHNESS
 
 
-def track_hold(tracker: GoalTracker, hold: Hold) -> GoalTracker:
-    """Take the goal that move_base holds."""
+def track_hold(tracker: GoalTracker, hold: str) -> GoalTracker:
+    """Take the id of the goal that move_base holds; '' for none."""
     return replace(tracker, hold=hold)
 
 
@@ -144,23 +136,23 @@ def report_at(tracker: GoalTracker, now: float) -> GoalReport:
         return replace(report, state=LastGoalState.UNKNOWN, text="")
     if not (tracker.goal_id or tracker.known):
         return GoalReport(report.number)
-    if report.state is LastGoalState.DRIVING and tracker.hold.goal_id and tracker.hold.goal_id == tracker.goal_id:
-        return replace(report, state=LastGoalState.ASKING if tracker.hold.asking else LastGoalState.HELD)
+    if report.state is LastGoalState.DRIVING and tracker.hold and tracker.hold == tracker.goal_id:
+        return replace(report, state=LastGoalState.HELD)
     return replace(report, text="")
 
 
 class _WireHold(ForeignValue, frozen=True, forbid_unknown_fields=False):
     goal: str
-    state: Literal["", "held", "asking"]
+    state: Literal["", "held"]
 
 
-def read_hold(text: str) -> Hold | None:
-    """Read a message of move_base's topic `hold`; None when it is malformed."""
+def read_hold(text: str) -> str | None:
+    """Return the id of the goal that a message of move_base's topic `hold` names; None when it is malformed."""
     try:
         found = read_json(text, _WireHold, _LONGEST_HOLD)
     except BadJsonError:
         return None
-    return Hold(found.goal if found.state else "", found.state == "asking")
+    return found.goal if found.state else ""
 
 
 def _is_same(a: Pose2, b: Pose2) -> bool:

@@ -24,7 +24,7 @@ from ur_nodes.client.goal_tracker import (
 from ur_nodes.client.snapshot import GoalReport, RobotSnapshot
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.scan import mount_of_pose, points_of_scan
-from ur_nodes.ports.actions import Goal, GoalId, GoalState
+from ur_nodes.ports.actions import Goal, GoalState
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Map, Path, PoseEstimate, Result, Scan, StampedPose
@@ -175,7 +175,6 @@ class NavigationTopics:
         self._kept = True  # the next goal of navigation may be one that it had before and has kept
         self.robot = RobotState(node, names.map_frame, names.base_frame)
         self._goals = node.follow_goals("move_base", self)
-        self._continues = node.publish("move_base/continue", GoalId)
         self._poses = node.publish("initialpose", PoseEstimate)
         node.subscribe("map", Map, self._on_map, Quality.LATCHED)
         node.subscribe("amcl_pose", PoseEstimate, self._on_estimate, Quality.LATCHED)
@@ -225,10 +224,6 @@ class NavigationTopics:
         self._sent = Goal(goal_id, StampedPose(self._node.now(), self._names.map_frame, pose))
         self._goals.send(self._sent)
         return self._tracker.report.number
-
-    def continue_goal(self, answer: int) -> None:
-        """Continue the held goal; `answer` is the challenge (ns) that this request answers."""
-        self._continues.send(GoalId(self._tracker.hold.goal_id, answer))
 
     def cancel_goals(self) -> None:
         """Cancel the goal of any client."""

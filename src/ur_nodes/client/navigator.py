@@ -83,12 +83,6 @@ class RobotNavigator:
         self._node.post(lambda: self._send(goal_id, pose, number))
         return number
 
-    def resume(self) -> None:
-        """Continue the held goal, if the request arrives in time."""
-        answer = self.lease.link.newest(REQUEST_FRESHNESS / 2.0)
-        if answer is not None:
-            self._node.post(lambda: self.topics.continue_goal(answer))
-
     def request_lease(self, request: DriverRequest) -> None:
         """Request the lease, or release it."""
         self._node.post(lambda: self.lease.request(request))

@@ -26,7 +26,6 @@ class LastGoalState(Enum):
     WAITING = "sent"
     DRIVING = "driving"
     HELD = "held"
-    ASKING = "waits for you"
     UNKNOWN = "unknown"
     REACHED = "reached"
     STOPPED = "stopped"
@@ -106,9 +105,6 @@ class NavigationClient(Protocol):
 
         Raises UserError when it cannot be sent in time.
         """
-
-    def resume(self) -> None:
-        """Continue the goal that is held."""
 
     def request_lease(self, request: DriverRequest) -> None:
         """Request the lease, or release it."""

@@ -6,7 +6,6 @@ from ur_nodes.client.goal_tracker import (
     ANSWER_LIMIT,
     SILENCE,
     GoalTracker,
-    Hold,
     read_hold,
     report_at,
     track_current,
@@ -125,19 +124,17 @@ def test_goal_that_ended_during_a_silence_says_how_when_the_list_is_back() -> No
 
 def test_goal_that_move_base_holds_is_held_with_its_reason() -> None:
     text = "held: no word from laptop for 3 s"
-    tracker = track_hold(track_status(sent(), (actions.GoalState("a", ACTIVE, text),), 0.2), Hold("a"))
+    tracker = track_hold(track_status(sent(), (actions.GoalState("a", ACTIVE, text),), 0.2), "a")
     assert report_at(tracker, 0.3) == GoalReport(1, HERE, LastGoalState.HELD, text)
-    assert report_at(track_hold(tracker, Hold("a", asking=True)), 0.3).state is LastGoalState.ASKING
-    assert report_at(track_hold(tracker, Hold("other")), 0.3).state is LastGoalState.DRIVING
+    assert report_at(track_hold(tracker, "other"), 0.3).state is LastGoalState.DRIVING
     assert report_at(tracker, 2.0).state is LastGoalState.UNKNOWN
 
 
 @pytest.mark.parametrize(
     ("text", "hold"),
     [
-        ('{"goal": "a", "state": "held", "text": "x"}', Hold("a")),
-        ('{"goal": "a", "state": "asking"}', Hold("a", asking=True)),
-        ('{"goal": "", "state": ""}', Hold()),
+        ('{"goal": "a", "state": "held", "text": "x"}', "a"),
+        ('{"goal": "", "state": ""}', ""),
         ('{"goal": 1, "state": "held"}', None),
         ('{"goal": "a", "state": []}', None),
         ("[]", None),
@@ -146,7 +143,7 @@ def test_goal_that_move_base_holds_is_held_with_its_reason() -> None:
         (" " * 5000 + "{}", None),
     ],
 )
-def test_word_of_a_hold_is_read_and_checked(text: str, hold: Hold | None) -> None:
+def test_word_of_a_hold_is_read_and_checked(text: str, hold: str | None) -> None:
     assert read_hold(text) == hold
 
 

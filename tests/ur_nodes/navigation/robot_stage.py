@@ -69,7 +69,6 @@ class RobotStage:
         self.client = self.bus.node("client")
         self._goals = self.client.publish("move_base/goal", Goal, Quality.EVERY)
         self._cancels = self.client.publish("move_base/cancel", GoalId, Quality.EVERY)
-        self._continues = self.client.publish("move_base/continue", GoalId)
         self.client.subscribe("move_base/state", GoalState, self._take_state, Quality.EVERY)
         self.client.subscribe("move_base/feedback", StampedPose, self.reports.append)
         self.move_base = self.bus.node("move_base")
@@ -85,11 +84,6 @@ class RobotStage:
 
     def cancel(self, id: str) -> None:
         self._cancels.send(GoalId(id))
-
-    def go_on(self, id: str = "", stamp: int = 0) -> None:
-        """Answer "continue or cancel?"."""
-        self._continues.send(GoalId(id, stamp))
-        self.bus.run(0.5)
 
     def end(self, id: str, seconds: float = 60.0) -> tuple[str, str]:
         """Let a goal end; its state and text."""

@@ -18,8 +18,8 @@ NUMBERS = itertools.count()
 class Attended(RobotStage):
     """A robot with a mux, and goals that are sent as our clients send them."""
 
-    def __init__(self, on_return: str = "resume", *, mute: bool = False) -> None:
-        super().__init__(mux=True, mute=mute, parameters={"on_return": on_return})
+    def __init__(self, *, mute: bool = False) -> None:
+        super().__init__(mux=True, mute=mute)
         assert self.mux
         self.driver: FakeMux = self.mux
         self.holds: list[dict[str, str]] = []
@@ -142,22 +142,6 @@ def test_silence_of_the_mux_holds_the_goal(robot: Attended) -> None:
     assert robot.stops_moving()
     robot.driver.mute = False
     assert robot.starts_moving()
-
-
-def test_robot_asks_before_it_goes_on_where_that_is_configured() -> None:
-    robot = Attended(on_return="ask")
-    goal = robot.drive_away()
-    robot.driver.say("lost")
-    assert robot.has_status(goal, "active", "held: no word")
-    robot.driver.say("held")
-    assert robot.has_status(goal, "active", "held: laptop is back; continue or cancel")
-    assert robot.holds[-1]["state"] == "asking"
-    robot.go_on(goal, stamp=1_000_000_001)  # late
-    assert robot.move_base.lines[-1][1] == "the request to continue the goal arrived late and is ignored"
-    robot.go_on("another goal")
-    assert robot.rests()
-    robot.go_on(goal)
-    assert robot.end(goal)[0] == "succeeded"
 
 
 def test_commands_are_never_plain_once_a_mux_takes_stamped_ones(robot: Attended) -> None:

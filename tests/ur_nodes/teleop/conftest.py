@@ -36,7 +36,6 @@ class FakeNavigator:
         self.offers_search = True
         self.asked: list[MuxRequest] = []
         self.requests: list[DriverRequest] = []
-        self.resumes = 0
         self.problem: UserError | None = None
 
     def snapshot(self) -> RobotSnapshot:
@@ -62,10 +61,6 @@ class FakeNavigator:
         self.stops += 1
         if not self.seen.goal.over:
             self.end(LastGoalState.STOPPED)
-
-    def resume(self) -> None:
-        self.resumes += 1
-        self.seen = replace(self.seen, goal=replace(self.seen.goal, state=LastGoalState.DRIVING, text=""))
 
     def request_lease(self, request: DriverRequest) -> None:
         self.requests.append(request)

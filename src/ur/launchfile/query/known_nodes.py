@@ -40,7 +40,7 @@ KNOWN_NODES: dict[str, Interface] = {
     "move_base": make_interface(
         "cmd_vel cmd_vel_stamped ~current_goal ~global_costmap/costmap ~global_costmap/costmap_updates ~hold "
         "~local_costmap/costmap",
-        "move_base_simple/goal map odom scan tf ~continue",
+        "move_base_simple/goal map odom scan tf",
         "~make_plan ~clear_costmaps",
         "",
         "move_base",

@@ -88,9 +88,8 @@ LIBRARY_NODES: dict[str, Interface] = {
     "move_base": make_interface(
         publishes="cmd_vel cmd_vel_stamped ~current_goal ~global_costmap/costmap "
         "~global_costmap/costmap_updates ~local_costmap/costmap ~hold",
-        subscribes="map odom scan tf move_base_simple/goal ~continue amcl/lost cmd_vel_mux/stopped "
-        "cmd_vel_mux/lease cmd_vel_mux/challenge cmd_vel_mux/speed_limit_in_force "
-        "cmd_vel_mux/active imu/data",
+        subscribes="map odom scan tf move_base_simple/goal amcl/lost cmd_vel_mux/stopped cmd_vel_mux/lease "
+        "cmd_vel_mux/challenge cmd_vel_mux/speed_limit_in_force cmd_vel_mux/active imu/data",
         services="~make_plan ~clear_costmaps",
         actions="move_base",
     ),

@@ -31,8 +31,6 @@ export class Status {
     element("empty").textContent = TEXTS.waitingForMap;
     element("goal-cancel").textContent = TEXTS.cancel;
     element("goal-cancel").addEventListener("click", () => page.drive?.send({ t: "cancel" }));
-    element("goal-resume").textContent = TEXTS.resume;
-    element("goal-resume").addEventListener("click", () => page.drive?.request({ t: "resume" }));
     setInterval(() => this.refresh(), 200);
   }
 
@@ -64,7 +62,6 @@ export class Status {
     const words = [TEXTS.goalStates[/** @type {"driving"} */ (goal.state)], goal.text || left];
     element("goal-text").textContent = words.filter(Boolean).join(", ");
     element("goal-cancel").hidden = !this.page.mayDrive;
-    element("goal-resume").hidden = !this.page.mayDrive || goal.state !== "asking";
     showBattery(state.battery);
     this.refresh();
   }

@@ -285,7 +285,6 @@ export const TEXTS = {
     waiting: "Goal sent",
     driving: "Driving",
     held: "Goal held",
-    asking: "Goal waits for you",
     unknown: "Goal: unknown, no word from navigation",
     reached: "Goal reached",
     stopped: "Goal cancelled",

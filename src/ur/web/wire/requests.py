@@ -135,10 +135,6 @@ class Cancel(PageRequest, frozen=True, tag="cancel"):
     """Cancel the goal of any client."""
 
 
-class Resume(_Stamped, frozen=True, tag="resume"):
-    """Resume the goal that is held."""
-
-
 class AskForLease(_Stamped, frozen=True, tag="lease", rename={"action": "do", "answers": "n"}):
     """A request about the lease."""
 
@@ -193,7 +189,6 @@ _DriveRequest = (
     | GoTo
     | InitialPose
     | Cancel
-    | Resume
     | AskForLease
     | StopAll
     | ReleaseAll

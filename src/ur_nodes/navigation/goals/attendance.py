@@ -2,7 +2,7 @@
 
 A goal belongs to a client, its attendant: the one that its id names (see `goal_claim`), else the holder of the lease.
 While the attendant is there the robot drives. When the mux has lost it, the robot stops and holds the goal; when it is
-back the goal goes on, or waits for the user's answer. When another client drives, the goal is cancelled. A goal that
+back the goal goes on. When another client drives, the goal is cancelled. A goal that
 names no client goes on while no client holds the lease, or while the holder is lost already when it arrives: it is of a
 script or RViz without any program of ours.
 
@@ -22,13 +22,12 @@ LATEST = 1.0
 
 @dataclass(frozen=True, slots=True)
 class AttendanceSettings:
-    """`ask`: an attendant that returns has to confirm the goal. Times in s.
+    """Times in s.
 
     `grace`: how long the attendant may be lost; the mux counts it for the holder of the lease. `limit`: how long a
     goal is held before it is cancelled, 0: for ever.
     """
 
-    ask: bool = False
     grace: float = LEASE_TIMEOUT
     limit: float = 600.0
 
@@ -38,7 +37,6 @@ class Act(Enum):
 
     DRIVE = "driving"
     HOLD = "held"
-    ASK = "asking"
     CANCEL = "cancelled"
 
 
@@ -65,7 +63,6 @@ class Attendance:
     present: bool = False
     absent_since: float | None = None
     held_since: float | None = None
-    asking: bool = False
 
     @property
     def unattended(self) -> bool:
@@ -94,11 +91,6 @@ def attend_goal(claim: Claim | None) -> Attendance:
     return Attendance(client=claim.client, claimed=True) if claim else Attendance()
 
 
-def continue_goal(attendance: Attendance) -> Attendance:
-    """Return the state after the user has confirmed a goal."""
-    return replace(attendance, held_since=None, asking=False) if attendance.asking else attendance
-
-
 def step_attendance(
     attendance: Attendance, lease: Lease | None, silence: float | None, settings: AttendanceSettings, now: float
 ) -> tuple[Attendance, GoalVerdict]:
@@ -114,13 +106,9 @@ def step_attendance(
             if now - absence.since < absence.patience:
                 return attendance, GoalVerdict(Act.DRIVE)
             attendance = replace(attendance, held_since=now)
-        return _hold(replace(attendance, asking=False), absence.why, settings, now)
-    attendance = replace(attendance, absent_since=None, present=attendance.present or lease.state == "held")
-    if attendance.held_since is None:
-        return attendance, GoalVerdict(Act.DRIVE)
-    if settings.ask and attendance.client and attendance.attended:
-        return _hold(replace(attendance, asking=True), f"{_who(attendance)} is back; continue or cancel", settings, now)
-    return replace(attendance, held_since=None, asking=False), GoalVerdict(Act.DRIVE)
+        return _hold(attendance, absence.why, settings, now)
+    present = attendance.present or lease.state == "held"
+    return replace(attendance, absent_since=None, held_since=None, present=present), GoalVerdict(Act.DRIVE)
 
 
 def name_of_driver(lease: Lease) -> str:
@@ -176,8 +164,6 @@ def _hold(attendance: Attendance, why: str, settings: AttendanceSettings, now: f
     held = now - attendance.held_since
     if settings.limit and held > settings.limit:
         return attendance, GoalVerdict(Act.CANCEL, f"held for {settings.limit:g} s: {why}")
-    if attendance.asking:
-        return attendance, GoalVerdict(Act.ASK, f"held: {why}")
     away = now - (attendance.held_since if attendance.absent_since is None else attendance.absent_since)
     return attendance, GoalVerdict(Act.HOLD, f"held: {why} for {away:.0f} s")
 

@@ -11,32 +11,27 @@ from ur_nodes.navigation.goals.attendance import (
     AttendanceSettings,
     GoalVerdict,
     attend_goal,
-    continue_goal,
     refuse_goal,
     step_attendance,
 )
 from ur_nodes.navigation.goals.goal_claim import (
     REMEMBERED,
     ReceivedChallenges,
-    age_of_answer,
     note_challenge,
     read_claim,
 )
-from ur_nodes.ports.actions import GoalId
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 
 _LONGEST_TEXT = 300
-_LATEST_CONTINUE = 1.0  # s: an older answer to "continue or cancel?" is ignored
 
 
 class GoalWatch:
     """Decides about one goal at a time, from the messages of the mux.
 
-    Publishes `~hold` (std_msgs/String, latched, JSON): `goal`, the id of the goal that is held, `state`: `held`,
-    `asking` or empty when none is, and `text`. Takes `~continue` (actionlib_msgs/GoalID): the goal that goes on; with
-    a `stamp`, the newest challenge, it is ignored when it arrives late.
+    Publishes `~hold` (std_msgs/String, latched, JSON): `goal`, the id of the goal that is held, `state`: `held`
+    or empty when none is, and `text`.
     """
 
     def __init__(
@@ -61,7 +56,6 @@ class GoalWatch:
         self.link = ChallengeLink(node, mux, self._on_challenge)
         node.subscribe(f"{mux}/lease", str, self._on_lease, Quality.LATCHED)
         node.subscribe("amcl/lost", str, self._on_lost, Quality.LATCHED)
-        node.subscribe("~continue", GoalId, self._continue)
 
     def accept(self, goal_id: str) -> str:
         """Accept a goal, or return why it is refused and change nothing."""
@@ -93,7 +87,7 @@ class GoalWatch:
 
     def _publish_hold(self, goal: str, verdict: GoalVerdict) -> None:
         """Publish when the state changes; the text grows by seconds and is in the goal's status."""
-        held = verdict.act in (Act.HOLD, Act.ASK)
+        held = verdict.act is Act.HOLD
         shown = (goal, verdict.act) if held else ("", Act.DRIVE)
         if shown == self._shown:
             return
@@ -120,18 +114,10 @@ class GoalWatch:
     def _on_lost(self, text: str) -> None:
         self._lost = text[:_LONGEST_TEXT]
 
-    def _continue(self, goal: GoalId) -> None:
-        age = age_of_answer(self._challenges, goal.stamp, self._node.steady())
-        if goal.stamp and (age is None or age > _LATEST_CONTINUE):
-            self._node.log.warn("the request to continue the goal arrived late and is ignored")
-        elif goal.id in ("", self._goal):
-            self._attendance = continue_goal(self._attendance)
-
 
 def read_watch_settings(own: Parameters, mux: str) -> AttendanceSettings:
     """Read the settings from the parameters of the node and of the mux. Raises UserError."""
     return AttendanceSettings(
-        ask=own.text("on_return", "resume", choices=("resume", "ask")) == "ask",
         grace=own.of(mux).number("lease_timeout", LEASE_TIMEOUT, minimum=0.5, maximum=60.0),
         limit=own.number("hold_limit", 600.0, minimum=0.0),
     )

@@ -11,7 +11,7 @@ from textual.widgets import Static
 from ur.source.diagnostic import UserError
 from ur.source.run_users import describe_users
 from ur_nodes.client.patrol_text import PatrolRoute
-from ur_nodes.client.snapshot import LastGoalState, format_pose
+from ur_nodes.client.snapshot import format_pose
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.widget import MapView
@@ -83,8 +83,7 @@ class NavigateApp(NavigateView):
     def enter(self, line: str) -> None:
         """Run the command of a line, or report what is wrong with it."""
         try:
-            answers = not line and self._snapshot.goal.state is LastGoalState.ASKING
-            command = c.ContinueGoal() if answers else c.parse_command(line)
+            command = c.parse_command(line)
             if (
                 isinstance(command, (c.Go, c.GoToWaypoint))
                 and not self._was_ready
@@ -204,14 +203,6 @@ class NavigateApp(NavigateView):
         self._light = not self._light
         self.use_theme(light=self._light)
         self.map.set_palette(self._palette())
-
-    @_do.register
-    def _resume(self, _: c.ContinueGoal) -> None:
-        if self._snapshot.goal.state is not LastGoalState.ASKING:
-            self._show_message("no goal to continue", "yellow")
-            return
-        self._navigator.resume()
-        self._show_message("goal continued")
 
     def _require_to_drive(self) -> None:
         """Raise UserError if another client drives."""

@@ -38,13 +38,8 @@ def result_line(text: str, report: GoalReport, snapshot: RobotSnapshot, seconds:
     return f"{text}: {report.state.value} after {seconds:.1f} s{why}"
 
 
-def reason_to_give_up(snapshot: RobotSnapshot, seconds: float, limits: BatchTimeouts, *, attended: bool) -> str:
-    """Return the reason to stop waiting for a goal after `seconds`; empty while there is none.
-
-    `attended`: a user is there to answer whether a goal that was held goes on.
-    """
-    if snapshot.goal.state is LastGoalState.ASKING and not attended:
-        return f"stopped after {seconds:.1f} s: held, and a pipe cannot answer whether it goes on"
+def reason_to_give_up(snapshot: RobotSnapshot, seconds: float, limits: BatchTimeouts) -> str:
+    """Return the reason to stop waiting for a goal after `seconds`; empty while there is none."""
     silent = silence_line(snapshot)
     if seconds > limits.goal:
         limit = f"not reached after {seconds:.0f} s, the limit (parameter ~goal_timeout)"
@@ -57,7 +52,7 @@ def reason_to_give_up(snapshot: RobotSnapshot, seconds: float, limits: BatchTime
 def goal_change(snapshot: RobotSnapshot, noted: LastGoalState | None) -> LastGoalState | None:
     """Return the state of a goal that is worth a note; None while it is driven. `noted` is the one before."""
     state = snapshot.goal.state
-    if state in (LastGoalState.HELD, LastGoalState.ASKING, LastGoalState.UNKNOWN):
+    if state in (LastGoalState.HELD, LastGoalState.UNKNOWN):
         return state
     return None if state is LastGoalState.DRIVING else noted
 
@@ -66,8 +61,6 @@ def describe_change(snapshot: RobotSnapshot, change: LastGoalState | None) -> st
     """Return a clause about a goal that is held or unknown, or that continues (None)."""
     if change is LastGoalState.HELD:
         return snapshot.goal.text
-    if change is LastGoalState.ASKING:
-        return "held: the robot waits for you; c continues, x cancels"
     if change is LastGoalState.UNKNOWN:
         return f"{silence_line(snapshot)}; the goal is unknown until it answers"
     return "driving"
@@ -233,8 +226,6 @@ class _Batch:
             case c.CancelGoal():
                 self._navigator.stop()
                 return f"{text}: stopped"
-            case c.ContinueGoal():
-                raise bad_command_error("no goal to continue; commands run one at a time")
             case c.SetPose() | c.Relocalise():
                 if reason := reason_not_to_drive(self._navigator.snapshot()):
                     raise bad_command_error(f"not done: {reason}")
@@ -274,11 +265,9 @@ class _Batch:
                 # Run a command that was typed while a goal is driven
                 if isinstance(typed, c.AskMux):
                     self._ask_mux(typed.request, "emergency" if typed.request == "stop" else "release")
-                elif isinstance(typed, c.ContinueGoal):
-                    self._navigator.resume()
                 else:
                     self._navigator.stop()
-            if ended := reason_to_give_up(snapshot, seconds, self._limits, attended=around.urgent is not None):
+            if ended := reason_to_give_up(snapshot, seconds, self._limits):
                 navigator.stop()
                 around.out(f"{text}: {ended}")
                 return False

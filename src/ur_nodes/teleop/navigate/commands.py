@@ -125,11 +125,6 @@ class CancelGoal:
 
 
 @dataclass(frozen=True, slots=True)
-class ContinueGoal:
-    """Continue the goal that is held."""
-
-
-@dataclass(frozen=True, slots=True)
 class AskLease:
     """Take over, ask to drive, or hand over to the asking client."""
 
@@ -178,7 +173,7 @@ class Quit:
     """End the program."""
 
 
-AtOnce = Remember | Forget | ListPlaces | CancelGoal | ContinueGoal | SetPose | Relocalise | Follow | SwitchTheme | Help
+AtOnce = Remember | Forget | ListPlaces | CancelGoal | SetPose | Relocalise | Follow | SwitchTheme | Help
 Awaited = Go | GoToWaypoint | DrivePatrol | AskLease | AskMux | StoreMap | StoreRecording
 """Commands that wait for other computers or programs."""
 
@@ -190,7 +185,6 @@ USAGE: dict[str, tuple[str, str]] = {
     "m": ("m NAME", "drive to a waypoint"),
     "patrol": ("patrol [loop] NAME ...", "drive to waypoints in turn (wait=S at each); patrol pause, resume, end"),
     "s": ("s or x", "stop: cancel the goal"),
-    "c": ("c", "continue a goal that is held"),
     "e": ("e or Space", "emergency stop for every client"),
     "r": ("r", "release the emergency stop"),
     "w": ("w NAME", "save the robot's place as a waypoint"),
@@ -218,7 +212,6 @@ NO_MAPPING = "no map is being made, expected a mapping program as 'ur run make_m
 _PLAIN: dict[str, Command] = {
     "l": ListPlaces(),
     "s": CancelGoal(),
-    "c": ContinueGoal(),
     "drive": AskLease("take"),
     "ask": AskLease("ask"),
     "give": AskLease("grant"),
@@ -234,7 +227,7 @@ _PLAIN: dict[str, Command] = {
 }
 _NAMED: dict[str, type[GoToWaypoint] | type[Remember] | type[Forget]] = {"m": GoToWaypoint, "w": Remember, "d": Forget}
 _ALIASES = {"go": "g", "goto": "m", "move": "m", "list": "l", "stop": "s", "help": "?", "quit": "q", "exit": "q"}
-_ALIASES |= {"emergency": "e", "release": "r", "x": "s", "cancel": "s", "continue": "c", "take": "drive"}
+_ALIASES |= {"emergency": "e", "release": "r", "x": "s", "cancel": "s", "take": "drive"}
 _ALIASES |= {"follow": "f", "theme": "t"}
 _ALL_USAGE = USAGE | MAP_USAGE
 _LEAST_TYPO = 4  # letters: shorter ones are near to everything

@@ -21,7 +21,7 @@ from ur_nodes.teleop.navigate.batch import (
     wait_until_ready,
 )
 from ur_nodes.teleop.navigate.command_line import StoreChoice
-from ur_nodes.teleop.navigate.commands import AskMux, CancelGoal, Command, ContinueGoal, Quit, parse_command
+from ur_nodes.teleop.navigate.commands import AskMux, CancelGoal, Command, Quit, parse_command
 
 _PATIENCE = 0.2  # s between two checks of `ended`
 
@@ -46,7 +46,7 @@ class LineReader:
             yield self._lines.popleft()
 
     def pop_urgent(self) -> Command | None:
-        """Take the first urgent command: stop, emergency, release, continue, quit. Never blocks.
+        """Take the first urgent command: stop, emergency, release, quit. Never blocks.
 
         After `quit` no further line is read.
         """
@@ -56,7 +56,7 @@ class LineReader:
                 command = parse_command(line)
             except UserError:
                 continue  # it is reported at its turn
-            if isinstance(command, (CancelGoal, AskMux, ContinueGoal, Quit)):
+            if isinstance(command, (CancelGoal, AskMux, Quit)):
                 self._lines.remove(line)
                 if isinstance(command, Quit):
                     self._lines.clear()

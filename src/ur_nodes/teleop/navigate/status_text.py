@@ -44,7 +44,7 @@ def announce_goal(snapshot: RobotSnapshot) -> tuple[str, str]:
     if report.state is LastGoalState.STOPPED:
         why = f": {report.text}" if report.text not in ("", "cancelled") else ""
         return f"stopped on the way to {where}{why}", "yellow"
-    if report.state in (LastGoalState.HELD, LastGoalState.ASKING):
+    if report.state is LastGoalState.HELD:
         return f"held on the way to {where}", "yellow"
     if report.state is LastGoalState.UNKNOWN:
         return f"state of the goal {where} unknown", "yellow"
@@ -84,7 +84,6 @@ _SHOWN = {
     LastGoalState.WAITING: ("◌", "yellow"),
     LastGoalState.DRIVING: ("▶", "bold green"),
     LastGoalState.HELD: ("‖", "bold yellow"),
-    LastGoalState.ASKING: ("‖", "bold yellow"),
     LastGoalState.UNKNOWN: ("?", "bold yellow"),
     LastGoalState.REACHED: ("●", "bold green"),
     LastGoalState.STOPPED: ("■", "yellow"),
@@ -132,12 +131,6 @@ def silence_line(snapshot: RobotSnapshot) -> str:
     """Return the text about a sender that is silent, or ''."""
     silence = snapshot.silence
     return describe_silence(silence.who, silence.seconds) if silence else ""
-
-
-def asking_line(columns: int) -> str:
-    """Return the question that a held goal asks."""
-    long = "held: the robot waits for you; Enter or c continues, x cancels"
-    return long if len(long) < columns else "held: Enter or c continues, x cancels"
 
 
 def driver_line(snapshot: RobotSnapshot, columns: int) -> str:
@@ -252,7 +245,7 @@ def _goal(snapshot: RobotSnapshot) -> Text:
     sign, style = _SHOWN[report.state]
     if report.state is LastGoalState.UNKNOWN:
         return Text.assemble((f"{sign} goal unknown until it answers", style))
-    held = report.state in (LastGoalState.HELD, LastGoalState.ASKING)
+    held = report.state is LastGoalState.HELD
     text = Text.assemble((f"{sign} {(held and report.text) or report.state.value}", style))
     left = distance_left(snapshot)
     if not (report.over or held) and left is not None:

@@ -26,7 +26,6 @@ from ur_nodes.teleop.navigate.commands import error_line
 from ur_nodes.teleop.navigate.status_text import (
     alarm_line,
     announce_goal,
-    asking_line,
     driver_line,
     silence_line,
     status_line,
@@ -151,8 +150,6 @@ class NavigateView(FullScreenApp[None]):
             return Text(alarm, "bold white on red")
         if not silent and (waiting := waiting_line(snapshot)):
             return Text(waiting, "yellow")
-        if not silent and snapshot.goal.state is LastGoalState.ASKING:
-            return Text(asking_line(self.size.width - 1), "bold black on yellow")
         if snapshot.goal.over and not self._result_shown:
             snapshot = replace(snapshot, goal=GoalReport(snapshot.goal.number))
         return status_line(snapshot, self.size.width - 2)

@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from ur.web.wire.requests import GoalRequest, GoTo, InitialPose, Resume
+from ur.web.wire.requests import GoalRequest, GoTo, InitialPose
 from ur_nodes.client.navigation import NavigationTopics
 from ur_nodes.client.snapshot import heading_there
 from ur_nodes.geometry.pose import Pose2
@@ -18,7 +18,7 @@ from ur_nodes.web.driving.page_lease import PageLease, StickState, may_drive, no
 Refuse = Callable[[str, str], None]
 """Refuses a request, by its name, for a reason."""
 
-_WHAT = {GoalRequest: "goal", GoTo: "go_to", InitialPose: "pose", Resume: "resume"}
+_WHAT = {GoalRequest: "goal", GoTo: "go_to", InitialPose: "pose"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ class PageGoals:
             return replace(page, goal=0, lease=note_end(page.lease, self._node.steady()))
         return page
 
-    def apply(self, page: GoalPage, request: GoalRequest | GoTo | InitialPose | Resume, refuse: Refuse) -> GoalPage:
+    def apply(self, page: GoalPage, request: GoalRequest | GoTo | InitialPose, refuse: Refuse) -> GoalPage:
         """Carry out a request of a page. If it is refused, the lease is released unless its page drives to a goal."""
         why = ""
         if isinstance(request, GoTo):
@@ -71,9 +71,7 @@ class PageGoals:
         if why:
             refuse(_WHAT[type(request)], why)
             return page if page.goal else replace(page, lease=note_end(page.lease, self._node.steady()))
-        if isinstance(request, Resume):
-            self._topics.continue_goal(number_of(request.answers))
-        elif isinstance(request, InitialPose):
+        if isinstance(request, InitialPose):
             self._topics.set_pose(Pose2(request.x, request.y, request.yaw))
         elif isinstance(request, GoalRequest):
             return self._go(page, request)

@@ -12,7 +12,6 @@ from ur_nodes.navigation.goals.attendance import (
     GoalVerdict,
     attend_goal,
     clock_time,
-    continue_goal,
     refuse_goal,
     step_attendance,
 )
@@ -24,7 +23,6 @@ LOST = replace(HELD, state="lost")
 OTHER = Lease("held", "bb", "laptop2", since=60.0)
 MINE = Claim("aa", SECOND)
 SETTINGS = AttendanceSettings(grace=3.0)
-ASK = AttendanceSettings(ask=True, grace=3.0)
 
 
 @dataclass
@@ -45,25 +43,6 @@ def test_goal_of_the_driver_is_held_as_soon_as_the_mux_has_lost_the_driver_and_g
     assert goal.at(1.0, LOST) == GoalVerdict(Act.HOLD, "held: no word from laptop for 3 s")
     assert goal.at(8.0, LOST).text == "held: no word from laptop for 10 s"
     assert goal.at(8.1, HELD) == GoalVerdict(Act.DRIVE)
-
-
-def test_goal_waits_for_an_answer_where_that_is_configured() -> None:
-    goal = Goal(attend_goal(MINE), ASK)
-    goal.at(-1.0, HELD)
-    goal.at(0.0, LOST)
-    assert goal.at(1.0, HELD) == GoalVerdict(Act.ASK, "held: laptop is back; continue or cancel")
-    assert goal.at(2.0, LOST).act is Act.HOLD
-    assert goal.at(3.0, HELD).act is Act.ASK
-    goal.attendance = continue_goal(goal.attendance)
-    assert goal.at(4.0, HELD) == GoalVerdict(Act.DRIVE)
-
-
-def test_nobody_can_continue_a_goal_whose_attendant_is_away() -> None:
-    goal = Goal(attend_goal(MINE), ASK)
-    goal.at(-1.0, HELD)
-    goal.at(0.0, LOST)
-    goal.attendance = continue_goal(goal.attendance)
-    assert goal.at(1.0, LOST).act is Act.HOLD
 
 
 @pytest.mark.parametrize("before", [HELD, LOST, FREE])
@@ -102,12 +81,12 @@ def test_goal_of_a_script_belongs_to_who_drives_and_is_nobodys_again_after_the_r
     assert goal.at(30.0, FREE).act is Act.DRIVE
 
 
-def test_goal_of_a_client_that_is_back_drives_before_the_lease_says_so_and_asks_nothing() -> None:
-    goal = Goal(attend_goal(MINE), ASK)
+def test_goal_of_a_client_that_is_back_x_the_lease_says_so_and_asks_nothing() -> None:
+    goal = Goal(attend_goal(MINE))
     assert goal.at(0.0, LOST).act is Act.DRIVE
     assert goal.at(0.2, HELD).act is Act.DRIVE
     assert goal.at(0.4, LOST).act is Act.HOLD
-    lone = Goal(attend_goal(MINE), ASK)
+    lone = Goal(attend_goal(MINE))
     lone.at(0.0, LOST)
     assert lone.at(3.1, LOST).act is Act.HOLD
 
@@ -195,20 +174,17 @@ LEASES = st.one_of(
     st.just(FREE),
     st.builds(Lease, st.sampled_from(["held", "lost"]), st.sampled_from(["aa", "bb"]), attended=st.booleans()),
 )
-STEPS = st.lists(st.tuples(st.floats(0.0, 5.0), LEASES, st.floats(0.0, 6.0), st.booleans()), max_size=40)
+STEPS = st.lists(st.tuples(st.floats(0.0, 5.0), LEASES, st.floats(0.0, 6.0)), max_size=40)
 
 
-@given(st.sampled_from([MINE, None]), st.booleans(), STEPS)
+@given(st.sampled_from([MINE, None]), STEPS)
 def test_robot_drives_only_while_nothing_forbids_it(
-    claim: Claim | None, ask: bool, steps: list[tuple[float, Lease, float, bool]]
+    claim: Claim | None, steps: list[tuple[float, Lease, float]]
 ) -> None:
-    settings = AttendanceSettings(ask=ask)
-    attendance, now, absent_since, held = attend_goal(claim), 0.0, None, False
-    for gap, lease, silence, answered in steps:
+    settings = AttendanceSettings()
+    attendance, now, absent_since = attend_goal(claim), 0.0, None
+    for gap, lease, silence in steps:
         now += gap
-        answer = answered and attendance.asking
-        if answered:
-            attendance = continue_goal(attendance)
         before = attendance
         attendance, verdict = step_attendance(attendance, lease, silence, settings, now)
         owner = attendance.client
@@ -223,7 +199,5 @@ def test_robot_drives_only_while_nothing_forbids_it(
             proven = attendance.claimed and not attendance.present  # by the answer in the goal's id, a moment ago
             assert proven or not (lease.state == "lost" and lease.client == owner and lease.attended)
             assert absent_since is None or now - absent_since < settings.grace
-            assert not (held and ask and owner and attendance.attended and not answer)
         else:
             assert verdict.text
-        held = verdict.act in (Act.HOLD, Act.ASK)

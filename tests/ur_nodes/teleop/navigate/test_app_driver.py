@@ -89,24 +89,6 @@ async def test_stop_that_failed_goes_before_the_lost_link_and_old_news_of_the_mu
     assert "NOT STOPPED: no answer" in screen.text("status")
 
 
-@pytest.mark.parametrize(("answer", "resumed"), [("", True), ("c", True), ("x", False)])
-async def test_held_goal_that_asks_is_continued_or_cancelled(
-    screen: AppScreen, navigator: Any, answer: str, resumed: bool
-) -> None:
-    show(navigator, goal=GoalReport(1, THERE, LastGoalState.ASKING, "held: laptop is back; continue or cancel"))
-    await screen.refresh()
-    assert "Enter or c continues, x cancels" in screen.text("status")
-    await screen.type(answer)
-    assert (navigator.resumes, navigator.stops) == ((1, 0) if resumed else (0, 1))
-
-
-async def test_nothing_is_continued_while_no_goal_asks(screen: AppScreen, navigator: Any) -> None:
-    await screen.type("")
-    await screen.type("c")
-    assert navigator.resumes == 0
-    assert "no goal to continue" in screen.text("message")
-
-
 async def test_held_goal_says_why(screen: AppScreen, navigator: Any) -> None:
     show(navigator, goal=GoalReport(1, THERE, LastGoalState.HELD, "held: no word from laptop2 for 3 s"))
     await screen.refresh()

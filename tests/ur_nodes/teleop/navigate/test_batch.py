@@ -236,15 +236,6 @@ def test_goal_that_was_taken_over_or_came_late_says_so(navigator: Any, store: Wa
     assert world.out == [f"g 0 4: failed after 0.1 s: {late}"]
 
 
-def test_goal_that_asks_for_an_answer_is_cancelled_since_a_pipe_cannot_answer(
-    navigator: Any, store: WaypointStore
-) -> None:
-    world = BatchWorld(lambda _: navigator.end(LastGoalState.ASKING, "held: laptop is back"))
-    assert run(["g 0 5"], navigator, store, world) == 1
-    assert navigator.stops == 1
-    assert world.out == ["g 0 5: stopped after 0.1 s: held, and a pipe cannot answer whether it goes on"]
-
-
 def test_nothing_is_sent_while_another_client_drives_until_this_one_does(navigator: Any, store: WaypointStore) -> None:
     other = LeaseView("held", "laptop2", since=100.0)
     navigator.seen = replace(navigator.seen, lease=other)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from ur_nodes.teleop.navigate.commands import AskMux, CancelGoal, Command, ContinueGoal, Quit
+from ur_nodes.teleop.navigate.commands import AskMux, CancelGoal, Command, Quit
 from ur_nodes.teleop.navigate.line_program import LineReader
 
 
@@ -21,9 +21,7 @@ def test_lines_come_in_order_and_the_last_may_lack_its_end(pipe: tuple[int, int]
     assert list(LineReader(pipe[0], threading.Event())) == ["g 1 2", "m küche", "l"]
 
 
-@pytest.mark.parametrize(
-    ("line", "command"), [("x", CancelGoal()), ("e", AskMux("stop")), ("r", AskMux("release")), ("c", ContinueGoal())]
-)
+@pytest.mark.parametrize(("line", "command"), [("x", CancelGoal()), ("e", AskMux("stop")), ("r", AskMux("release"))])
 def test_urgent_command_is_taken_before_lines_that_wait(pipe: tuple[int, int], line: str, command: Command) -> None:
     os.write(pipe[1], f"g 1 2\nnonsense\n{line}\nl\n".encode())
     os.close(pipe[1])

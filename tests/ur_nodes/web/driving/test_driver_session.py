@@ -168,9 +168,7 @@ def test_goal_without_a_heading_says_so(world: RobotWorld) -> None:
     assert math.isfinite(world.navigation.goals[0].goal.target.pose.yaw)
 
 
-@pytest.mark.parametrize(
-    ("request_", "what"), [("goal", "goal"), ("pose", "pose"), ("resume", "resume")], ids=["goal", "pose", "resume"]
-)
+@pytest.mark.parametrize(("request_", "what"), [("goal", "goal"), ("pose", "pose")], ids=["goal", "pose"])
 def test_requests_that_set_something_in_motion_are_refused_when_they_are_late(
     world: RobotWorld, request_: str, what: str
 ) -> None:
