@@ -23,10 +23,11 @@ from ur_nodes.client.goal_tracker import (
 )
 from ur_nodes.client.snapshot import GoalReport, RobotSnapshot
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.geometry.scan import mount_of_pose, points_of_scan
+from ur_nodes.geometry.scan import points_of_scan
 from ur_nodes.ports.actions import Goal, GoalState
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.scan_feed import ScanFeed
 from ur_nodes.ports.values import Map, Path, PoseEstimate, Result, Scan, StampedPose
 
 Wait = Callable[[Callable[[], bool], float], bool]
@@ -105,8 +106,8 @@ class RobotState:
         self._stamp: float | None = None
         self._moved_at = -math.inf
         self._scan: tuple[str, NDArray[np.float64]] | None = None
+        self._feed = ScanFeed(node, "", base_frame, self._on_scan, reports=False)
         self._tree.watch(self._note_transform)
-        node.subscribe("scan", Scan, self._on_scan)
 
     @property
     def silent(self) -> bool:
@@ -149,17 +150,18 @@ class RobotState:
         return self._base_frame if known else BASE_LINK
 
     def _note_transform(self) -> None:
-        stamp = self._tree.newest(self._base())
+        base = self._base()
+        self._feed.odom_frame, self._feed.base_frame = self._tree.parent(base) or "", base
+        stamp = self._tree.newest(base)
         if stamp is not None and stamp != self._stamp:
             self._stamp, self._moved_at = stamp, self._node.steady()
 
-    def _on_scan(self, scan: Scan) -> None:
+    def _on_scan(self, scan: Scan, odometry: Pose2 | None) -> None:
         # Held in the base's parent, so that a robot that turns does not drag the scan along until the next one.
-        base = self._base()
-        parent = self._tree.parent(base) or base
-        pose = self._tree.find(parent, scan.frame)
-        if pose is not None:
-            self._scan = (parent, points_of_scan(scan, mount_of_pose(pose)))
+        if mount := self._feed.find_mount(scan.frame):
+            points = points_of_scan(scan, mount)
+            points = odometry.transform_points(points) if odometry else points
+            self._scan = (self._feed.odom_frame or self._feed.base_frame, points)
 
 
 class NavigationTopics:

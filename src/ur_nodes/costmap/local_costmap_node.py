@@ -15,6 +15,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.transform_tree import ExtrapolationError, TransformError, TransformTree
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.scan_feed import ScanFeed
 from ur_nodes.ports.transforms import seconds_of
 from ur_nodes.ports.values import Map, Outline, Range, Scan
 from ur_nodes.run import run
@@ -35,7 +36,7 @@ class LocalCostmap:
         self._last = 0.0  # s: when the places of marks were seen last
         self._waiting: deque[tuple[str, float, Beams]] = deque(maxlen=_WAITING)
 
-    def on_scan(self, scan: Scan) -> None:
+    def on_scan(self, scan: Scan, _odometry: Pose2 | None) -> None:
         """Keep a scan for the next update."""
         beams = beams_of_scan(scan, inf_is_valid=self._settings.inf_is_valid)
         self._waiting.append((scan.frame, seconds_of(scan.stamp), beams))
@@ -112,7 +113,7 @@ def start(node: Node) -> None:
             outlines.send(Outline(node.now(), settings.frame, settings.footprint.outline_at(costmap.robot)))
 
     if settings.scan:
-        node.subscribe(settings.scan, Scan, costmap.on_scan)
+        ScanFeed(node, settings.frame, settings.base_frame, costmap.on_scan, topic=settings.scan)
     for topic in settings.sonars:
         node.subscribe(topic, Range, costmap.on_range, Quality.EVERY)
     for bumper in settings.bumpers:

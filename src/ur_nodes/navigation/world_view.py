@@ -27,6 +27,7 @@ from ur_nodes.navigation.steering.speed_profile import DriveVelocity
 from ur_nodes.ports.newest_work import NewestWork
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.scan_feed import ScanFeed
 from ur_nodes.ports.transforms import seconds_of
 from ur_nodes.ports.values import Map, Range, Scan
 
@@ -106,6 +107,7 @@ class WorldView:
         self._exact = is_long(settings.footprint)  # cells are too coarse for its outline in a door
         self._points = np.empty((0, 2))  # where the newest scan ends, in the odometry frame
         self._scan: Scan | None = None
+        self._feed: ScanFeed | None = None
         self._used: int | None = None  # the stamp of the last scan that was worked in, ns
         self._laid = False
         self.zones = ZoneMasks(node, settings.keep_out_topic, settings.speed_topic, self._forbid)
@@ -115,7 +117,8 @@ class WorldView:
         node.subscribe(settings.map_topic, Map, self._on_map, Quality.LATCHED, unreadable=self._refuse_map)
         self._ranges: deque[Range] = deque(maxlen=_WAITING)
         if settings.local.scan:
-            node.subscribe(settings.local.scan.topic, Scan, self._on_scan)
+            frames, topic = (settings.local.frame, settings.base_frame), settings.local.scan.topic
+            self._feed = ScanFeed(node, *frames, self._on_scan, topic=topic, reports=False)
         for topic in settings.local.sonars:
             node.subscribe(topic, Range, self._ranges.append, Quality.EVERY)
 
@@ -245,8 +248,8 @@ class WorldView:
             old = self.frames.age(settings.world.frame, settings.local.frame, now)
             if old > LOCALISER_SILENCE:
                 return f"not localised: {settings.local.frame} in {settings.world.frame} is {old:.1f} s old"
-            if self._scan is not None:
-                self.frames.pose(settings.base_frame, self._scan.frame)
+            if self._feed and self._feed.newest:
+                self.frames.pose(settings.base_frame, self._feed.newest.frame)
         except TransformError as problem:
             return str(problem)
         return ""
@@ -254,18 +257,20 @@ class WorldView:
     def _blind(self, now: float) -> str:
         """Return the reason why the scan cannot be used; '' also for a robot without one."""
         source = self._settings.local.scan
-        if source is None:
+        if source is None or self._feed is None:
             return ""
         topic = self._node.resolve(source.topic)
-        if self._scan is None:
+        if self._feed.newest is None:
             return f"no scan on {topic}"
-        silent = now - seconds_of(self._scan.stamp)
+        silent = now - seconds_of(self._feed.newest.stamp)
         return f"no scan on {topic} for {silent:.1f} s" if silent > source.silence else ""
 
     def forget(self) -> None:
         """Clear all inputs after time was reset."""
         self.frames.forget()
         self._scan, self._used = None, None
+        if self._feed:
+            self._feed.newest = None
         self.clear_touched()
         self._ranges.clear()
         self.local_costmap.clear()
@@ -395,5 +400,5 @@ class WorldView:
         if costmap is not None and costmap.inflation != self._settings.world.inflation and not self._new_maps.busy:
             self._new_maps.ask((costmap, self.zones.keep_out))
 
-    def _on_scan(self, scan: Scan) -> None:
+    def _on_scan(self, scan: Scan, _odometry: Pose2 | None) -> None:
         self._scan = scan

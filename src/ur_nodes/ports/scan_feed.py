@@ -1,4 +1,4 @@
-"""Scans that wait until the odometry of their time is known."""
+"""Scans of all nodes, with the time that they took: they wait until the odometry of their time is known."""
 
 from collections import deque
 from collections.abc import Callable
@@ -7,22 +7,22 @@ from dataclasses import replace
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.geometry.scan import SensorMount, mount_of_pose, ranges_at_one_moment, velocity_between
+from ur_nodes.geometry.scan import SensorMount, mount_of_pose
+from ur_nodes.geometry.scan_time import ranges_at_one_moment, turn_time, velocity_between
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.values import Scan
 
 LONGEST_QUEUE = 30  # scans
-LONGEST_TURN = 1.0  # s between the first and the last beam; what takes longer is no turn of a lidar
 SILENCE = 15.0  # s without a scan before the log reports it, and again after as long
 _ARRIVAL = 10.0  # s: the first scan may come before the transforms of a node that takes long to start
 
 
 class ScanFeed:
-    """Subscribes to `scan`, and calls `use` with the newest usable scan; older ones are dropped.
+    """Subscribes to `topic`, and calls `use` with the newest usable scan; older ones are dropped.
 
     Odometry is the transform from `odom_frame` to `base_frame` at the scan's time; a head that turns measures a scan
     for a while: it is given as if measured at the middle of it, as far as odometry is known. Without an `odom_frame`
-    ('') no scan waits, and its odometry is None. Every `throttle`th scan is used.
+    ('') no scan waits, and its odometry is None. Every `throttle`th scan is used. `reports`: silence is logged.
     """
 
     def __init__(
@@ -32,38 +32,46 @@ class ScanFeed:
         base_frame: str,
         use: Callable[[Scan, Pose2 | None], None],
         throttle: int = 1,
+        *,
+        topic: str = "scan",
+        reports: bool = True,
     ) -> None:
-        self._node = node
+        self.odom_frame, self.base_frame = odom_frame, base_frame
+        self.newest: Scan | None = None
+        """The scan that arrived last, whether its odometry is known or not."""
+        self._node, self._topic = node, topic
         self._throttle, self._count = throttle, 0
         self._held = False
         self._use = use
-        self._odom_frame, self._base_frame = odom_frame, base_frame
         self._mounts: dict[str, SensorMount] = {}
         self._asked: dict[str, int] = {}  # when a mount was first asked for (ns), by frame
         self._scans: deque[Scan] = deque(maxlen=LONGEST_QUEUE)
         self._quiet_since = node.now()
         node.transforms.watch(self._try)
-        node.subscribe("scan", Scan, self._add)
-        node.every(1.0, self._explain_silence)
+        node.subscribe(topic, Scan, self._add)
+        if reports:
+            node.every(1.0, self._explain_silence)
+
+    def beside(self, topic: str, use: Callable[[Scan], None]) -> None:
+        """Feed the scans of another lidar of the robot, too."""
+        ScanFeed(self._node, self.odom_frame, self.base_frame, lambda scan, _: use(scan), topic=topic, reports=False)
 
     def odometry(self, stamp: int = 0) -> Pose2 | None:
         """Return the pose of the base in the odometry's frame at a time (0: the newest); None if unknown."""
-        return (
-            self._node.transforms.find_planar(self._odom_frame, self._base_frame, stamp) if self._odom_frame else None
-        )
+        return self._node.transforms.find_planar(self.odom_frame, self.base_frame, stamp) if self.odom_frame else None
 
     def mount(self, frame: str) -> SensorMount | None:
         """Return the mount of a lidar by its frame, which is fixed on the robot; None if unknown, with a log later."""
         found = self.find_mount(frame)
         now = self._node.now()
         if found is None and now - self._asked.setdefault(frame, now) > _ARRIVAL * SECOND:
-            self._node.log.warn(f"no transform from {frame} to {self._base_frame}, expected one", every=SILENCE)
+            self._node.log.warn(f"no transform from {frame} to {self.base_frame}, expected one", every=SILENCE)
         return found
 
     def find_mount(self, frame: str) -> SensorMount | None:
         """Return the mount of a lidar by its frame; None if unknown."""
         if frame not in self._mounts:
-            if not (found := self._node.transforms.find(self._base_frame, frame)):
+            if not (found := self._node.transforms.find(self.base_frame, frame)):
                 return None
             self._mounts[frame] = mount_of_pose(found)
         return self._mounts[frame]
@@ -80,6 +88,7 @@ class ScanFeed:
     def _add(self, scan: Scan) -> None:
         """Add a scan; of more than LONGEST_QUEUE the oldest is dropped."""
         self._count += 1
+        self.newest = scan
         if self._count % self._throttle == 0:
             self._scans.append(at_its_middle(scan))
             self._try()
@@ -90,7 +99,7 @@ class ScanFeed:
         for index in range(len(self._scans) - 1, -1, -1):
             scan = self._scans[index]
             odometry = self.odometry(scan.stamp)
-            if odometry or not self._odom_frame:
+            if odometry or not self.odom_frame:
                 for _ in range(index + 1):
                     self._scans.popleft()
                 self._quiet_since = self._node.now()
@@ -99,15 +108,18 @@ class ScanFeed:
 
     def _at_one_moment(self, scan: Scan, middle: Pose2 | None) -> Scan:
         """Return the scan without the robot's motion during its measurement; unchanged if that is unknown."""
-        half = (len(scan.ranges) - 1) * abs(scan.time_increment) / 2.0
-        if middle is None or not 0.0 < half <= LONGEST_TURN / 2.0:
+        turn = turn_time(scan)
+        half = abs(turn) / 2.0
+        if middle is None or not half:
             return scan
         begun, mount = self.odometry(scan.stamp - round(half * SECOND)), self.find_mount(scan.frame)
         if begun is None or mount is None:
             return scan
         ended = self.odometry(scan.stamp + round(half * SECOND))
-        velocity = velocity_between(begun, ended, 2.0 * half) if ended else velocity_between(begun, middle, half)
-        times = (np.arange(len(scan.ranges), dtype=np.float64) - (len(scan.ranges) - 1) / 2.0) * scan.time_increment
+        before = velocity_between(begun, middle, half)
+        after = velocity_between(middle, ended, half) if ended else before
+        times = np.linspace(-turn / 2.0, turn / 2.0, len(scan.ranges))
+        velocity = np.where(times < 0.0, np.array(before)[:, None], np.array(after)[:, None])
         return replace(
             scan,
             ranges=ranges_at_one_moment(
@@ -122,16 +134,20 @@ class ScanFeed:
         if 0 <= now - self._quiet_since <= SILENCE * SECOND:
             return
         self._quiet_since = now
-        topic, log = self._node.resolve("scan"), self._node.log
+        topic, log = self._node.resolve(self._topic), self._node.log
         if not self._scans:
             log.warn(f"no scan on {topic} for {SILENCE:g} s; is the lidar driver running?")
         elif not self.odometry():
-            log.warn(f"no transform from {self._base_frame} to {self._odom_frame}, expected one")
+            log.warn(f"no transform from {self.base_frame} to {self.odom_frame}, expected one")
         else:
             log.warn(f"{topic} and tf timestamps do not overlap; do all nodes use the same clock?")
 
 
 def at_its_middle(scan: Scan) -> Scan:
     """Return the scan with its stamp halfway between first and last beam, so that motion shifts both halves alike."""
-    turn = (len(scan.ranges) - 1) * scan.time_increment
-    return replace(scan, stamp=scan.stamp + round(turn / 2.0 * SECOND)) if 0.0 < abs(turn) <= LONGEST_TURN else scan
+    return replace(scan, stamp=scan.stamp + round(turn_time(scan) / 2.0 * SECOND))
+
+
+def feed_beams(node: Node, topic: str, use: Callable[[Scan, float], None]) -> None:
+    """Call `use` with each newest scan as it is, for what cannot wait for odometry, and with its `turn_time`."""
+    node.subscribe(topic, Scan, lambda scan: use(scan, turn_time(scan)))

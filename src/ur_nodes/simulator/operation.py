@@ -159,8 +159,7 @@ class Operation:
         for robot, collisions, strikes in zip(self._robots, simulation.collisions, simulation.strikes, strict=True):
             if tick.odometry:
                 robot.send_odometry(stamp)
-            if tick.scan:
-                robot.send_scan(stamp)
+            robot.send_scan(stamp, due=tick.scan)
             if joints:
                 robot.send_joints(stamp)
             robot.send_collisions(collisions, strikes)

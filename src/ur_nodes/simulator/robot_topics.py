@@ -4,9 +4,10 @@ import numpy as np
 
 from ur_nodes.geometry.dead_reckoning import SIDEWAYS_SPEED_COVARIANCE, SPEED_COVARIANCE, covariance_matrix
 from ur_nodes.geometry.pose import Pose3, quaternion_of_yaw
-from ur_nodes.ports.node import Node
+from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Joints, Odometry, Scan, Transform, Twist
+from ur_nodes.simulator.sensors.turning_lidar import TurningLidar, direction_of
 from ur_nodes.simulator.settings import SimulatorSettings
 from ur_nodes.simulator.simulation import Simulation
 
@@ -43,6 +44,7 @@ class RobotTopics:
         self._joints = None if real else node.publish(f"{prefix}joint_states", Joints, quality)
         self._lidar, self._lidar_frame = lidar, prefix + lidar.frame if lidar else ""
         self._scan = node.publish(prefix + lidar.topic, Scan, quality) if lidar and not real else None
+        self._head = TurningLidar(simulation, robot) if self._scan and direction_of(simulation.base) else None
         self._collisions = node.publish(f"~{prefix}collisions", int, Quality.LATCHED)
         self._strikes = node.publish(f"~{prefix}people_struck", int, Quality.LATCHED) if simulation.has_people else None
         self._sent_collisions = self._sent_strikes = -1
@@ -72,21 +74,27 @@ class RobotTopics:
             twist = Twist(forward, turn, left)
             self._truth.send(Odometry(stamp, self._map, self._base, pose, twist, _EXACT, SPEED_COVARIANCE))
 
-    def send_scan(self, stamp: int) -> None:
-        """Send a scan of the lidar, taken in an instant."""
-        lidar = self._lidar
-        if lidar and self._scan and self._scan.subscribers():
+    def send_scan(self, stamp: int, *, due: bool) -> None:
+        """Send a scan of the lidar if it is due: of a turn, or of an instant where there is no real lidar."""
+        lidar, head, time, increment = self._lidar, self._head, stamp, 0.0
+        if not lidar or not self._scan or not self._scan.subscribers():
+            return
+        ranges = head.measure(due=due) if head else self._simulation.scan(self._robot) if due else None
+        if head and ranges is not None:
+            time, increment = stamp - round((self._simulation.time - head.first) * SECOND), head.increment
+        if ranges is not None:
             self._scan.send(
                 Scan(
-                    stamp,
+                    time,
                     self._lidar_frame,
                     lidar.angle_min,
                     (lidar.angle_max - lidar.angle_min) / (lidar.samples - 1),
                     lidar.range_min,
                     lidar.range_max,
-                    self._simulation.scan(self._robot).astype(np.float32),
+                    ranges.astype(np.float32),
                     scan_time=1.0 / lidar.rate,
                     angle_max=lidar.angle_max,
+                    time_increment=increment,
                 )
             )
 

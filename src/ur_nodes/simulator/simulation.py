@@ -145,6 +145,14 @@ class Simulation:
         """The ranges that a robot's lidar sees (m); see LidarBeams.cast. For bases that have a lidar."""
         return self._lidars[robot].cast(self._physics.data, self._noise[robot])
 
+    def cast(self, robot: int, first: float, step: float, count: int) -> npt.NDArray[np.float64]:
+        """Distances (m) from a robot's lidar now along `count` beams, from an angle (rad) on, a step (rad) apart."""
+        return self._lidars[robot].cast_some(self._physics.data, first, step, count)
+
+    def measured(self, robot: int, distances: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """The ranges (m) that a robot's lidar measures for distances (m), with the noise of the newest scan."""
+        return self._lidars[robot].measured(distances, self._noise[robot])
+
     def pose(self, robot: int) -> Pose2:
         """Return a robot's true pose in the map."""
         return self._physics.pose(robot)

@@ -7,7 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2, Pose3
-from ur_nodes.geometry.scan import SensorMount, mount_of_pose, ranges_at_one_moment, velocity_between
+from ur_nodes.geometry.scan import SensorMount, mount_of_pose
+from ur_nodes.geometry.scan_time import ranges_at_one_moment, velocity_between
 
 COUNT = 360
 STEP = 2.0 * math.pi / COUNT

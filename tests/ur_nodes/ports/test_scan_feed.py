@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from ur_nodes.geometry.pose import Pose3
+from ur_nodes.geometry.scan_time import LONGEST_TURN
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.node import SECOND
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.scan_feed import LONGEST_TURN, ScanFeed, at_its_middle
+from ur_nodes.ports.scan_feed import ScanFeed, at_its_middle
 from ur_nodes.ports.values import Scan, Transform
 
 

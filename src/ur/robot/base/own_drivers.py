@@ -46,6 +46,9 @@ GUARD_SOCKET = "/run/motor-guard"
 NO_WATCHDOG = "no watchdog: with driver and guard killed at once it drives on with its last command"
 """A warning about a board that `drives_on`."""
 
+CLOCKWISE = frozenset(("rplidar", "rplidar_express", "lds01", "lds02", "ld06", "ydlidar"))
+"""The drivers of lidars that turn clockwise as they measure, seen from above."""
+
 _EXECUTABLES = {"": "base_driver", "lidar": "lidar_driver", "sonars": "sonar_driver", "imu": "imu_driver"}
 OWN_DRIVERS: Mapping[str, OwnDriver] = {
     "arduino": OwnDriver(

@@ -16,6 +16,7 @@ from ur_nodes.motion.obstacle_stop.sight import Contact, Odometer, SensorRanges,
 from ur_nodes.motion.writes import AsideLog, Writes
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.scan_feed import feed_beams
 from ur_nodes.ports.services import Switch
 from ur_nodes.ports.values import Odometry, Range, Result, Scan
 
@@ -97,7 +98,7 @@ class ObstacleStop:
         self._watch(self._guard if self._on else None)
         node.subscribe("odom", Odometry, self._on_odometry)
         if base.lidar:
-            node.subscribe(base.lidar.topic, Scan, partial(self._on_scan, base.lidar.topic))
+            feed_beams(node, base.lidar.topic, partial(self._on_scan, base.lidar.topic))
         if base.sonars and sonars:
             node.subscribe(base.sonars.topic, Range, self._on_range, Quality.EVERY)  # all of a base come together
         for contact, topic in contact_topics(base).items():
@@ -150,13 +151,12 @@ class ObstacleStop:
         reading = Odometer(odometry.pose, twist.forward, twist.turn, self._time_of(odometry.stamp), twist.left)
         self._change(move(self._guard.sight, reading))
 
-    def _on_scan(self, topic: str, scan: Scan) -> None:
+    def _on_scan(self, topic: str, scan: Scan, turn: float) -> None:
         sensor = self._sensors.get(topic)
         if sensor is None:
             return
-        at, spacing = self._time_of(scan.stamp), max(0.0, scan.time_increment)
-        angles = scan.angle_min, scan.angle_increment
-        reading = SensorRanges(scan.ranges, (scan.range_min, scan.range_max), at, *angles, spacing)
+        at, angles = self._time_of(scan.stamp), (scan.angle_min, scan.angle_increment)
+        reading = SensorRanges(scan.ranges, (scan.range_min, scan.range_max), at, *angles, turn)
         self._change(look(self._guard.sight, sensor, reading))
 
     def _on_range(self, value: Range) -> None:

@@ -38,9 +38,13 @@ class RangeSensor:
     period: float
     views: Mapping[Side, NDArray[np.bool_]]
 
-    def sees(self, points: Floats) -> NDArray[np.bool_]:
-        """Return which points (n, 2) of the base's frame lie in its field of view."""
-        return _sees(points, self.mount, (self.start, self.end), self.reach)
+    def sees(self, points: Floats, turned: float = 0.0) -> NDArray[np.bool_]:
+        """Return which points (n, 2) of the base's frame lie in its field of view.
+
+        With a base that has `turned` (rad) from its first to its last beam, in the base's frame in between.
+        """
+        half = turned / 2.0 * self.mount.rotation[2, 2]
+        return _sees(points, self.mount, (self.start - half, self.end + half), self.reach)
 
 
 def _sees(points: Floats, mount: SensorMount, span: tuple[float, float], reach: float) -> NDArray[np.bool_]:

@@ -62,9 +62,10 @@ class Track:
         return newest.pose_after(seconds)
 
     def poses_at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Poses (n, 3) at times (n) that lie close together, by the poses at the first and the last."""
-        first, last = self.pose_at(float(times[0])), self.pose_at(float(times[-1]))
-        share = ((times - times[0]) / max(times[-1] - times[0], 1e-9))[:, None]
+        """Poses (n, 3) at times (n) in any order that lie close together, by the poses at the first and the last."""
+        begin, end = float(times.min()), float(times.max())
+        first, last = self.pose_at(begin), self.pose_at(end)
+        share = ((times - begin) / max(end - begin, 1e-9))[:, None]
         change = np.array((last.x - first.x, last.y - first.y, wrap_angle(last.yaw - first.yaw)))
         poses: NDArray[np.float64] = np.array(first) + share * change
         return poses
@@ -98,8 +99,9 @@ _NONE: Floats = np.empty((0, 2))
 class SensorRanges:
     """A scan, or the range of a sonar: `ranges` (n) in m, `limits` the least and the greatest that count.
 
-    `at` is when the first was measured (s of the mux's clock), `spacing` (s) and `increment` (rad) are from one to the
-    next, `first` (rad) is the angle of the first. `cone` is the full angle of a sonar, rad; 0 for a lidar.
+    `at` is when the first was measured (s of the mux's clock), the last was so `turn` s later: negative for a lidar
+    that turns clockwise. `increment` (rad) is from one to the next, `first` (rad) the angle of the first. `cone` is the
+    full angle of a sonar, rad; 0 for a lidar.
     """
 
     ranges: NDArray[np.floating]
@@ -107,8 +109,13 @@ class SensorRanges:
     at: float
     first: float = 0.0
     increment: float = 0.0
-    spacing: float = 0.0
+    turn: float = 0.0
     cone: float = 0.0
+
+    @property
+    def begun(self) -> float:
+        """The time (s) of what was measured first."""
+        return self.at + min(0.0, self.turn)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -172,7 +179,7 @@ def touch(sight: Sight, contact: tuple[Contact, str], points: Floats | None) -> 
 def look(sight: Sight, sensor: RangeSensor, reading: SensorRanges) -> Sight:
     """Return the sight after a reading of a sensor; a reading without a measurement changes nothing."""
     before = sight.seen.get(sensor.name)
-    if before is not None and reading.at < before.at:
+    if before is not None and reading.begun < before.at:
         return sight
     ranges = np.asarray(reading.ranges, dtype=np.float64)
     returns = classify_ranges(ranges, reading.limits)
@@ -181,7 +188,7 @@ def look(sight: Sight, sensor: RangeSensor, reading: SensorRanges) -> Sight:
         return sight
     ends = _ends(sight, sensor, reading, np.where(returns.near, reading.limits[0], ranges), hits)
     seen = dict(sight.seen)
-    seen[sensor.name] = SeenPoints(ends, reading.at)
+    seen[sensor.name] = SeenPoints(ends, reading.begun)
     return replace(sight, seen=seen, memory=_remember(sight, sensor, reading, before))
 
 
@@ -194,15 +201,20 @@ def _remember(sight: Sight, sensor: RangeSensor, reading: SensorRanges, before: 
         times = np.concatenate((times, np.full(len(before.points), before.at)))
     if not len(points):
         return memory
-    local = sight.track.pose_at(reading.at).inverse().transform_points(points)
-    kept = (reading.at - times <= MEMORY) & _hidden(sensor, reading, local)
+    first, middle, last = (sight.track.pose_at(reading.at + share * reading.turn) for share in (0.0, 0.5, 1.0))
+    local = middle.inverse().transform_points(points)
+    turned = wrap_angle(last.yaw - first.yaw)  # an arc stays unseen where the base turns against the lidar
+    kept = (reading.begun - times <= MEMORY) & _hidden(sensor, reading, local, turned)
     kept &= np.hypot(*local.T) <= sight.reach
     return RememberedPoints(points[kept][-_MOST:], times[kept][-_MOST:])
 
 
-def _hidden(sensor: RangeSensor, reading: SensorRanges, points: Floats) -> NDArray[np.bool_]:
-    """Return which earlier points (n, 2) of the base's frame a reading does not measure."""
-    hidden = ~sensor.sees(points)
+def _hidden(sensor: RangeSensor, reading: SensorRanges, points: Floats, turned: float) -> NDArray[np.bool_]:
+    """Return which earlier points (n, 2) of the base's frame a reading does not measure.
+
+    `turned` (rad) is by how much the base has, from its first to its last beam.
+    """
+    hidden = ~sensor.sees(points, turned)
     if reading.cone:
         hidden |= np.hypot(*(points - sensor.mount.offset[:2]).T) > reading.ranges[0] + _SLACK
     return hidden
@@ -228,7 +240,7 @@ def _ends(sight: Sight, sensor: RangeSensor, reading: SensorRanges, ranges: Floa
     points, numbers = points[near], numbers[near]
     if not len(points):
         return _NONE
-    poses = sight.track.poses_at(reading.at + reading.spacing * numbers)
+    poses = sight.track.poses_at(reading.at + reading.turn / max(1, len(hits) - 1) * numbers)
     c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
     moved = np.column_stack((c * points[:, 0] - s * points[:, 1], s * points[:, 0] + c * points[:, 1]))
     ends: Floats = moved + poses[:, :2]

@@ -226,7 +226,8 @@ class LidarBeams:
         angles = np.linspace(lidar.angle_min, lidar.angle_max, lidar.samples)
         self._beams = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)], axis=1)
         self._body = int(model.site_bodyid[self._site])
-        reach = lidar.range_max + 6.0 * lidar.noise
+        self._model = model
+        self._reach = reach = lidar.range_max + 6.0 * lidar.noise
         self._rays = RayCaster(model, self._body, lidar.samples, reach)
         self._planar = PlanarBeams(lidar.angle_min, float(angles[1] - angles[0]), lidar.samples, reach)
 
@@ -235,21 +236,35 @@ class LidarBeams:
 
         After REP 117: +inf where nothing is within `range_max`, -inf where something is nearer than `range_min`.
         """
+        return self.measured(self._cast(data, self._planar, self._beams, self._rays), noise)
+
+    def cast_some(self, data: mujoco.MjData, first: float, step: float, count: int) -> Floats:
+        """Distances (m), shape (count,), along other beams: from an angle (rad) on, a step (rad) apart."""
+        angles = first + step * np.arange(count)
+        beams = np.stack([np.cos(angles), np.sin(angles), np.zeros(count)], axis=1)
+        rays = RayCaster(self._model, self._body, count, self._reach)
+        return self._cast(data, PlanarBeams(first, step, count, self._reach), beams, rays)
+
+    def measured(self, distances: Floats, noise: Floats) -> Floats:
+        """The ranges of distances, as of `cast`."""
         lidar = self._lidar
-        distances = self._cast_in_plane(data)
-        if distances is None:
-            directions = self._beams @ data.site_xmat[self._site].reshape(3, 3).T
-            distances = self._rays.cast(data, data.site_xpos[self._site], directions)
         return measured_ranges(distances, lidar.noise * noise, (lidar.range_min, lidar.range_max))
 
-    def _cast_in_plane(self, data: mujoco.MjData) -> Floats | None:
+    def _cast(self, data: mujoco.MjData, planar: PlanarBeams, beams: Floats, rays: RayCaster) -> Floats:
+        distances = self._cast_in_plane(data, planar)
+        if distances is None:
+            directions = beams @ data.site_xmat[self._site].reshape(3, 3).T
+            distances = rays.cast(data, data.site_xpos[self._site], directions)
+        return distances
+
+    def _cast_in_plane(self, data: mujoco.MjData, planar: PlanarBeams) -> Floats | None:
         place, turn = data.site_xpos[self._site], data.site_xmat[self._site]
         if not self._shapes or not self._shapes.is_at_height(place, turn):
             return None
         sides = self._shapes.sides(data, self._body)
         if sides is None:
             return None
-        return self._planar.cast(sides, (float(place[0]), float(place[1])), math.atan2(turn[3], turn[0]))
+        return planar.cast(sides, (float(place[0]), float(place[1])), math.atan2(turn[3], turn[0]))
 
 
 def make_lidars(model: mujoco.MjModel, lidar: Lidar, robots: int) -> list[LidarBeams]:

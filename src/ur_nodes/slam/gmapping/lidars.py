@@ -9,7 +9,6 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.scan import SensorMount, directions_of_scan
 from ur_nodes.ports import values
 from ur_nodes.ports.node import SECOND, Node
-from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.scan_feed import SILENCE, ScanFeed
 from ur_nodes.slam.gmapping.settings import GmappingSettings
 from ur_nodes.slam.matching.scan import MapScan, join_scans, make_scan
@@ -37,7 +36,7 @@ class Lidars:
         self._others: dict[str, deque[values.Scan]] = {topic: deque(maxlen=_KEPT) for topic in others}
         self._missed = dict.fromkeys(others, 0)  # scans in a row that had none of this topic beside them
         for topic, newest in self._others.items():
-            node.subscribe(topic, values.Scan, newest.append, Quality.EVERY)
+            feed.beside(topic, newest.append)
 
     def readings(self, scan: values.Scan, odometry: Pose2 | None) -> list[LidarReading]:
         """Return a scan of the first lidar, and those of the others at that time; none while its mount is unknown."""

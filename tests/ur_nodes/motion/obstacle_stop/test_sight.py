@@ -31,7 +31,7 @@ def test_points_stay_where_they_are_while_the_base_drives(sight: Sight) -> None:
 def test_beams_of_a_turning_lidar_count_from_their_own_time(sight: Sight) -> None:
     driving = move(sight, Odometer(Pose2(0.0, 0.0, 0.0), 0.5, 0.0, 1.0))
     driving = move(driving, Odometer(Pose2(0.05, 0.0, 0.0), 0.5, 0.0, 1.1))
-    slow = replace(scan_of(0.6, 1.0), spacing=0.1 / 360.0)
+    slow = replace(scan_of(0.6, 1.0), turn=0.1)
     points = seeing(driving, slow).points_at(1.0)
     front = points[np.argmin(np.abs(points[:, 1]))]
     assert front[0] == pytest.approx(0.725, abs=2e-3)  # measured half a turn, 0.05 s, later

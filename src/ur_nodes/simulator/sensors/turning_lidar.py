@@ -1,0 +1,79 @@
+"""A lidar whose head turns while it measures: beam after beam, each from where the robot is by then."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from ur.robot.base.own_drivers import CLOCKWISE
+from ur_nodes.geometry.pose import wrap_angle
+
+if TYPE_CHECKING:
+    from ur.robot.base import Base
+    from ur_nodes.simulator.simulation import Simulation
+
+_PLACED = 0.5  # rad between two ticks: the robot was put there by hand
+_WITHOUT = 1.5  # turns: nobody wanted the last scans
+
+
+def direction_of(base: Base) -> int:
+    """How the real lidar of a base turns, seen from above: 1 counter-clockwise, -1 clockwise; 0: there is none."""
+    if not base.lidar or not (base.driver or base.drivers):
+        return 0
+    return -1 if any(driver.protocol in CLOCKWISE for driver in base.drivers) else 1
+
+
+class TurningLidar:
+    """The head of a robot's lidar, which ends a turn with each scan that is due. `measure` is called at each tick."""
+
+    def __init__(self, simulation: Simulation, robot: int = 0) -> None:
+        assert simulation.base.lidar
+        self._simulation, self._robot, self._lidar = simulation, robot, simulation.base.lidar
+        self._clockwise = direction_of(simulation.base) < 0
+        self._step = (self._lidar.angle_max - self._lidar.angle_min) / (self._lidar.samples - 1)
+        self._size = max(self._lidar.samples, round(2.0 * math.pi / self._step))  # beams of a turn
+        self._upright = math.copysign(1.0, math.cos(self._lidar.pose[3]) * math.cos(self._lidar.pose[4]))
+        self._distances = np.full(self._lidar.samples, np.inf)
+        self._yaw = 0.0
+        self._beam = 0  # the next one of this turn
+        self._begun = -1.0  # s; negative before the first turn
+        self.first = self.increment = 0.0
+        """When the first beam of the newest scan was measured (s), and the time from one to the next (s)."""
+
+    def measure(self, *, due: bool) -> npt.NDArray[np.float64] | None:
+        """Measure until now; return the ranges (samples,) of the turn if a scan is due, None before it is complete."""
+        now, yaw = self._simulation.time, self._simulation.pose(self._robot).yaw
+        turned, self._yaw = self._upright * wrap_angle(yaw - self._yaw), yaw
+        if now - self._begun > _WITHOUT / self._lidar.rate:
+            self._begun = -1.0
+        if self._begun >= 0.0:
+            share = 1.0 if due else min(1.0, (now - self._begun) * self._lidar.rate)
+            self._pass_beams(int(share * self._size), turned if abs(turned) < _PLACED else 0.0)
+        if not due:
+            return None
+        begun, self._begun, self._beam = self._begun, now, 0
+        if begun < 0.0:
+            return None
+        spacing = (now - begun) / self._size
+        self.first = begun + (self._lidar.samples - 1) * spacing if self._clockwise else begun
+        self.increment = -spacing if self._clockwise else spacing
+        return self._simulation.measured(self._robot, self._distances)
+
+    def _pass_beams(self, end: int, turned: float) -> None:
+        """Measure the beams of this turn up to `end`, during which the robot has `turned` (rad)."""
+        begin, self._beam, samples = self._beam, end, self._lidar.samples
+        count = min(end, samples) - begin
+        if count <= 0:
+            return
+        step = turned / (end - begin)  # of the robot from beam to beam
+        if self._clockwise:
+            low = samples - begin - count
+            first, step = self._lidar.angle_max - (begin + count - 1) * self._step + (count - 0.5) * step, -step
+        else:
+            low = begin
+            first = self._lidar.angle_min + begin * self._step + 0.5 * step
+        found = self._simulation.cast(self._robot, first - turned, self._step + step, count)
+        self._distances[low : low + count] = found
