@@ -392,6 +392,16 @@ def test_only_the_backends_import_ros(imports: dict[str, set[str]]) -> None:
     assert not wrong, "\n".join(wrong)
 
 
+def test_the_time_of_beams_is_known_to_the_feed_of_scans_alone() -> None:
+    """All consumers get scans from it; beside it, the time of beams is only translated, and judged as a number."""
+    reads, subscribes = re.compile(r"\.time_increment\b"), re.compile(r"subscribe\([^()]*\bScan,")
+    texts = {path.relative_to(ROOT / "src"): path.read_text() for path in (ROOT / "src/ur_nodes").rglob("*.py")}
+    found = {str(path) for path, text in texts.items() if reads.search(text) and "codecs" not in path.parts}
+    assert found == {"ur_nodes/geometry/scan_time.py", "ur_nodes/ports/validation.py"}
+    found = {str(path) for path, text in texts.items() if subscribes.search(text)}
+    assert found == {"ur_nodes/ports/scan_feed.py", "ur_nodes/drivers/driver_adapter_node.py"}
+
+
 def test_xml_rpc_is_read_by_the_reader_with_limits(imports: dict[str, set[str]]) -> None:
     unlimited = {module for module, used in imports.items() if {"xmlrpc", "xmlrpc.client"} & used}
     assert {each for each in unlimited if not each.startswith("ur_nodes.ros1.")} == set()  # rospy's own calls

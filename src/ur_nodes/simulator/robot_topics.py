@@ -7,9 +7,9 @@ from ur_nodes.geometry.pose import Pose3, quaternion_of_yaw
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Joints, Odometry, Scan, Transform, Twist
-from ur_nodes.simulator.sensors.turning_lidar import TurningLidar, direction_of
 from ur_nodes.simulator.settings import SimulatorSettings
 from ur_nodes.simulator.simulation import Simulation
+from ur_nodes.simulator.turning_lidar import TurningLidar, direction_of
 
 _EXACT = np.diag((1e-9, 1e-9, 1e-9))
 

@@ -37,6 +37,36 @@ def test_beams_of_a_turning_lidar_count_from_their_own_time(sight: Sight) -> Non
     assert front[0] == pytest.approx(0.725, abs=2e-3)  # measured half a turn, 0.05 s, later
 
 
+@pytest.mark.parametrize("turn", [0.2, -0.2])  # s from the first beam to the last, of either direction
+def test_wall_beside_a_base_that_turns_is_where_each_beam_measured_it(sight: Sight, turn: float) -> None:
+    at, speed = 1.0 - min(0.0, turn), 1.5  # s, rad/s
+    turning = sight
+    for time in (1.0, 1.1, 1.2):
+        turning = move(turning, Odometer(Pose2(0.0, 0.0, speed * (time - 1.0)), 0.0, speed, time))
+    angles = -math.pi + np.arange(360) * math.pi / 180.0
+    heading = speed * (at + turn * np.arange(360) / 359.0 - 1.0)
+    mount = sight.sensors[0].mount.offset[0] * np.cos(heading)
+    across = np.cos(angles + heading)
+    ranges = np.where(across > 0.5, (0.6 - mount) / np.maximum(across, 0.5), math.inf)
+    points = seeing(turning, SensorRanges(ranges, (0.12, 12.0), at, -math.pi, math.pi / 180.0, turn)).points_at(1.0)
+    assert len(points) > 60
+    assert points[:, 0] == pytest.approx(0.6, abs=0.005)
+
+
+@pytest.mark.parametrize("turn", [0.2, -0.2])
+def test_point_that_a_turning_base_leaves_unmeasured_is_remembered(sight: Sight, turn: float) -> None:
+    """The lidar turns against the base: the arc between its last beam and its first is seen by the next scan only."""
+    seen = seeing(move(sight, Odometer(Pose2(0.0, 0.0, 0.0), 0.0, 0.0, 1.0)), scan_of(0.5, 1.0, toward=math.pi))
+    speed = -1.5 * math.copysign(1.0, turn)
+    for time in (1.1, 1.2):
+        seen = move(seen, Odometer(Pose2(0.0, 0.0, speed * (time - 1.0)), 0.0, speed, time))
+    nothing = SensorRanges(np.full(360, math.inf), (0.12, 12.0), 1.0 - min(0.0, turn), -math.pi, math.pi / 180.0, turn)
+    left = seeing(seen, nothing).points_at(1.2)
+    bearing = np.arctan2(left[:, 1], left[:, 0] - sight.sensors[0].mount.offset[0])
+    assert len(left) > 10
+    assert (np.abs(bearing) > math.pi - 0.45).all()
+
+
 @pytest.mark.parametrize("value", [math.nan, 0.0, 0.05, math.inf, 12.0, 20.0])
 def test_beams_that_met_nothing_or_measured_nothing_leave_no_point(sight: Sight, value: float) -> None:
     reading = SensorRanges(np.array([0.5, value, math.inf]), (0.12, 12.0), 1.0, 0.0, 0.1)

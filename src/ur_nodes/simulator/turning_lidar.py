@@ -1,29 +1,24 @@
 """A lidar whose head turns while it measures: beam after beam, each from where the robot is by then."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
+from ur.robot.base import Base
 from ur.robot.base.own_drivers import CLOCKWISE
 from ur_nodes.geometry.pose import wrap_angle
-
-if TYPE_CHECKING:
-    from ur.robot.base import Base
-    from ur_nodes.simulator.simulation import Simulation
+from ur_nodes.simulator.simulation import Simulation
 
 _PLACED = 0.5  # rad between two ticks: the robot was put there by hand
 _WITHOUT = 1.5  # turns: nobody wanted the last scans
 
 
 def direction_of(base: Base) -> int:
-    """How the real lidar of a base turns, seen from above: 1 counter-clockwise, -1 clockwise; 0: there is none."""
-    if not base.lidar or not (base.driver or base.drivers):
-        return 0
-    return -1 if any(driver.protocol in CLOCKWISE for driver in base.drivers) else 1
+    """How the lidar of a base turns, seen from above: 1 counter-clockwise, -1 clockwise; 0: there is no real one."""
+    drivers = [driver.protocol for driver in base.drivers if driver.part == "lidar"]
+    drivers += [base.driver.protocol] if base.driver and base.driver.protocol == "neato" else []
+    return (-1 if drivers[0] in CLOCKWISE else 1) if base.lidar and drivers else 0
 
 
 class TurningLidar:
