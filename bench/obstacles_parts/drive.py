@@ -29,6 +29,7 @@ from ur_nodes.simulator.schedule import SimulationTick
 from ur_nodes.simulator.sensors.bumpers import BumperSense
 from ur_nodes.simulator.sensors.sonars import SonarSense
 from ur_nodes.simulator.simulation import Simulation
+from ur_nodes.simulator.turning_lidar import TurningLidar, direction_of
 
 _COMMAND_DELAY, _SENSOR_DELAY = 0.01, 0.02  # s
 _COMMANDS = 30.0  # Hz
@@ -59,6 +60,7 @@ class Drive:
 
     def __post_init__(self) -> None:
         self.simulation = Simulation(self.world, self.base, seed=self.seed)
+        self._head = TurningLidar(self.simulation) if direction_of(self.base) else None
         forward, turn = axes_of(self.base.limits)
         sources = (Source("keyboard", "key_vel", 90, 0.15),)
         limits = self.base.limits
@@ -122,11 +124,15 @@ class Drive:
             reading = Odometer(odometry.pose, *odometry.velocity, at)
             self._post(at + _SENSOR_DELAY, lambda: self._take(move(self._sight, reading)))
         seen = []
-        if tick.scan and base.lidar:
-            ranges = self.simulation.scan(0)
+        ranges = self._head.measure(due=tick.scan) if self._head else None
+        if tick.scan and base.lidar and (ranges is not None or not self._head):
             step = (base.lidar.angle_max - base.lidar.angle_min) / (base.lidar.samples - 1)
             limits = base.lidar.range_min, base.lidar.range_max
-            scan = SensorRanges(ranges, limits, at, base.lidar.angle_min, step)
+            if self._head and ranges is not None:
+                turn = self._head.increment * (base.lidar.samples - 1)
+                scan = SensorRanges(ranges, limits, self._head.first, base.lidar.angle_min, step, turn)
+            else:
+                scan = SensorRanges(self.simulation.scan(0), limits, at, base.lidar.angle_min, step)
             seen.append((self._sight.sensors[0], math.inf))
             self._look(self._sight.sensors[0], scan, at)
         if "sonars" in tick.due and base.sonars:

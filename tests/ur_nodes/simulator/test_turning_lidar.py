@@ -20,10 +20,10 @@ from ur_nodes.simulator.turning_lidar import TurningLidar, direction_of
 ROBOTS = [("create2", "lidar", -1), ("botvac", "", 1)]
 
 
-def load(name: str, variant: str, **changes: float) -> Base:
+def load(name: str, variant: str) -> Base:
     base = load_base(PACKAGE, name, variant)
     assert base.lidar
-    return dataclasses.replace(base, lidar=dataclasses.replace(base.lidar, noise=0.0, **changes))
+    return dataclasses.replace(base, lidar=dataclasses.replace(base.lidar, noise=0.0))
 
 
 def turns_of(simulation: Simulation, head: TurningLidar, turn: float) -> Iterator[np.ndarray]:
