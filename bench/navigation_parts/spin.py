@@ -12,7 +12,6 @@ from tests.ur_nodes.first_drive.drive import FirstDrive
 from ur_nodes.ports.values import Map
 from ur_nodes.simulator import simulator_node
 
-_SECONDS = 8
 _FAR, _GOAL = 0.15, 0.05  # m
 
 
@@ -31,7 +30,9 @@ def print_spins(name: str, speeds: list[float], rates: list[float] | None, seed:
     return 0 if good else 1
 
 
-def measure_spin(name: str, rate: float, speed: float, seed: int) -> tuple[NDArray[np.float64], float]:
+def measure_spin(
+    name: str, rate: float, speed: float, seed: int, seconds: int = 8
+) -> tuple[NDArray[np.float64], float]:
     """The distances (n,) in m of marked cells to the nearest wall, and the mean speed (rad/s) that was reached."""
     base = load_robot(name)
     assert base.lidar
@@ -45,7 +46,7 @@ def measure_spin(name: str, rate: float, speed: float, seed: int) -> tuple[NDArr
     away = distance_transform_edt(np.asarray(walls.values) < 65) * walls.resolution
     drive.drive(0.0, speed, 1.0, "cmd_vel")
     off, begun = [], len(drive.truths)
-    for _ in range(_SECONDS):
+    for _ in range(seconds):
         grids.clear()
         drive.drive(0.0, speed, 1.0, "cmd_vel")
         for each in grids:

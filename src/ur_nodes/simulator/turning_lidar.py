@@ -8,6 +8,7 @@ import numpy.typing as npt
 from ur.robot.base import Base
 from ur.robot.base.own_drivers import CLOCKWISE
 from ur_nodes.geometry.pose import wrap_angle
+from ur_nodes.simulator.mujoco_model import TIME_STEP
 from ur_nodes.simulator.simulation import Simulation
 
 _PLACED = 0.5  # rad between two ticks: the robot was put there by hand
@@ -32,7 +33,7 @@ class TurningLidar:
         self._size = max(self._lidar.samples, round(2.0 * math.pi / self._step))  # beams of a turn
         self._upright = math.copysign(1.0, math.cos(self._lidar.pose[3]) * math.cos(self._lidar.pose[4]))
         self._distances = np.full(self._lidar.samples, np.inf)
-        self._yaw = 0.0
+        self._yaw = self._time = 0.0  # rad, s: at the last tick
         self._beam = 0  # the next one of this turn
         self._begun = -1.0  # s; negative before the first turn
         self.first = self.increment = 0.0
@@ -41,12 +42,13 @@ class TurningLidar:
     def measure(self, *, due: bool) -> npt.NDArray[np.float64] | None:
         """Measure until now; return the ranges (samples,) of the turn if a scan is due, None before it is complete."""
         now, yaw = self._simulation.time, self._simulation.pose(self._robot).yaw
-        turned, self._yaw = self._upright * wrap_angle(yaw - self._yaw), yaw
+        turned, passed = self._upright * wrap_angle(yaw - self._yaw), now - self._time
+        self._yaw, self._time = yaw, now
         if now - self._begun > _WITHOUT / self._lidar.rate:
             self._begun = -1.0
         if self._begun >= 0.0:
             share = 1.0 if due else min(1.0, (now - self._begun) * self._lidar.rate)
-            self._pass_beams(int(share * self._size), turned if abs(turned) < _PLACED else 0.0)
+            self._pass_beams(int(share * self._size), turned if abs(turned) < _PLACED else 0.0, passed)
         if not due:
             return None
         begun, self._begun, self._beam = self._begun, now, 0
@@ -57,8 +59,8 @@ class TurningLidar:
         self.increment = -spacing if self._clockwise else spacing
         return self._simulation.measured(self._robot, self._distances)
 
-    def _pass_beams(self, end: int, turned: float) -> None:
-        """Measure the beams of this turn up to `end`, during which the robot has `turned` (rad)."""
+    def _pass_beams(self, end: int, turned: float, seconds: float) -> None:
+        """Measure the beams of this turn up to `end`; the robot has `turned` (rad) meanwhile, in so many `seconds`."""
         begin, self._beam, samples = self._beam, end, self._lidar.samples
         count = min(end, samples) - begin
         if count <= 0:
@@ -70,5 +72,6 @@ class TurningLidar:
         else:
             low = begin
             first = self._lidar.angle_min + begin * self._step + 0.5 * step
-        found = self._simulation.cast(self._robot, first - turned, self._step + step, count)
+        behind = TIME_STEP / max(seconds, TIME_STEP)  # beams are cast from where the last time step began
+        found = self._simulation.cast(self._robot, first - (1.0 - behind) * turned, self._step + step, count)
         self._distances[low : low + count] = found
