@@ -119,6 +119,8 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur.source",
         "ur.robot.base",
         "ur_nodes.drivers.registry",
+        "ur_nodes.geometry",
+        "ur_nodes.simulator.mujoco_model",
         "ur_nodes.simulator.sensors",
         "ur_nodes.simulator.simulation",
     ),

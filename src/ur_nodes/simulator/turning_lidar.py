@@ -31,7 +31,6 @@ class TurningLidar:
         self._clockwise = direction_of(simulation.base) < 0
         self._step = (self._lidar.angle_max - self._lidar.angle_min) / (self._lidar.samples - 1)
         self._size = max(self._lidar.samples, round(2.0 * math.pi / self._step))  # beams of a turn
-        self._upright = math.copysign(1.0, math.cos(self._lidar.pose[3]) * math.cos(self._lidar.pose[4]))
         self._distances = np.full(self._lidar.samples, np.inf)
         self._yaw = self._time = 0.0  # rad, s: at the last tick
         self._beam = 0  # the next one of this turn
@@ -42,7 +41,7 @@ class TurningLidar:
     def measure(self, *, due: bool) -> npt.NDArray[np.float64] | None:
         """Measure until now; return the ranges (samples,) of the turn if a scan is due, None before it is complete."""
         now, yaw = self._simulation.time, self._simulation.pose(self._robot).yaw
-        turned, passed = self._upright * wrap_angle(yaw - self._yaw), now - self._time
+        turned, passed = self._lidar.upright * wrap_angle(yaw - self._yaw), now - self._time
         self._yaw, self._time = yaw, now
         if now - self._begun > _WITHOUT / self._lidar.rate:
             self._begun = -1.0

@@ -27,6 +27,7 @@ class StillPlant:
     def __init__(self, base: str = "create2", variant: str = "lidar") -> None:
         self.base = load(base, variant)
         self.time = 0.0
+        self.drift = 0.0, 0.0
 
     def turn_wheels(self, left: float, right: float) -> None:
         pass

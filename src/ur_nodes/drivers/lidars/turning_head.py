@@ -13,8 +13,9 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from ur_nodes.simulator.devices.plant import Plant
 
-_PER_TURN = 360  # beams, a degree apart  # beams, a degree apart
-_MOST = 180  # beams of a tick, after a stall  # beams of a tick, after a stall
+_PER_TURN = 360  # beams, a degree apart
+_MOST = 180  # beams of a tick, after a stall
+_JOINED = 0.05  # of the range: between beams that differ by less there is one surface
 
 
 class TurningHead(ABC):
@@ -57,12 +58,21 @@ class TurningHead(ABC):
         return self.look(np.radians(beams % _PER_TURN))
 
     def look(self, phases: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """The distances (n,) in mm where the head has turned by so much (n,); 0.0: nothing is in reach."""
-        angles = -phases if self.clockwise else phases
-        index = np.rint((angles - self._lidar.angle_min) % (2.0 * math.pi) / self._step).astype(np.int64)
-        index %= round(2.0 * math.pi / self._step)
-        inside = index < self._lidar.samples
-        ranges = self._plant.ranges()[np.where(inside, index, 0)]
+        """The distances (n,) in mm where the head has turned by so much (n,); 0.0: nothing is in reach.
+
+        It has done so one after the other since the last tick, on a robot that turned meanwhile.
+        """
+        drift = np.linspace(*self._plant.drift, 2 * len(phases) + 1)[1::2]
+        angles = (-phases if self.clockwise else phases) + drift - self._lidar.angle_min
+        index, size = angles % (2.0 * math.pi) / self._step, round(2.0 * math.pi / self._step)
+        nearest = np.rint(index).astype(np.int64) % size
+        inside, seen = nearest < self._lidar.samples, np.full(size + 1, np.inf)
+        seen[: self._lidar.samples] = self._plant.ranges()
+        seen[-1] = seen[0]
+        ranges = seen[nearest]
+        with np.errstate(invalid="ignore"):
+            between = np.interp(index, np.arange(size + 1), seen)
+            ranges = np.where(np.abs(between - ranges) < _JOINED * ranges, between, ranges)
         return np.where(inside & np.isfinite(ranges), ranges * 1000.0, 0.0)
 
 

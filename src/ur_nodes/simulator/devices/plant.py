@@ -7,6 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ur.robot.base import Base
+from ur_nodes.geometry.pose import wrap_angle
+from ur_nodes.simulator.mujoco_model import TIME_STEP
 from ur_nodes.simulator.sensors.battery import BatterySense
 from ur_nodes.simulator.sensors.bumpers import BumperSense
 from ur_nodes.simulator.sensors.cliffs import CliffSense
@@ -28,6 +30,9 @@ class Plant:
         self._radii = (1.0 + errors) * self.base.wheels.radius
         self._angles = np.array(simulation.wheel_angles(robot))
         self._rolled = np.zeros(2)
+        self._yaw = simulation.pose(robot).yaw
+        self.drift = 0.0, 0.0
+        """By how much (rad) the lidar pointed elsewhere than `ranges` do, at the last tick and now."""
         self.time = simulation.time
         simulation.control_wheels(robot)
 
@@ -37,7 +42,11 @@ class Plant:
         rolled = (now - self._angles) * self._radii
         noise = self._random.standard_normal(2) * self.base.odometry.wheel_noise * np.sqrt(np.abs(rolled))
         self._rolled += rolled + noise
-        self._angles, self.time = now, self._simulation.time
+        yaw, seconds = self._simulation.pose(self._robot).yaw, self._simulation.time - self.time
+        turned = wrap_angle(yaw - self._yaw) * (self.base.lidar.upright if self.base.lidar else 1.0)
+        behind = turned * TIME_STEP / max(seconds, TIME_STEP)  # ranges are those from where the last time step began
+        self.drift = behind - turned, behind
+        self._yaw, self._angles, self.time = yaw, now, self._simulation.time
 
     def turn_wheels(self, left: float, right: float) -> None:
         """Have the rims of the wheels move, m/s; 0.0 for no number."""

@@ -37,6 +37,11 @@ lidar: {frame: laser, topic: scan, pose: [0.1, 0, 0.3, 0, 0, 0], angle_min: -3.1
     range_max: float
     noise: float
 
+    @property
+    def upright(self) -> float:
+        """1.0, or -1.0 where it hangs upside down, and a robot that turns left turns right in its frame."""
+        return math.copysign(1.0, math.cos(self.pose[3]) * math.cos(self.pose[4]))
+
     @classmethod
     def read(cls, part: Section, frames: FrameOwners) -> Lidar:
         """Read the section `lidar`."""
