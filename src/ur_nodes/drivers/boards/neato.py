@@ -233,6 +233,7 @@ class NeatoFirmware:
         self.test_mode = self.lifted = False
 
     def receive(self, data: bytes) -> bytes:
+        self._turn()
         *lines, self._text = (self._text + data.decode("latin-1")).replace("\r", "\n").split("\n")
         self._text = self._text[-200:]
         return b"".join(self._obey(line) for line in lines)
@@ -241,9 +242,12 @@ class NeatoFirmware:
         if self._plant.time >= self._until:
             self._plant.turn_wheels(0.0, 0.0)
             self._until = math.inf
+        self._turn()
+        return b""
+
+    def _turn(self) -> None:
         if self._head:
             self._head.tick()
-        return b""
 
     def _obey(self, line: str) -> bytes:
         words = line.lower().split()
