@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from ur.source.diagnostic import UserError, error_about
 
 if TYPE_CHECKING:
+    from ur.robot.base.calibration import Calibration
     from ur.source.section import Section
 
 ROBOT_FILE = Path("/etc/ubiquity/robot.yaml")
@@ -77,12 +78,16 @@ class Ros2Robot:
 
 @dataclass(frozen=True, slots=True)
 class RobotFile:
-    """The robot's name, its base, that base's variant ('' for the plain one), and its ROS 2; None for ROS 1."""
+    """The robot's name, its base, that base's variant ('' for the plain one), and its ROS 2; None for ROS 1.
+
+    `calibration` is how this robot differs from its base file; None where that is not known.
+    """
 
     name: str
     base: str
     variant: str
     ros2: Ros2Robot | None = None
+    calibration: Calibration | None = None
 
 
 def load_robot_file(path: Path = ROBOT_FILE) -> RobotFile | None:
@@ -104,7 +109,13 @@ def parse_robot_file(text: str, place: str = str(ROBOT_FILE)) -> RobotFile | Non
 
 def _read(top: Section, place: str) -> RobotFile:
     values = [top.text(key, default) for key, default in zip(_TEXTS, ("", "0", "", "", COMMANDS), strict=True)]
-    robot = RobotFile(top.text("name"), top.text("base"), top.text("variant", ""), make_ros2(place, values))
+    calibration = None
+    if part := top.optional_section("calibration"):
+        from ur.robot.base.calibration import read_calibration  # few robots have one
+
+        calibration = read_calibration(part)
+    ros2 = make_ros2(place, values)
+    robot = RobotFile(top.text("name"), top.text("base"), top.text("variant", ""), ros2, calibration)
     top.has("devices")  # read by the drivers' set-up
     top.finish()
     return robot

@@ -3,10 +3,10 @@
 import sys
 from dataclasses import replace
 
-from ur.robot.base import Base, Lidar, load_base
+from ur.robot.base import Base, Lidar
 from ur.source.diagnostic import UserError, error
-from ur.source.project import launch_library
 from ur_nodes.drivers.base_states import WHEEL_JOINTS, BumperStates, WheelStates
+from ur_nodes.drivers.registry import read_base
 from ur_nodes.geometry.pose import Pose3
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
@@ -45,7 +45,12 @@ def adapt_odometry(node: Node, base: Base, *, publish_tf: bool) -> None:
 def adapt_scan(node: Node, lidar: Lidar) -> None:
     """From `driver/scan`: the scan of the base's lidar, in its frame."""
     scans = node.publish(lidar.topic, Scan)
-    node.subscribe("driver/scan", Scan, lambda scan: scans.send(replace(scan, frame=lidar.frame)))
+
+    def on_scan(scan: Scan) -> None:
+        last = None if scan.angle_max is None else scan.angle_max + lidar.askew
+        scans.send(replace(scan, frame=lidar.frame, angle_min=scan.angle_min + lidar.askew, angle_max=last))
+
+    node.subscribe("driver/scan", Scan, on_scan)
 
 
 def adapt_bumpers(node: Node, topic: str, names: dict[str, str], known: list[str], type_name: str) -> None:
@@ -73,7 +78,7 @@ def adapt_bumpers(node: Node, topic: str, names: dict[str, str], known: list[str
 def start(node: Node) -> None:
     """Read the parameters and connect. Raises UserError."""
     own = node.parameters
-    base = load_base(own.text("package", str(launch_library())), own.text("base"), own.text("variant", ""))
+    base = read_base(own)
     adapt_odometry(node, base, publish_tf=own.boolean("publish_tf", False))
     if own.boolean("rename_scan", False) and base.lidar:
         adapt_scan(node, base.lidar)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, TypeVar
 from ur.robot.base import Base, UpstreamDriver, load_base
 from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.robot.base.properties import Wiring
+from ur.robot.robot_file import load_robot_file
 from ur.source.project import launch_library
 from ur_nodes.drivers.boards.board import MotorBoard, RewiredBoard
 from ur_nodes.drivers.lines.line import Connect, DeviceLine, LineSettings, LineUser
@@ -27,8 +28,10 @@ if TYPE_CHECKING:
 
 
 def read_base(own: Parameters) -> Base:
-    """The base that parameters name. Raises UserError."""
-    return load_base(own.text("package", str(launch_library())), own.text("base"), own.text("variant", ""))
+    """The base that parameters name, as its robot is calibrated; simulated devices are not. Raises UserError."""
+    base = load_base(own.text("package", str(launch_library())), own.text("base"), own.text("variant", ""))
+    robot = load_robot_file() if own.text("device_folder", "/dev") == "/dev" else None
+    return robot.calibration.apply(base) if robot and robot.calibration and robot.base == base.name else base
 
 
 def find_device(own: Parameters, driver: UpstreamDriver | None) -> str:

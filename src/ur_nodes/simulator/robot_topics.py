@@ -38,7 +38,7 @@ class RobotTopics:
         self._wheels = (f"{prefix}left_wheel_joint", f"{prefix}right_wheel_joint")
         sideways = simulation.base.limits.sideways
         self._speed_covariance = SIDEWAYS_SPEED_COVARIANCE if sideways else SPEED_COVARIANCE
-        lidar = simulation.base.lidar
+        lidar = simulation.believed.lidar
         self._odom = None if real else node.publish(f"{prefix}odom", Odometry, quality)
         self._truth = node.publish(f"{prefix}base_pose_ground_truth", Odometry, quality)
         self._joints = None if real else node.publish(f"{prefix}joint_states", Joints, quality)
@@ -87,13 +87,13 @@ class RobotTopics:
                 Scan(
                     time,
                     self._lidar_frame,
-                    lidar.angle_min,
+                    lidar.angle_min + lidar.askew,
                     (lidar.angle_max - lidar.angle_min) / (lidar.samples - 1),
                     lidar.range_min,
                     lidar.range_max,
                     ranges.astype(np.float32),
                     scan_time=1.0 / lidar.rate,
-                    angle_max=lidar.angle_max,
+                    angle_max=lidar.angle_max + lidar.askew,
                     time_increment=increment,
                 )
             )

@@ -38,9 +38,14 @@ class Simulation:
         seed: int = 0,
         start: tuple[float, float, float] | None = None,
         charge: float = 1.0,
+        believed: Base | None = None,
     ) -> None:
-        """`charge` is how full batteries are at first, 0 to 1. Raises UserError when a robot would begin in a wall."""
-        self.base = base
+        """`charge` is how full batteries are at first, 0 to 1; robots are `believed` to be of another base.
+
+        Their odometry and their wheels' speeds are computed from that. Raises UserError when a robot would begin in a
+        wall.
+        """
+        self.base, self.believed = base, believed or base
         self.robots = robots
         self._world = world
         self._seed = seed
@@ -197,7 +202,7 @@ class Simulation:
             robot = int(name[6:])
             blocked = self._outside(pose) or self._physics.move_robot(robot, pose)
             if not blocked:
-                self._drives[robot] = WheelDrive(self.base, 1.0 / CONTROL_RATE)
+                self._drives[robot] = WheelDrive(self.believed, 1.0 / CONTROL_RATE)
                 self._turn_wheels(robot, 0.0, 0.0)
                 self.senses[robot].forget_motion()
         else:
@@ -218,10 +223,10 @@ class Simulation:
             "odometry": base.odometry.rate,
             "scan": base.lidar.rate if base.lidar else 0.0,
         }
-        self._drives = [WheelDrive(base, 1.0 / CONTROL_RATE) for _ in range(self.robots)]
+        self._drives = [WheelDrive(self.believed, 1.0 / CONTROL_RATE) for _ in range(self.robots)]
         seeds = np.random.SeedSequence(self._seed).spawn(3 * self.robots)
         randoms = [np.random.Generator(np.random.PCG64(seed)) for seed in seeds[: 2 * self.robots]]
-        self._odometry: list[EncoderOdometry] = [EncoderOdometry(base, random) for random in randoms[::2]]
+        self._odometry: list[EncoderOdometry] = [EncoderOdometry(self.believed, random) for random in randoms[::2]]
         self._random: list[np.random.Generator] = randoms[1::2]
         self._noise = [np.zeros(base.lidar.samples if base.lidar else 0) for _ in range(self.robots)]
         for senses in self.senses:

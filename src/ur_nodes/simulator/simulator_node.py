@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ur.robot.base import Base, load_base
+from ur.robot.base.calibration import Calibration, parse_calibration
 from ur.source.project import launch_library
 from ur.worlds.world_file import MOST_PEOPLE, WorldModel, read_world
 from ur_nodes.ports.node import Node
@@ -47,6 +48,8 @@ def open_devices(own: Parameters, simulation: Simulation) -> DeviceBench | None:
 def make_simulation(own: Parameters, world: WorldModel, base: Base) -> Simulation:
     """The simulation that parameters ask for. Raises UserError: a robot would begin in a wall."""
     x, y, yaw = world.start
+    errors = parse_calibration(own.text("errors", ""), "errors")
+    base, believed = make_wrong(base, errors, parse_calibration(own.text("calibration", ""), "calibration"))
     people = own.integer("people", -1, minimum=-1)
     if people > MOST_PEOPLE:
         own.fail("people", people, f"a whole number of at most {MOST_PEOPLE}")
@@ -57,7 +60,19 @@ def make_simulation(own: Parameters, world: WorldModel, base: Base) -> Simulatio
         seed=own.integer("seed", 0, minimum=0),
         start=(own.number("x", x), own.number("y", y), own.number("yaw", yaw)),
         charge=own.number("battery_charge", 1.0, minimum=0.0, maximum=1.0),
+        believed=believed,
     )
+
+
+def make_wrong(base: Base, errors: Calibration, known: Calibration) -> tuple[Base, Base]:
+    """Return the base that a robot has and the one that it is believed to have, for the calibration that it needs.
+
+    That of its base file goes on to be the size of its wheels, so that its body stays as it is.
+    """
+    x, y, z, roll, pitch, yaw = base.lidar.pose if base.lidar else (0.0,) * 6
+    lidar = base.lidar and replace(base.lidar, pose=(x, y, z, roll, pitch, yaw + errors.lidar_yaw))
+    believed = Calibration(0.0, 1.0 / errors.wheel_radius, 1.0 / errors.wheel_separation).then(known).apply(base)
+    return replace(base, lidar=lidar), believed
 
 
 def main() -> int:

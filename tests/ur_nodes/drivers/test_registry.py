@@ -6,7 +6,12 @@ from pathlib import Path
 
 import pytest
 
+from ur.robot.base import Base, load_base
 from ur.robot.base.own_drivers import OWN_DRIVERS
+from ur.robot.robot_file import parse_robot_file
+from ur.source.project import launch_library
+from ur_nodes.drivers.registry import read_base
+from ur_nodes.memory.bus import Bus
 
 SERIAL = [name for name, row in OWN_DRIVERS.items() if row.sensor in ("", "lidar")]
 SIGNPOST = "\n# Stand-in: "
@@ -40,3 +45,20 @@ def _named(node: ast.stmt) -> set[str]:
     if isinstance(node, ast.ClassDef | ast.FunctionDef):
         return {node.name}
     return {each.id for each in ast.walk(node) if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)}
+
+
+def test_driver_on_a_robot_uses_its_calibration_and_that_of_a_simulated_device_does_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    text = "name: bob\nbase: create2\nvariant: lidar\ncalibration: {lidar_yaw: 0.05, wheel_radius: 1.02}\n"
+    monkeypatch.setattr("ur_nodes.drivers.registry.load_robot_file", lambda: parse_robot_file(text))
+
+    def read(base: str, folder: str = "/dev") -> Base:
+        bus = Bus()
+        bus.parameters |= {"/driver/base": base, "/driver/device_folder": folder}
+        return read_base(bus.node("driver").parameters)
+
+    plain = load_base(launch_library(), "create2")
+    assert read("create2").wheels.radius == pytest.approx(1.02 * plain.wheels.radius)
+    assert read("create2", "/tmp/devices") == plain
+    assert read("stage") == load_base(launch_library(), "stage")

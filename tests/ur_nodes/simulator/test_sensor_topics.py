@@ -7,7 +7,7 @@ from tests.ur_nodes.first_drive.stage import DrivenStage
 from tests.ur_nodes.simulator.conftest import PACKAGE
 
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Battery, Imu, Joints, Range
+from ur_nodes.ports.values import Battery, Imu, Joints, Odometry, Range, Scan
 
 
 def test_sonars_share_a_topic_and_have_a_frame_each() -> None:
@@ -74,3 +74,15 @@ def test_cliff_sensors_report_a_drop_while_the_robot_is_before_it(tmp_path: Path
     assert stage.drive_until(lambda: len(left) == 2, 0.2, 0.0, 20.0)
     assert stage.drive_until(lambda: len(left) == 3, -0.2, 0.0, 20.0)
     assert left == [False, True, False]
+
+
+def test_simulated_robot_with_errors_reports_them_and_a_calibrated_one_does_not() -> None:
+    wrong = "{lidar_yaw: 0.1, wheel_radius: 1.1}"
+    for calibration, factor, angle in (("", 1.0 / 1.1, 0.0), (wrong, 1.0, 0.1)):
+        stage = DrivenStage(errors=wrong, calibration=calibration)
+        odometry, scans = stage.record("odom", Odometry), stage.record("scan", Scan)
+        stage.drive(0.3, 0.0, 3.0)
+        driven = stage.truth.pose.x - stage.truths[0].pose.x
+        assert odometry[-1].pose.x / driven == pytest.approx(factor, abs=0.02)
+        assert stage.base.lidar
+        assert scans[-1].angle_min == pytest.approx(stage.base.lidar.angle_min + angle)

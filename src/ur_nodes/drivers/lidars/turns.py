@@ -175,14 +175,14 @@ class TurnCollector:
             Scan(
                 round(first),
                 lidar.frame,
-                lidar.angle_min,
+                lidar.angle_min + lidar.askew,
                 self._increment,
                 lidar.range_min,
                 lidar.range_max,
                 ranges,
                 intensities if self._bright else np.zeros(0, np.float32),
                 scan_time=self._turn_time,
-                angle_max=lidar.angle_max,
+                angle_max=lidar.angle_max + lidar.askew,
                 time_increment=-step if clockwise else step,
             )
         ]

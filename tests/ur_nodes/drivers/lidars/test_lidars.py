@@ -2,6 +2,7 @@
 
 import math
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -175,3 +176,16 @@ def test_packet_without_beams_completes_no_turn() -> None:
     collector = TurnCollector(lidar)
     nothing = MeasuredBeams(np.zeros(0), np.zeros(0), np.zeros(0), complete=True)
     assert collector.add(nothing, 1_000_000_000) == []
+
+
+def test_scans_of_a_lidar_that_is_turned_begin_at_a_later_angle_and_have_the_same_beams() -> None:
+    lidar = load("create2", "lidar").lidar
+    assert lidar
+    phases = np.linspace(0.0, 2.0 * math.pi, 360, endpoint=False)
+    table = MeasuredBeams(phases, 1.0 + phases, phases, turn_time=0.2, complete=True)
+    straight, turned = (
+        TurnCollector(each).add(table, 1_000_000_000)[0] for each in (lidar, replace(lidar, askew=0.05))
+    )
+    assert turned.angle_min == pytest.approx(straight.angle_min + 0.05)
+    assert turned.angle_max == pytest.approx(lidar.angle_max + 0.05)
+    assert np.array_equal(turned.ranges, straight.ranges, equal_nan=True)

@@ -16,7 +16,8 @@ from ur.source.section import Section
 class Lidar(Sensor):
     """A planar lidar (sensor_msgs/LaserScan).
 
-    `rate` is in scans per second; `noise` is the standard deviation of a range, m.
+    `rate` is in scans per second; `noise` is the standard deviation of a range, m. The lidar is turned on its robot by
+    `askew` (rad) beyond its `pose`, which its scans allow for: their angles begin that much later.
     """
 
     title: ClassVar[str] = "lidar"
@@ -36,6 +37,7 @@ lidar: {frame: laser, topic: scan, pose: [0.1, 0, 0.3, 0, 0, 0], angle_min: -3.1
     range_min: float
     range_max: float
     noise: float
+    askew: float = 0.0
 
     @property
     def upright(self) -> float:
