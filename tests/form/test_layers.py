@@ -86,6 +86,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur.source",
         "ur.devices.driver_health",
         "ur.robot.base",
+        "ur.robot.robot_file",
         "ur.run.host.cgroup",
         "ur.run.host.descendants",
         "ur_nodes.geometry",
@@ -144,6 +145,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "ur_nodes.localisation": (
         "ur.source",
+        "ur_nodes.calibration_reports",
         "ur_nodes.geometry",
         "ur_nodes.memory_use",
         "ur_nodes.ports",
@@ -152,6 +154,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.slam": (
         "ur.source",
         "ur.maps",
+        "ur_nodes.calibration_reports",
         "ur_nodes.geometry",
         "ur_nodes.ports",
         "ur_nodes.run",
@@ -198,6 +201,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.ports",
         "ur_nodes.run",
     ),
+    "ur_nodes.calibration_reports": ("ur.source", "ur.devices.driver_health", "ur_nodes.geometry", "ur_nodes.ports"),
     "ur_nodes.datagram_socket": ("ur.recordings.datagrams", "ur_nodes.ports"),
     "ur_nodes.black_box": (
         *("ur.recordings", "ur.run.host.descendants", "ur.source"),

@@ -1,5 +1,6 @@
 """Files that `ur doctor` reads: the health of a device as its driver sees it, and the commands that a mux refuses."""
 
+import math
 import os
 import tempfile
 from collections.abc import Mapping
@@ -19,6 +20,7 @@ _MOST_FILES = 20
 Text = Annotated[str, Meta(max_length=300)]
 Record = TypeVar("Record", bound=PrintableValue)
 Amount = Annotated[float, Meta(ge=0.0, lt=1e6)]
+Share = Annotated[float, Meta(gt=-10.0, lt=10.0)]
 
 
 class DriverHealth(PrintableValue, frozen=True):
@@ -50,6 +52,37 @@ class RefusedCommands(PrintableValue, frozen=True):
 
     text: Text
     help: Text
+
+
+class MotionRecord(PrintableValue, frozen=True):
+    """How a robot differs from its description, as `metres` of driving have shown for certain; 0.0: as described.
+
+    The lidar by `yaw` (rad, counter-clockwise) and, in its own frame, `x` and `y` (m); the wheels' radius and
+    separation by shares.
+    """
+
+    metres: Amount
+    yaw: Share
+    x: Share
+    y: Share
+    radius: Share
+    separation: Share
+
+
+def describe_errors(record: MotionRecord) -> str:
+    """Describe the errors for users; '' for none."""
+    turned, shifted = record.yaw, (record.x, record.y)
+    side = "left" if turned > 0.0 else "right"
+    parts = [f"the lidar is turned by {abs(math.degrees(turned)):.1f} degrees to the {side}"] if turned else []
+    if any(shifted):
+        parts.append("the lidar is {:+.3f} m ahead and {:+.3f} m to the left of its described place".format(*shifted))
+    for value, more, less in (
+        (record.radius, "larger", "smaller"),
+        (record.separation, "farther apart", "nearer together"),
+    ):
+        if value:
+            parts.append(f"the wheels are {abs(100.0 * value):.1f} % {more if value > 0.0 else less} than described")
+    return "; ".join(parts)
 
 
 OBSERVE_DRIVERS = f"""\

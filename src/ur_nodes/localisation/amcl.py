@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ur_nodes.geometry.calibration import MotionCalibration
 from ur_nodes.geometry.difference import describe_poses
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.motion_witness import MotionWitness
@@ -9,11 +10,13 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.scan import SensorMount, points_of_scan
 from ur_nodes.localisation.amcl_settings import AmclSettings
 from ur_nodes.localisation.likelihood import make_field
-from ur_nodes.localisation.localiser import ClusterEstimate, ParticleLocaliser
+from ur_nodes.localisation.localiser import LITTLE, ClusterEstimate, ParticleLocaliser
 from ur_nodes.localisation.particle_filter import Particles
+from ur_nodes.localisation.scan_match import RefinedPose
 from ur_nodes.ports.log import Log
 from ur_nodes.ports.values import Map, PoseEstimate, Result, Scan
 
+_CERTAIN = 0.03  # m: of a place that a scan shows
 _AFTER_SLIP = np.diag((0.1, 0.1, 0.1)) ** 2  # m^2, m^2, rad^2: of the pose after wheels have slipped
 
 
@@ -34,6 +37,8 @@ class Amcl:
         self._lost = False  # likewise
         self._witness = MotionWitness()
         self._slip = Pose2(0.0, 0.0, 0.0)  # of odometry without what wheels turned in vain, from odometry
+        self._shown: tuple[Pose2, Pose2] | None = None  # odometry and the pose by the scan alone, at the last update
+        self.calibration = MotionCalibration()
         self.last: ClusterEstimate | None = None
         self.correction: Pose2 | None = None
 
@@ -108,33 +113,44 @@ class Amcl:
 
     def update(self, scan: Scan, mount: SensorMount, odometry: Pose2) -> ClusterEstimate | None:
         """Use a scan taken at a pose of the odometry. Returns the estimate if there is a new one."""
-        assert self._localiser
+        localiser = self._localiser
+        assert localiser
         assert self._grid
         low, high = self._settings.laser_limits
         limits = (max(low, scan.range_min), min(high, scan.range_max) if high > 0.0 else scan.range_max)
         points = points_of_scan(scan, mount, limits)
         if slip := self._witness.update(odometry, points, (float(mount.offset[0]), float(mount.offset[1]))):
             back = odometry.compose(slip.inverse()).compose(odometry.inverse())
-            self._slip = self._slip.compose(back)
-            if self.correction and not self._localiser.lost:  # what stops it may turn it, too
+            self._slip, self._shown = self._slip.compose(back), None
+            if self.correction and not localiser.lost:  # what stops it may turn it, too
                 self.correction = self.correction.compose(back)
-                self._localiser.set_pose(self.correction.compose(odometry), _AFTER_SLIP)
-        estimate = self._localiser.update(self._slip.compose(odometry), points)
+                localiser.set_pose(self.correction.compose(odometry), _AFTER_SLIP)
+        estimate = localiser.update(self._slip.compose(odometry), points)
         if not estimate:
             return None
-        assert self._localiser
-        if self._localiser.lost and not self._lost:
+        if localiser.lost and not self._lost:
             self._log.warn("lost: was the robot carried? The scan does not fit the map here; searching the whole map")
-        elif self._lost and not self._localiser.lost:
+        elif self._lost and not localiser.lost:
             pose = estimate.pose
             self._log.info(f"found: at x {pose.x:.2f} m, y {pose.y:.2f} m, yaw {pose.yaw:.2f} rad")
-        self._lost = self._localiser.lost
-        self._report_poses(self._localiser.poses, self._grid)
-        if self._localiser.lost:
+        self._lost = localiser.lost
+        self._report_poses(localiser.poses, self._grid)
+        if localiser.lost:
             return None
+        self._calibrate(odometry, localiser.match_alone(estimate.pose, points))
         self.last = estimate
         self.correction = estimate.pose.compose(odometry.inverse())
         return estimate
+
+    def _calibrate(self, odometry: Pose2, match: RefinedPose) -> None:
+        """Compare the motion since the last update as the wheels and the scans have it, where scans show it."""
+        last, self._shown = self._shown, None
+        if match.agreement >= LITTLE and match.covariance.diagonal()[:2].max() < _CERTAIN**2:
+            self._shown = odometry, match.pose
+        if last and self._shown:
+            self.calibration.add(*(a.inverse().compose(b) for a, b in zip(last, self._shown, strict=True)))
+        else:
+            self.calibration.forget()
 
     def _report_poses(self, poses: list[Pose2], grid: Grid) -> None:
         """Log when more than one place fits, with what would distinguish the best two, and when only one is left."""

@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Callable
 
+from ur_nodes.calibration_reports import CalibrationReports
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.localisation.amcl import Amcl
 from ur_nodes.localisation.amcl_settings import AmclSettings, read_settings, saved_parameters
@@ -104,6 +105,7 @@ class AmclNode:
         self._settings = settings = node.parameters.follow(read_settings, lambda changed: self._amcl.use(changed))
         self._amcl = Amcl(settings, node.log)
         self._outputs = AmclOutputs(node, settings)
+        self._reports = CalibrationReports(node)
         node.transforms.ignore((settings.odom_frame,))
         self._feed = ScanFeed(node, settings.odom_frame, settings.base_frame, self._use_scan)
         node.subscribe("initialpose", PoseEstimate, self._place, Quality.EVERY)
@@ -134,6 +136,7 @@ class AmclNode:
             self._outputs.publish_lost(self._amcl.lost)
             if estimate:
                 self._outputs.publish_estimate(estimate, self._amcl.particles, scan.stamp)
+                self._reports.figures = self._amcl.calibration.figures(mount.planar())
             if self._amcl.correction:
                 self._outputs.publish_correction(self._amcl.correction, scan.stamp)
             self._outputs.save_sometimes()

@@ -22,7 +22,7 @@ from ur_nodes.localisation.particle_filter import (
     resample,
     weigh,
 )
-from ur_nodes.localisation.scan_match import MatchSettings, match_many, match_scan
+from ur_nodes.localisation.scan_match import MatchSettings, RefinedPose, match_many, match_scan
 
 LOST = 4.0
 """Doubt from which the robot counts as lost."""
@@ -166,6 +166,7 @@ LEAST_SHARE = 0.3  # of the particles must keep an effective weight in one updat
 LEAST_LOST = 0.1  # the averages differ as much when a person walks by
 LEAST_BEAMS = 8  # fewer determine a pose too poorly
 FOUND = 5  # updates in a row in which the scan fits in one place: a robot that was lost is there
+_UNKNOWN = np.diag(np.square((0.3, 0.3, 0.15)))  # m, m, rad
 FARTHEST_MATCH = 0.4  # m, rad: a refined pose farther from its cluster has slipped to other walls
 
 
@@ -254,6 +255,10 @@ class ParticleLocaliser:
     def request_update(self) -> None:
         """Use the next scan even when the robot has not moved."""
         self._forced = True
+
+    def match_alone(self, pose: Pose2, points: NDArray[np.float64]) -> RefinedPose:
+        """Match a scan near a pose, as if next to nothing was known of that: odometry has no influence."""
+        return match_scan(self._field, pose, _UNKNOWN, points, self._match)
 
     def update(self, odometry: Pose2, points: NDArray[np.float64]) -> ClusterEstimate | None:
         """Update with a scan: the ends (m, 2) of its beams in the robot's frame, and the odometry's pose at its stamp.

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ur_nodes.geometry.calibration import with_turn
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.matching.surface import Floats
 
@@ -63,13 +64,6 @@ class OdometryModel:
         gain = before @ rows.T @ np.linalg.inv(innovation)
         self._errors = self._errors + gain @ surprise
         self._covariance = (np.eye(3) - gain @ rows) @ before
-
-
-def with_turn(motion: Pose2, yaw: float) -> Pose2:
-    """Return the motion of the same length on an arc that turns by `yaw` rad."""
-    half = 0.5 * (yaw - motion.yaw)  # the chord lies halfway between both headings
-    c, s = math.cos(half), math.sin(half)
-    return Pose2(c * motion.x - s * motion.y, s * motion.x + c * motion.y, yaw)
 
 
 def is_still(reported: Pose2) -> bool:

@@ -5,6 +5,8 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from ur_nodes.calibration_reports import CalibrationReports
+from ur_nodes.geometry.calibration import MotionCalibration
 from ur_nodes.geometry.difference import describe_poses
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
@@ -16,7 +18,6 @@ from ur_nodes.slam.gmapping.settings import GmappingSettings
 from ur_nodes.slam.gmapping.slam import Slam, SlamStep
 from ur_nodes.slam.gyro import Headings
 from ur_nodes.slam.map_state import MapState
-from ur_nodes.slam.mount_watch import MountError, MountWatch
 from ur_nodes.slam.occupancy import OccupancyMap
 
 _SCANS = 20  # over which both motions are compared
@@ -69,7 +70,7 @@ class SlamReports:
         self._describe = describe
         self._located, self._lost, self._places = True, lost, 0  # as reported last
         self._slip = SlipWatch()
-        self._mount = MountWatch()
+        self._calibration, self._reports = MotionCalibration(), CalibrationReports(node)
         self._slip_due = 0
         self._last: Pose2 | None = None  # odometry at the last scan
         self._by_gyro = self._gyro_wrong = False  # as reported last
@@ -116,11 +117,12 @@ class SlamReports:
             return
         if not step.odometry or not last or not estimate.step or step.lost:
             self._slip.forget()
-            self._mount.forget()
+            self._calibration.forget()
             return
         reported = last.inverse().compose(step.odometry)
-        if step.mount and (error := self._mount.add(reported, estimate.step, step.mount)):
-            self._log.warn(_describe_mount(error))
+        if step.mount:
+            self._calibration.add(reported, estimate.step)
+            self._reports.figures = self._calibration.figures(step.mount)
         slip = self._slip.add(reported, estimate.step)
         now = self._node.now()
         if slip and not self._slip_due - SLIP_SILENCE * SECOND < now < self._slip_due:
@@ -129,16 +131,6 @@ class SlamReports:
                 "the wheels slip, or the robot is pushed: odometry reports {:.2f} m and {:.0f} degrees, the scans "
                 "{:.2f} m and {:.0f} degrees; the map follows the scans".format(*_sizes(slip.reported, slip.shown)),
             )
-
-
-def _describe_mount(error: MountError) -> str:
-    described, shown = (
-        "x {:.3f} m, y {:.3f} m, yaw {:.3f} rad".format(*pose) for pose in (error.described, error.shown)
-    )
-    return (
-        f"wheels and scans show the lidar at {shown}, the robot's description has it at {described}; "
-        "measure it, and correct its pose in the base file"
-    )
 
 
 def _sizes(*motions: Pose2) -> list[float]:
