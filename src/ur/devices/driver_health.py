@@ -29,7 +29,8 @@ class DriverHealth(PrintableValue, frozen=True):
     `firmware` is its own account; `problem` why it cannot be used at all, `held` why its motors do not obey now.
     `frames` that were understood and `damaged` ones are per second, of the last seconds; `voltage` is that of its
     battery (V, 0.0: not measured), which is `empty` below what the base file says. `stops` says how the
-    base stops when commands cease; it `drives_on` without a watchdog.
+    base stops when commands cease; it `drives_on` without a watchdog. `calibration` is the one of the robot file that a
+    driver of a base or lidar uses.
     """
 
     device: Text
@@ -45,6 +46,7 @@ class DriverHealth(PrintableValue, frozen=True):
     empty: bool = False
     drives_on: bool = False
     stops: Text = ""
+    calibration: Text = ""
 
 
 class RefusedCommands(PrintableValue, frozen=True):

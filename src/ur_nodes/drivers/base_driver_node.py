@@ -6,7 +6,7 @@ from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.run.host.descendants import become_driver
 from ur_nodes.drivers.base_driver import BaseDriver
 from ur_nodes.drivers.health import report_to_file
-from ur_nodes.drivers.registry import BOARDS, connect_serial, make_board, read_base
+from ur_nodes.drivers.registry import BOARDS, connect_serial, find_calibration, make_board, read_base
 from ur_nodes.ports.node import Node
 from ur_nodes.run import run
 
@@ -19,7 +19,8 @@ def start(node: Node) -> None:
     if board not in BOARDS:
         node.parameters.fail("board", board, f"one of {', '.join(BOARDS)}", BOARDS)
     orphaned = become_driver()
-    report = report_to_file(node, drives_on=OWN_DRIVERS[board].drives_on, stops=base.limits.describe_stop())
+    used, stops = find_calibration(node.parameters).write(), base.limits.describe_stop()
+    report = report_to_file(node, drives_on=OWN_DRIVERS[board].drives_on, stops=stops, calibration=used)
     BaseDriver(node, base, make_board(board, base), connect_serial(node, base.driver), report, orphaned)
 
 

@@ -47,13 +47,13 @@ class HealthMeter:
         self._report(self._state)
 
 
-def report_to_file(node: Node, *, drives_on: bool = False, stops: str = "") -> Report:
-    """Make a report that writes the file of this node, which is removed at its end; the rest is of DriverHealth."""
+def report_to_file(node: Node, **facts: object) -> Report:
+    """Make a report that writes the file of this node, which is removed at its end; `facts` are of DriverHealth."""
     path = health_file(node.name)
     node.on_end(lambda: path.unlink(missing_ok=True))
 
     def report(health: DriverHealth) -> None:
-        node.work(partial(write_health, path, replace(health, drives_on=drives_on, stops=stops)), on_written, "health")
+        node.work(partial(write_health, path, replace(health, **facts)), on_written, "health")
 
     def on_written(problem: str) -> None:
         if problem:

@@ -5,7 +5,7 @@ import sys
 from ur.source.diagnostic import UserError, error
 from ur_nodes.drivers.health import report_to_file
 from ur_nodes.drivers.lidar_driver import LidarDriver
-from ur_nodes.drivers.registry import LIDARS, connect_serial, read_base
+from ur_nodes.drivers.registry import LIDARS, connect_serial, find_calibration, read_base
 from ur_nodes.ports.node import Node
 from ur_nodes.run import run
 
@@ -20,7 +20,8 @@ def start(node: Node) -> None:
     if kind not in LIDARS:
         node.parameters.fail("lidar", kind, f"one of {', '.join(LIDARS)}", LIDARS)
     offset = node.parameters.number("offset", 0.0)
-    LidarDriver(node, base.lidar, LIDARS[kind](), connect_serial(node, driver), offset, report_to_file(node))
+    report = report_to_file(node, calibration=find_calibration(node.parameters).write())
+    LidarDriver(node, base.lidar, LIDARS[kind](), connect_serial(node, driver), offset, report)
 
 
 if __name__ == "__main__":

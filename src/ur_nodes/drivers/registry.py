@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from ur.robot.base import Base, UpstreamDriver, load_base
+from ur.robot.base.calibration import Calibration
 from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.robot.base.properties import Wiring
 from ur.robot.robot_file import load_robot_file
@@ -30,8 +31,14 @@ if TYPE_CHECKING:
 def read_base(own: Parameters) -> Base:
     """The base that parameters name, as its robot is calibrated; simulated devices are not. Raises UserError."""
     base = load_base(own.text("package", str(launch_library())), own.text("base"), own.text("variant", ""))
+    return find_calibration(own).apply(base)
+
+
+def find_calibration(own: Parameters) -> Calibration:
+    """The calibration of the robot with the base that parameters name. Raises UserError."""
     robot = load_robot_file() if own.text("device_folder", "/dev") == "/dev" else None
-    return robot.calibration.apply(base) if robot and robot.calibration and robot.base == base.name else base
+    own_base = robot is not None and robot.base == own.text("base")
+    return (own_base and robot and robot.calibration) or Calibration()
 
 
 def find_device(own: Parameters, driver: UpstreamDriver | None) -> str:

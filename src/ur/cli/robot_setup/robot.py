@@ -14,6 +14,7 @@ import click
 
 from ur.cli.changing import ChangeReporter, show_changes
 from ur.cli.output import plain_text
+from ur.cli.robot_setup.calibrate import calibrate
 from ur.cli.robot_setup.contact import confirm_host_key, decide_robot_login, read_fingerprint
 from ur.cli.robot_setup.network import network, wifi
 from ur.cli.robot_setup.questions import PLAIN, ask_task, check_names, list_known_tasks, read_passwords, read_tasks
@@ -283,7 +284,7 @@ def _print_checks(task: Task, checks: Sequence[Check]) -> None:
     Console(soft_wrap=not sys.stdout.isatty()).print(table)
 
 
-for _change in (rename, wifi, network):
+for _change in (rename, wifi, network, calibrate):
     command.add_command(_change)
 
 

@@ -76,6 +76,13 @@ ROBOTS = (
                     ("ur robot network bob --address 192.168.1.7/24", "Give it a fixed address."),
                 ),
             ),
+            "calibrate": Below(
+                descriptions=(_ROBOT,),
+                examples=(
+                    ("ur robot calibrate bob", "Correct the yaw of a robot's lidar and its wheels."),
+                    ("ur robot calibrate bob --dry-run", "Show what its driving has shown."),
+                ),
+            ),
         },
     ),
     Verb(

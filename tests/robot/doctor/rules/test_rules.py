@@ -9,7 +9,7 @@ from msgspec.structs import replace as replace_fields
 from tests.robot.doctor.pairs import BOB, LAPTOP, NOBODY, PAIR, ROBOT, WIFI
 from tests.robot.doctor.rules.ros2.cases import CASES as ROS2_CASES
 
-from ur.devices.driver_health import DriverHealth, RefusedCommands
+from ur.devices.driver_health import DriverHealth, MotionRecord, RefusedCommands
 from ur.devices.known import Device, DeviceHolder, DeviceSnapshot, Expected
 from ur.robot.doctor.findings import AdvertisedNode, ComputerPair, Owner
 from ur.robot.doctor.messages import Message
@@ -26,6 +26,7 @@ DEVICE = Device("/dev/ttyUSB0", "serial", "10c4:ea60", links=("/dev/rplidar",), 
 MASTER = {"ROS_MASTER_URI": "http://bob.local:11311"}
 DRIVER = DriverHealth("/dev/create", "iRobot Create 2 or Roomba", open=True, frames=66.0, voltage=16.0)
 REFUSED = RefusedCommands("cmd_vel: /joy_bridge publishes Twist at 1 Hz", "publish at 10 Hz or more")
+TURNED = MotionRecord(21.0, 0.05, 0.0, 0.0, 0.0, 0.0)
 OTHER = {"std_msgs/String.msg": Message("xyz", "/usr/share/std_msgs")}
 
 
@@ -88,6 +89,7 @@ CASES = [
         )
     ),
     ("refused-commands", remote(observed={"drivers": f"3 {write_json(REFUSED)}\n"})),
+    ("not-calibrated", remote(observed={"drivers": f"3 {write_json(TURNED)}\n"})),
     ("failing-boot-service", remote(failing=(FailedUnit("ubiquity-drive.service", 7),))),
     ("failed-service", remote(failing=(FailedUnit("a.service"),))),
     ("missing-package", remote(packages={name: "1" for name in ROBOT.packages if name != "xauth"})),

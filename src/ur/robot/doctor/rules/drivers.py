@@ -1,8 +1,16 @@
-"""Rules about the drivers and muxes that run on a computer: devices, frames, motors, batteries, refused commands."""
+"""Rules about the drivers and muxes that run on a computer: devices, motors, batteries, commands, calibration."""
 
 from collections.abc import Iterator
 
-from ur.devices.driver_health import OBSERVE_DRIVERS, DriverHealth, RefusedCommands, parse_drivers, parse_records
+from ur.devices.driver_health import (
+    OBSERVE_DRIVERS,
+    DriverHealth,
+    MotionRecord,
+    RefusedCommands,
+    describe_errors,
+    parse_drivers,
+    parse_records,
+)
 from ur.robot.base.own_drivers import NO_WATCHDOG
 from ur.robot.doctor.findings import Finding, Where
 from ur.robot.doctor.rules.registry import Rule, SideRule
@@ -55,6 +63,13 @@ def check_commands(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG0
         yield Finding("refused-commands", f"{side.name}: {refused.text}", refused.help)
 
 
+def check_calibration(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 - of the protocol
+    """Check whether lidar and wheels are as described, by what the robot has driven."""
+    for record in parse_records(side.observed.get("drivers", ""), MotionRecord):
+        if text := describe_errors(record):
+            yield Finding("not-calibrated", f"{side.name}: {text}", f"ur robot calibrate {side.name}")
+
+
 _PLUG = "plug it in; what is there: ur devices. It is opened again by itself"
 RULES: tuple[Rule, ...] = (
     SideRule(
@@ -72,6 +87,12 @@ RULES: tuple[Rule, ...] = (
     SideRule(
         {"refused-commands": "the mux refuses the velocity commands of a program, as at a rate below 10 Hz"},
         check_commands,
+        simulation=True,
+        observe={"drivers": OBSERVE_DRIVERS},
+    ),
+    SideRule(
+        {"not-calibrated": "the lidar or the wheels differ from their description, as driving shows"},
+        check_calibration,
         simulation=True,
         observe={"drivers": OBSERVE_DRIVERS},
     ),
