@@ -36,6 +36,7 @@ COMMANDS = (
     "boot install --robot eve",
     "robot network eve",
     "robot wifi eve",
+    "robot calibrate eve --yes --password-from 0",
     "robot rename eve ann --password-from 0",
     "robot setup eve.local --name eve --base magni --no-programs --robot-login --passwords-from 0",
 )

@@ -188,6 +188,7 @@ robot setup --variant lidra --base magni carrot
 robot rename carrot 'a b'
 robot rename 'a b' carrot
 robot rename carrot carrot
+robot calibrate 'a b'
 robot wifi 'a b'
 robot wifi --ssid home --forget home carrot
 robot wifi --band 5 carrot

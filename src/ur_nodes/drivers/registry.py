@@ -13,7 +13,7 @@ from ur.robot.base import Base, UpstreamDriver, load_base
 from ur.robot.base.calibration import Calibration
 from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.robot.base.properties import Wiring
-from ur.robot.robot_file import load_robot_file
+from ur.robot.robot_file import RobotFile, load_robot_file
 from ur.source.project import launch_library
 from ur_nodes.drivers.boards.board import MotorBoard, RewiredBoard
 from ur_nodes.drivers.lines.line import Connect, DeviceLine, LineSettings, LineUser
@@ -34,9 +34,9 @@ def read_base(own: Parameters) -> Base:
     return find_calibration(own).apply(base)
 
 
-def find_calibration(own: Parameters) -> Calibration:
+def find_calibration(own: Parameters, load: Callable[[], RobotFile | None] = load_robot_file) -> Calibration:
     """The calibration of the robot with the base that parameters name. Raises UserError."""
-    robot = load_robot_file() if own.text("device_folder", "/dev") == "/dev" else None
+    robot = load() if own.text("device_folder", "/dev") == "/dev" else None
     own_base = robot is not None and robot.base == own.text("base")
     return (own_base and robot and robot.calibration) or Calibration()
 

@@ -6,11 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from ur.robot.base import Base, load_base
+from ur.robot.base.calibration import Calibration
 from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.robot.robot_file import parse_robot_file
-from ur.source.project import launch_library
-from ur_nodes.drivers.registry import read_base
+from ur_nodes.drivers.registry import find_calibration
 from ur_nodes.memory.bus import Bus
 
 SERIAL = [name for name, row in OWN_DRIVERS.items() if row.sensor in ("", "lidar")]
@@ -47,18 +46,13 @@ def _named(node: ast.stmt) -> set[str]:
     return {each.id for each in ast.walk(node) if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)}
 
 
-def test_driver_on_a_robot_uses_its_calibration_and_that_of_a_simulated_device_does_not(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_driver_on_a_robot_uses_its_calibration_and_that_of_a_simulated_device_does_not() -> None:
     text = "name: bob\nbase: create2\nvariant: lidar\ncalibration: {lidar_yaw: 0.05, wheel_radius: 1.02}\n"
-    monkeypatch.setattr("ur_nodes.drivers.registry.load_robot_file", lambda: parse_robot_file(text))
 
-    def read(base: str, folder: str = "/dev") -> Base:
+    def find(base: str, folder: str = "/dev") -> Calibration:
         bus = Bus()
         bus.parameters |= {"/driver/base": base, "/driver/device_folder": folder}
-        return read_base(bus.node("driver").parameters)
+        return find_calibration(bus.node("driver").parameters, lambda: parse_robot_file(text))
 
-    plain = load_base(launch_library(), "create2")
-    assert read("create2").wheels.radius == pytest.approx(1.02 * plain.wheels.radius)
-    assert read("create2", "/tmp/devices") == plain
-    assert read("stage") == load_base(launch_library(), "stage")
+    assert find("create2") == Calibration(0.05, 1.02)
+    assert find("create2", "/tmp/devices") == find("stage") == Calibration()

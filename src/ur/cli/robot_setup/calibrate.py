@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import click
 
 from ur.cli.changing import DRY_RUN, PASSWORD_FROM, become_root, show_changes
 from ur.cli.output import read_lines
+from ur.robot.robot_file import ROBOT_FILE
 from ur.source.diagnostic import UserError, error, error_about
 
 if TYPE_CHECKING:
     from ur.robot.base.calibration import Calibration
-
-_START = "start what runs there again: its drivers read the file when they start"
+    from ur.robot.ssh.shell import Shell
 
 
 @click.command("calibrate")
@@ -33,17 +34,12 @@ def calibrate(robot: str | None, yes: bool, password_from: int | None, dry_run: 
     from ur.devices.driver_health import OBSERVE_DRIVERS
     from ur.request.environment import current_selection
     from ur.request.remote.connection import connect_robot, robot_address
-    from ur.robot.setup.facts import FactsRequest
-    from ur.robot.setup.wanted import WantedFile
     from ur.robot.ssh.shell import LocalShell
 
     if robot is None and current_selection(os.environ).simulated:
         _, found = read_figures(LocalShell().run(OBSERVE_DRIVERS).out, "the simulated robot")
         click.echo(f"start it with: calibration:='{found.write()}'")
         return 0
-    from ur.robot.robot_file import ROBOT_FILE, write_calibration
-    from ur.robot.setup.engine import apply_states, gather, plan_changes
-
     address = robot_address(robot)
     with connect_robot(address) as shell:
         used, found = read_figures(shell.run(OBSERVE_DRIVERS).out, address.host)
@@ -51,22 +47,38 @@ def calibrate(robot: str | None, yes: bool, password_from: int | None, dry_run: 
             text = f"{address.host}: its drivers are not of this project, and use no robot file"
             help_ = "correct the pose of the lidar in its URDF, and the wheels in the settings of their driver"
             raise UserError(error(text, rule="foreign-drivers", help=help_))
-        request = FactsRequest(address.user, files=frozenset({str(ROBOT_FILE)}))
-        state = gather(shell, request).file(str(ROBOT_FILE))
-        if state.text is None:
-            help_ = f"set it up: ur robot setup {address}"
-            raise UserError(error_about(address.host, f"there is no {ROBOT_FILE}", rule="no-robot-file", help=help_))
-        wanted = [
-            WantedFile("calibration", str(ROBOT_FILE), write_calibration(state.text, used.then(found)), state.mode)
-        ]
-        facts = gather(shell, request | wanted[0].request(address.user))
-        show_changes(plan_changes(wanted, facts))
-        if dry_run or not (yes or click.confirm(f"write this into {ROBOT_FILE} of {address.host}?")):
-            return 0
-        become_root(shell, read_lines(password_from, "--password-from", 1)[0])
-        apply_states(shell, lambda _: wanted, address.user, request, root=True, report=lambda _: None)
-    click.echo(f"calibrated; {_START}")
+
+        def agree() -> bool:
+            if dry_run or not (yes or click.confirm(f"write this into the robot file of {address.host}?")):
+                return False
+            become_root(shell, read_lines(password_from, "--password-from", 1)[0])
+            return True
+
+        if write_file(shell, address.user, used.then(found), agree):
+            click.echo("calibrated; start what runs there again: its drivers read the file when they start")
     return 0
+
+
+def write_file(
+    shell: Shell, user: str, calibration: Calibration, agree: Callable[[], bool], path: str = str(ROBOT_FILE)
+) -> bool:
+    """Show the change of the robot file, and make it if the user agrees. Raises UserError if there is no such file."""
+    from ur.robot.robot_file import write_calibration
+    from ur.robot.setup.engine import apply_states, gather, plan_changes
+    from ur.robot.setup.facts import FactsRequest
+    from ur.robot.setup.wanted import WantedFile
+
+    request = FactsRequest(user, files=frozenset({path}))
+    state = gather(shell, request).file(path)
+    if state.text is None:
+        help_ = "set the robot up: ur robot setup"
+        raise UserError(error_about(shell.destination, f"there is no {path}", rule="no-robot-file", help=help_))
+    wanted = WantedFile("calibration", path, write_calibration(state.text, calibration), state.mode)
+    show_changes(plan_changes([wanted], gather(shell, request | wanted.request(user))))
+    if not agree():
+        return False
+    apply_states(shell, lambda _: [wanted], user, request, root=path == str(ROBOT_FILE), report=lambda _: None)
+    return True
 
 
 def read_figures(observed: str, name: str) -> tuple[Calibration | None, Calibration]:
