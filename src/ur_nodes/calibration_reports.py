@@ -1,4 +1,4 @@
-"""What a drive shows of the robot's lidar and wheels: in the log once, in `/diagnostics`, and in a file."""
+"""Reports on the robot's lidar and wheels as its driving shows them: in the log, in `/diagnostics`, and in a file."""
 
 import math
 from contextlib import suppress
@@ -38,18 +38,23 @@ class CalibrationReports:
         self._reported = text
         self._node.work(partial(write_health, self._file, record), lambda _: None, "calibration")
         if self._diagnostics is not None:
-            found, spread = figures.errors, figures.deviations
-            values = [("driven", f"{figures.metres:.0f} m")]
-            values += [("lidar yaw", f"{math.degrees(found.yaw):.2f} +- {math.degrees(spread.yaw):.2f} degrees")]
-            for name in ("x", "y"):
-                values += [(f"lidar {name}", f"{getattr(found, name):.3f} +- {getattr(spread, name):.3f} m")]
-            for name in ("radius", "separation"):
-                share, deviation = 100.0 * getattr(found, name), 100.0 * getattr(spread, name)
-                values += [(f"wheel {name}", f"{share:+.2f} +- {deviation:.2f} %")]
             status = {
                 "level": int(bool(text)),
                 "name": f"{self._node.name}: calibration",
                 "message": f"{text}; {HELP}" if text else "lidar and wheels are as described",
-                "values": [{"key": key, "value": value} for key, value in values],
+                "values": [{"key": key, "value": value} for key, value in _describe_figures(figures)],
             }
             self._diagnostics.send({"status": [status]})
+
+
+def _describe_figures(figures: CalibrationFigures) -> list[tuple[str, str]]:
+    """Return all figures with their standard deviations, by names, for users."""
+    found, spread = figures.errors, figures.deviations
+    return [
+        ("driven", f"{figures.metres:.0f} m"),
+        ("lidar yaw", f"{math.degrees(found.yaw):.2f} +- {math.degrees(spread.yaw):.2f} degrees"),
+        ("lidar x", f"{found.x:.3f} +- {spread.x:.3f} m"),
+        ("lidar y", f"{found.y:.3f} +- {spread.y:.3f} m"),
+        ("wheel radius", f"{100.0 * found.radius:+.2f} +- {100.0 * spread.radius:.2f} %"),
+        ("wheel separation", f"{100.0 * found.separation:+.2f} +- {100.0 * spread.separation:.2f} %"),
+    ]

@@ -107,12 +107,6 @@ def parse_robot_file(text: str, place: str = str(ROBOT_FILE)) -> RobotFile | Non
     return _read(parse_section(SourceFile(place, text), "a robot file"), place) if text else None
 
 
-def write_calibration(text: str, calibration: Calibration) -> str:
-    """Return the text of a robot file with another calibration; all other lines stay."""
-    rest = re.sub(r"(?m)^calibration[ \t]*:.*\n?(?:[ \t]+\S.*\n?)*", "", text)
-    return f"{rest.rstrip()}\ncalibration: {calibration.write()}\n"
-
-
 def _read(top: Section, place: str) -> RobotFile:
     values = [top.text(key, default) for key, default in zip(_TEXTS, ("", "0", "", "", COMMANDS), strict=True)]
     calibration = None

@@ -25,7 +25,7 @@ _TURN_PRIOR = np.diag((0.002, 0.006))  # of turns per turn of about 1, and of ra
 
 
 class Errors(NamedTuple):
-    """How a robot differs from its description: its lidar by a yaw (rad) and a place (m, in the lidar's frame).
+    """The differences of a robot from its description: its lidar by a yaw (rad) and a place (m, in the lidar's frame).
 
     The wheels' radius and separation differ by shares: 0.05 for wheels that are 5 % larger than described.
     """
@@ -43,7 +43,7 @@ LEAST = Errors(math.radians(1.0), 0.015, 0.015, 0.01, 0.01)
 
 @dataclass(frozen=True, slots=True)
 class CalibrationFigures:
-    """What a drive of so many `metres` has shown: errors, and their standard deviations."""
+    """The errors that a drive of so many `metres` has shown, and their standard deviations."""
 
     metres: float
     errors: Errors

@@ -7,8 +7,8 @@ import pytest
 
 from ur.cli.robot_setup.calibrate import read_figures, write_file
 from ur.devices.driver_health import DriverHealth, MotionRecord
-from ur.robot.base.calibration import Calibration
-from ur.robot.robot_file import load_robot_file, parse_robot_file, write_calibration
+from ur.robot.base.calibration import Calibration, write_calibration
+from ur.robot.robot_file import load_robot_file, parse_robot_file
 from ur.robot.ssh.shell import LocalShell
 from ur.source.diagnostic import UserError
 from ur.source.foreign.json_values import PrintableValue, write_json

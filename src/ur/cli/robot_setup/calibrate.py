@@ -63,7 +63,7 @@ def write_file(
     shell: Shell, user: str, calibration: Calibration, agree: Callable[[], bool], path: str = str(ROBOT_FILE)
 ) -> bool:
     """Show the change of the robot file, and make it if the user agrees. Raises UserError if there is no such file."""
-    from ur.robot.robot_file import write_calibration
+    from ur.robot.base.calibration import write_calibration
     from ur.robot.setup.engine import apply_states, gather, plan_changes
     from ur.robot.setup.facts import FactsRequest
     from ur.robot.setup.wanted import WantedFile

@@ -1,6 +1,7 @@
-"""How one robot differs from its base file: `calibration` in its robot file, and `errors` of a simulated robot."""
+"""The differences of one robot from its base file: `calibration` in its robot file, and `errors` of a simulated robot."""
 
 import math
+import re
 from dataclasses import dataclass, replace
 
 from ur.robot.base.properties import Base
@@ -53,3 +54,9 @@ def read_calibration(part: Section) -> Calibration:
 def parse_calibration(text: str, place: str) -> Calibration:
     """Parse the text of a calibration; '' is that of a robot as its base file has it. Raises UserError: at `place`."""
     return read_calibration(parse_section(SourceFile(place, text), "a calibration")) if text else Calibration()
+
+
+def write_calibration(text: str, calibration: Calibration) -> str:
+    """Return the text of a robot file with another calibration; all other lines stay."""
+    rest = re.sub(r"(?m)^calibration[ \t]*:.*\n?(?:[ \t]+\S.*\n?)*", "", text)
+    return f"{rest.rstrip()}\ncalibration: {calibration.write()}\n"
