@@ -57,7 +57,7 @@ class RefusedCommands(PrintableValue, frozen=True):
 
 
 class MotionRecord(PrintableValue, frozen=True):
-    """The differences of a robot from its description, as `metres` of driving have shown for certain; 0.0: as described.
+    """The differences of a robot from its description that `metres` of driving have shown; 0.0: as described.
 
     The lidar by `yaw` (rad, counter-clockwise) and, in its own frame, `x` and `y` (m); the wheels' radius and
     separation by shares.

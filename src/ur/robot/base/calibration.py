@@ -1,4 +1,4 @@
-"""The differences of one robot from its base file: `calibration` in its robot file, and `errors` of a simulated robot."""
+"""The differences of a robot from its base file: `calibration` in its robot file, `errors` of a simulated robot."""
 
 import math
 import re
