@@ -18,7 +18,7 @@ def parse(argv: list[str]) -> dict[str, object]:
 def test_process_of_a_robot_gets_the_answers_of_that_robot() -> None:
     task = Task(
         Address("ubuntu", "10.0.0.7"),
-        WantedRobot("eve", "magni", "lidar", programs=False),
+        WantedRobot("eve", "magni", "lidar", programs=False, access_point=False),
         current=Secret("old-secret"),
         new=Secret("new-secret"),
         host_key=KEY,
@@ -32,6 +32,7 @@ def test_process_of_a_robot_gets_the_answers_of_that_robot() -> None:
     assert given["host_key"] == KEY.fingerprint
     assert (given["master"], given["programs"], given["robot_login"]) == (False, False, True)
     assert (given["new_host_key"], given["one_of_several"], given["passwords_from"]) == (True, True, 0)
+    assert (given["access_point"], "--access-point" in argv, "--no-access-point" in argv) == (False, False, True)
 
 
 def test_known_robot_without_a_variant_is_asked_nothing() -> None:

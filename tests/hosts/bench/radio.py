@@ -1,13 +1,14 @@
 #!/usr/bin/python3
-"""Stand-in for wpa_supplicant and wpa_cli on a robot of the bench: no kernel of a container has a wireless device.
+"""Stand-in for wpa_supplicant, wpa_cli and hostapd on a robot of the bench: no kernel of a container has a radio.
 
-Installed under both names. The networks in the air are in /etc/bench-air.json: {ssid: [password, whether the robot then
-reaches the bench, dBm]}. `wlan0` is a veth whose other end, `air`, is put on the bridge `ether` while it is associated.
+Installed under these names. The networks in the air are in /etc/bench-air.json: {ssid: [password, whether the robot
+then reaches the bench, dBm]}. `wlan0` is a veth; its other end, `air`, is on the bridge `ether` while it is associated.
 """
 
 import codecs
 import json
 import re
+import signal
 import socket
 import subprocess
 import sys
@@ -94,9 +95,29 @@ def serve(options: list[str]) -> None:
         supplicant = Supplicant(Path(options[options.index("-c") + 1]).read_text())
         server.bind(str(folder / device))
         server.listen()
+        server.settimeout(0.5)
+        air = AIR.read_text()
         while True:
-            with server.accept()[0] as link, suppress(OSError, IndexError, ValueError):
+            if AIR.read_text() != air:  # what is in reach has changed
+                air = AIR.read_text()
+                supplicant.associate()
+            with suppress(OSError, IndexError, ValueError), server.accept()[0] as link:
                 link.sendall(supplicant.answer(json.loads(link.recv(65536))).encode())
+
+
+def serve_others(conf: str) -> None:
+    """Run as hostapd, until it is ended: whoever is on `ether` has joined."""
+    settings = dict(line.split("=") for line in conf.splitlines())
+    assert settings["wpa"] == "2"
+    assert len(settings["wpa_passphrase"]) >= 8
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    ip("down")
+    ip("master", "ether", "up")
+    try:
+        while True:
+            signal.pause()
+    finally:
+        ip("down")
 
 
 def ask(words: list[str]) -> str:
@@ -114,5 +135,7 @@ if __name__ == "__main__":
             sys.stdout.write(ask(sys.argv[1:]) + "\n")
         except OSError:
             sys.exit("Failed to connect to non-global ctrl_ifname")
+    elif Path(sys.argv[0]).name == "hostapd":
+        serve_others(Path(sys.argv[1]).read_text())
     else:
         serve(sys.argv[1:])

@@ -108,7 +108,7 @@ def test_address_is_set_on_the_profile_of_the_device(
     address, gateway, names = options
     wanted = parse_addressing(address, gateway, names, dhcp=address is None)
     change = NetworkManager(NETWORKS).address(NETWORKS.devices[1], wanted)
-    assert change.live.splitlines()[1:] == [
+    assert change.live.splitlines()[2:] == [
         f"nmcli connection modify u-wired {words}",
         "nmcli --wait 40 connection up uuid u-wired ifname eth0",
     ]

@@ -9,7 +9,8 @@ import pytest
 
 from ur.robot.discovery.ask import clock_offset
 from ur.robot.robot_file import ROBOT_FILE, RobotFile, load_robot_file
-from ur.robot.setup.facts import ABSENT, ComputerFacts, FileState
+from ur.robot.setup.access_point import access_point_request
+from ur.robot.setup.facts import ABSENT, ComputerFacts, FileState, ServiceState
 from ur.robot.setup.keys import HOST_KEY
 from ur.robot.setup.raspberry_pi import header
 from ur.robot.setup.robot_states import (
@@ -38,12 +39,13 @@ FACTS = ComputerFacts(
     "1",
     frozenset(),
     files={
-        **dict.fromkeys(header.FILES, ABSENT),
+        **dict.fromkeys(header.FILES | access_point_request("ros").files, ABSENT),
         HOST_KEY: FileState(f"{HOST} root@robot\n"),
         CLOUD: ABSENT,
         AVAHI: ABSENT,
         str(ROBOT_FILE): ABSENT,
     },
+    services=dict.fromkeys(access_point_request("ros").services, ServiceState()),
 )
 VIEWER = ViewerFacts("pat", "laptop", f"{OWN} pat@laptop\n", f"{HOST}\n")
 ROBOT = WantedRobot("bob", "magni", "lidar")

@@ -179,7 +179,7 @@ def remember(old: str, new: str) -> None:
             items.append(WantedKnownName(f"host key of {new}", old, new, host_key))
         if record:
             path = f"~/.config/ubiquity_launches/robots/{new}.yaml"
-            items.append(WantedFile("memory of it", path, render_record(replace(record, name=new))))
+            items.append(WantedFile("memory of it", path, render_record(replace(record, name=new)), mode=0o600))
         return items
 
     user = getpass.getuser()

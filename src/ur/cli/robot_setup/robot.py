@@ -75,6 +75,12 @@ def command(context: click.Context) -> None:
     default=True,
     help="Install everything that programs of this project need there, or leave that unchanged. [default: --programs]",
 )
+@click.option(
+    "--access-point/--no-access-point",
+    default=None,
+    help="Have the robot open a WiFi network of its own while none that it knows is in reach, or never. "
+    "[default: as it is, else --access-point]",
+)
 @click.option("--dry-run", is_flag=True, help="Show what would be changed on the robots, and change nothing there.")
 @click.option("--host-key", metavar="SHA256:...", help="The fingerprint of its host key, with one HOST: no question.")
 @click.option("--yes", is_flag=True, help="Accept an unknown host key without a question, in a network that you trust.")
@@ -102,6 +108,7 @@ def setup(
     passwords_from: int | None,
     master: bool,
     programs: bool,
+    access_point: bool | None,
     dry_run: bool,
     host_key: str | None,
     yes: bool,
@@ -139,6 +146,7 @@ def setup(
     met, refused = _meet(tasks, fingerprints, yes=yes, new_host_key=new_host_key)
     if not met:
         return refused
+    met = [replace(each, robot=replace(each.robot, access_point=access_point)) for each in met]
     tasks = met if dry_run or undo else decide_robot_login(met, robot_login)
     current, new = read_passwords(tasks, passwords_from, dry_run=dry_run)
     if len(tasks) > 1 and not dry_run and not undo:
@@ -146,11 +154,10 @@ def setup(
         make = partial(make_argv, master=master, programs=programs, new_host_key=new_host_key, between=between)
         return max(refused, set_up_each(tasks, make, given))
     tasks = [replace(task, current=current, new=new) for task in _equip(tasks, master=master, programs=programs)]
-    if undo or dry_run:
-        look = partial(revert_ros2 if undo else _preview, viewer=viewer)
-        return max(refused, *(_guard(task, look) for task in tasks))
-    work = partial(_set_up, here=here, viewer=viewer, alone=not one_of_several, between=between)
-    return max(refused, _guard(tasks[0], work))
+    work = partial(revert_ros2 if undo else _preview, viewer=viewer)
+    if not undo and not dry_run:
+        work = partial(_set_up, here=here, viewer=viewer, alone=not one_of_several, between=between)
+    return max(refused, *(_guard(task, work) for task in tasks))
 
 
 def _meet(
@@ -380,5 +387,7 @@ def make_argv(task: Task, *, master: bool, programs: bool, new_host_key: bool, b
         ("--no-programs", not (programs and robot.programs)),
         ("--new-host-key", new_host_key),
         ("--take-over", between),
+        ("--access-point", robot.access_point is True),
+        ("--no-access-point", robot.access_point is False),
     )
     return argv + [option for option, given in unwanted if given]

@@ -26,6 +26,7 @@ from ur.source.progress_line import show_progress
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+NO_POINT = "no access point known here; on the robot: sudo cat /etc/ubiquity/access-point"
 SETTLE_SECONDS = 6.0  # the longest wait for starting robots, beyond the requested time
 Look = Callable[[], list[RobotRow]]
 
@@ -36,7 +37,8 @@ Look = Callable[[], list[RobotRow]]
     "--seconds", type=click.FloatRange(min=0.1), default=2.0, show_default=True, help="How long to listen, in s."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def command(names: tuple[str, ...], seconds: float, as_json: bool) -> int:
+@click.option("--access-points", is_flag=True, help="Print the passwords of their own access points, no more.")
+def command(names: tuple[str, ...], seconds: float, as_json: bool, access_points: bool) -> int:
     """List the robots on the network, and those known but away.
 
     Robots announce themselves once `ur robot setup` has set them up. `runs` lists what runs at the robot's ROS master
@@ -46,6 +48,11 @@ def command(names: tuple[str, ...], seconds: float, as_json: bool) -> int:
     problem with its name.
     """
     wanted = read_names(names)
+    if access_points:
+        known_points = [one for one in load_records(records_folder(os.environ)) if not wanted or one.name in wanted]
+        lines = [f"WiFi {one.name}: password {one.access_point}" for one in known_points if one.access_point]
+        click.echo("\n".join(lines) or NO_POINT)
+        return 0 if lines else 1
     need_all(["zeroconf"], "robot.lock", "what finding robots needs (2 MB to download)")
     changed = threading.Event()
     names_here = [record.name for record in load_records(records_folder(os.environ))]

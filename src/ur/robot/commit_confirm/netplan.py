@@ -11,6 +11,7 @@ from ur.robot.commit_confirm import netplan_side
 from ur.robot.commit_confirm.guarded import GuardedChange
 from ur.robot.commit_confirm.network import UP_SECONDS, Addressing, WirelessNetwork, refused
 from ur.robot.commit_confirm.network_facts import NetworkDevice, Networks, Profile
+from ur.robot.setup.access_point import CLOSE
 from ur.robot.setup.change import Change, ChangeScript
 from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.ssh.secret import Secret
@@ -112,7 +113,7 @@ def _guard(title: str, order: Mapping[str, object], device: str, wait: str) -> G
     return GuardedChange(
         title,
         (WantedNetplan(title, Secret(json.dumps(order))),),
-        live=f"set -e\n{_APPLY}\n{wait}",
+        live=f"set -e\n{CLOSE}\n{_APPLY}\n{wait}",
         back=_AGAIN,
         commit=_KEEP,
         also_kept=("/run/netplan", f"/run/systemd/system/netplan-wpa-{device}.service.d"),

@@ -9,6 +9,8 @@ from typing import Protocol
 
 from ur.robot.commit_confirm.guarded import GuardedChange
 from ur.robot.commit_confirm.network_facts import NetworkDevice, Networks, Profile, SeenNetwork
+from ur.robot.setup.access_point import CLOSE
+from ur.robot.setup.access_point_side import UUID
 from ur.robot.setup.change import Change, ChangeScript
 from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.wanted import write_file
@@ -211,7 +213,9 @@ class NetworkManager:
 
 def _guard(networks: Networks, title: str, wanted: tuple[WantedProfile, ...], live: Sequence[str]) -> GuardedChange:
     used = [
-        (each.profile, each.name) for each in networks.devices if each.profile and each.kind in ("wifi", "ethernet")
+        (each.profile, each.name)
+        for each in networks.devices
+        if each.profile not in ("", UUID) and each.kind in ("wifi", "ethernet")
     ]
     # A network that is out of range at the moment must not prevent the others from connecting.
     first = [f"{_bring_up(*pair)} || failed=1" for pair in used]
@@ -227,7 +231,7 @@ def _guard(networks: Networks, title: str, wanted: tuple[WantedProfile, ...], li
     return GuardedChange(
         title,
         wanted,
-        live="\n".join(["set -e", *live]),
+        live="\n".join(["set -e", CLOSE, *live]),
         back="\n".join(script),
         # At boot, netplan has made NetworkManager's profiles of the changed files already.
         early="! command -v netplan >/dev/null || netplan generate",

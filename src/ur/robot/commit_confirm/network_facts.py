@@ -29,9 +29,11 @@ wlan() { links | while read -r _ w t _; do [ "$t" != wlan ] || echo "$w"; done; 
 mark using; for w in $(wlan); do wpa_cli -i "$w" status 2>/dev/null | sed -n "s/^ssid=/$w:/p"; done
 """
 # wpa_supplicant runs only for devices that have a network already: else one without any is started to scan.
+# While its own access point is open, the robot receives no others: those that it saw before are listed.
 SCAN_SCRIPT = """\
-mark seen; nmcli -t -f IN-USE,SIGNAL,FREQ,SECURITY,SSID device wifi list --rescan yes 2>/dev/null
-mark air; for w in $(wlan); do
+mark seen; cat /run/ur-access-point/seen 2>/dev/null ||
+nmcli -t -f IN-USE,SIGNAL,FREQ,SECURITY,SSID device wifi list --rescan yes 2>/dev/null
+mark air; cat /run/ur-access-point/air 2>/dev/null || for w in $(wlan); do
 ! nmcli -t -f DEVICE,STATE device status | grep -v :unmanaged | grep -q "^$w:" || continue
 c=/run/wpa_supplicant; p=; [ -S "$c/$w" ] || { ! systemctl is-active --quiet "netplan-wpa-$w" || continue
 c=/run/ur-wpa; p=$c.pid; wpa_supplicant -B -i "$w" -C "$c" -P "$p" >/dev/null; }

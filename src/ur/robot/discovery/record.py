@@ -15,7 +15,7 @@ class RobotRecord:
     """A robot that was set up from this computer, with the user to log in as.
 
     `robot_login` is whether the user lets it log in to this computer; None where not asked. `ros` is its release of ROS
-    2, '' for ROS 1.
+    2, '' for ROS 1. `access_point` is the password of its own access point, '' if it has none.
     """
 
     name: str
@@ -24,6 +24,7 @@ class RobotRecord:
     variant: str = ""
     robot_login: bool | None = None
     ros: str = ""
+    access_point: str = ""
 
 
 def records_folder(environment: Mapping[str, str]) -> Path:
@@ -33,8 +34,8 @@ def records_folder(environment: Mapping[str, str]) -> Path:
 
 def render_record(record: RobotRecord) -> str:
     """Return the text of a record's file."""
-    rows = {"name": record.name, "user": record.user, "base": record.base, "variant": record.variant, "ros": record.ros}
-    texts = "".join(f'{key}: "{value}"\n' for key, value in rows.items() if value)
+    keys = ("name", "user", "base", "variant", "ros", "access_point")
+    texts = "".join(f'{key}: "{value}"\n' for key in keys if (value := getattr(record, key)))
     login = "" if record.robot_login is None else f"robot_login: {str(record.robot_login).lower()}\n"
     return f"# Written by ur robot setup.\n{texts}{login}"
 
@@ -51,7 +52,7 @@ def _load_record(path: Path) -> RobotRecord | None:
         top = read_section(path, "a record of a robot")
         login = top.boolean("robot_login", False) if top.has("robot_login") else None
         texts = (top.text("name"), top.text("user"), top.text("base"), top.text("variant", ""))
-        return RobotRecord(*texts, login, top.text("ros", ""))
+        return RobotRecord(*texts, login, top.text("ros", ""), top.text("access_point", ""))
     except UserError:
         return None
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ur.robot.boot.units import LIBRARIES, set_base_script
 from ur.robot.discovery.record import RobotRecord, records_folder, render_record
+from ur.robot.setup.access_point import OFF, PASSWORD
 from ur.robot.setup.change import Change
 from ur.robot.setup.contact import forget_contact, note_contact
 from ur.robot.setup.engine import Progress, apply_change, apply_states, gather, gather_facts, plan_changes, plan_undo
@@ -230,13 +231,15 @@ def _remember(task: Task, host: str, here: Shell, viewer: ViewerFacts, facts: Co
         )
     robot = task.robot
     ros = robot.ros2.distro if robot.ros2 else ""
-    record = RobotRecord(robot.name, task.address.user, robot.base, robot.variant, task.robot_login, ros)
+    point = (facts.file(PASSWORD).text or "").strip().removesuffix(OFF)
+    record = RobotRecord(robot.name, task.address.user, robot.base, robot.variant, task.robot_login, ros, point)
+    path = f"~/.config/ubiquity_launches/robots/{record.name}.yaml"
 
     def make(_: ComputerFacts) -> list[Wanted]:
         return [
             known_host(f"host key of {robot.name}", robot.name, host_key),
             *([allowed_key(f"login from {robot.name}", public_key)] if task.robot_login and public_key else []),
-            WantedFile("memory of it", f"~/.config/ubiquity_launches/robots/{record.name}.yaml", render_record(record)),
+            WantedFile("memory of it", path, render_record(record), mode=0o600),
         ]
 
     with _alone_here():

@@ -10,6 +10,7 @@ from ur.devices.needs import RELOAD, write_rules
 from ur.devices.observe import RULES_FILE
 from ur.robot.boot.units import master_unit
 from ur.robot.robot_file import ROBOT_FILE, Ros2Robot
+from ur.robot.setup.access_point import access_point_request, want_access_point
 from ur.robot.setup.change import Change, ChangeScript
 from ur.robot.setup.environment import robot_environment
 from ur.robot.setup.facts import ComputerFacts, FactsRequest
@@ -58,7 +59,7 @@ class WantedRobot:
     """The wanted name and base of a robot.
 
     With `master`, a ROS master runs from boot on. With `programs`, the requirements of this project's programs are
-    installed. `ros2` is its present ROS 2; None: the set-up installs ROS 1.
+    installed. `ros2` is its present ROS 2; None: the set-up installs ROS 1. `access_point` None: as it is, else on.
     """
 
     name: str
@@ -67,6 +68,7 @@ class WantedRobot:
     master: bool = True
     programs: bool = True
     ros2: Ros2Robot | None = None
+    access_point: bool | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +104,7 @@ def is_robot_name(text: str) -> bool:
 def base_request(user: str) -> FactsRequest:
     """Return the facts that `wanted_there` needs."""
     files = frozenset({HOST_KEY, KEY + ".pub", CLOUD, AVAHI, str(ROBOT_FILE)})
-    return FactsRequest(user, files=files | header.FILES)
+    return FactsRequest(user, files=files | header.FILES) | access_point_request(user)
 
 
 def wanted_there(
@@ -151,7 +153,7 @@ def wanted_there(
         items += boot_master(facts.user, facts.home)
     if password:
         items.append(password)
-    items += library
+    items += [*want_access_point(facts, robot.access_point), *library]
     if facts.file(CLOUD).text is not None:
         items.append(WantedFile("cloud-init", "/etc/cloud/cloud.cfg.d/99-ubiquity.cfg", KEEP_NAME))
     avahi = facts.file(AVAHI).text or ""

@@ -7,7 +7,8 @@ import pytest
 
 from ur.robot.robot_file import ROBOT_FILE, RobotFile, Ros2Robot, load_robot_file
 from ur.robot.ros2.seen_graph import End, Installation, Process, Ros2, SeenGraph, SeenTopic
-from ur.robot.setup.facts import ABSENT, ComputerFacts, FileState
+from ur.robot.setup.access_point import access_point_request
+from ur.robot.setup.facts import ABSENT, ComputerFacts, FileState, ServiceState
 from ur.robot.setup.robot_states import ViewerFacts, WantedRobot, announcement, robot_file
 from ur.robot.setup.ros2.states import find_commands, find_ros2, wanted_on_ros2
 from ur.source.diagnostic import UserError
@@ -32,7 +33,10 @@ def taken(name: str, *nodes: str, kind: str = TWIST) -> SeenTopic:
 
 
 def facts(hostname: str = "bob", present: FileState = ABSENT) -> ComputerFacts:
-    return ComputerFacts("ros", "/home/ros", hostname, "", "", frozenset(), files={str(ROBOT_FILE): present})
+    wanted = access_point_request("ros")
+    files = {**dict.fromkeys(wanted.files, ABSENT), str(ROBOT_FILE): present}
+    services = dict.fromkeys(wanted.services, ServiceState())
+    return ComputerFacts("ros", "/home/ros", hostname, "", "", frozenset(), files=files, services=services)
 
 
 def test_domain_middleware_namespace_and_commands_are_those_of_the_nodes() -> None:

@@ -16,6 +16,7 @@ from ur.robot.ros2.seen_graph import (
     inspect_ros2,
     middleware_of,
 )
+from ur.robot.setup.access_point import want_access_point
 from ur.robot.setup.facts import ComputerFacts
 from ur.robot.setup.keys import allowed_key
 from ur.robot.setup.packages import WantedPackages, WantedService
@@ -106,7 +107,7 @@ def wanted_on_ros2(
     ]
     if password:
         items.append(password)
-    items += library
+    items += [*want_access_point(facts, robot.access_point), *library]
     if facts.hostname != robot.name:
         items += [
             WantedLine("host name (hosts)", "/etc/hosts", f"127.0.1.1\t{robot.name}", old=("127.0.1.1",)),
