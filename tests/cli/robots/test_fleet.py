@@ -10,6 +10,7 @@ from tests.forking import run_ur
 from tests.terminal import TmuxTerminal
 
 from ur.cli.robots.fleet import choose_robots, read_names
+from ur.robot.discovery.record import RobotRecord, load_records, render_record
 from ur.source.diagnostic import UserError
 
 
@@ -100,3 +101,14 @@ def test_terminal_shows_one_line_for_each_robot_and_control_c_ends_all(tmp_path:
         assert screen.count("bob.invalid interrupted") == 1
     finally:
         terminal.close()
+
+
+@pytest.mark.usefixtures("records")
+def test_passwords_of_access_points_are_printed_from_the_records_without_a_network(tmp_path: Path) -> None:
+    folder = tmp_path / "config/ubiquity_launches/robots"
+    record = RobotRecord("eve", "ros", "magni", access_point="abcd-efgh-jkmn")
+    (folder / "eve.yaml").write_text(render_record(record))
+    assert record in load_records(folder)
+    assert run_ur("robots", "--access-points").stdout == "WiFi eve: password abcd-efgh-jkmn\n"
+    done = run_ur("robots", "bob", "--access-points")
+    assert (done.returncode, "sudo cat /etc/ubiquity/access-point" in done.stdout) == (1, True)
