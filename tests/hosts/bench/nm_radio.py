@@ -11,10 +11,13 @@ import json
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, TypeVar
 
 AIR, STATE, LOCK = Path("/etc/bench-air.json"), Path("/run/bench-radio.json"), Path("/run/bench-radio.lock")
 LINKS = {"infrastructure": "11111111-07ad-4d0f-a8f1-6ad8cd0e3c11", "ap": "22222222-07ad-4d0f-a8f1-6ad8cd0e3c11"}
+T = TypeVar("T")
 FIELDS = "802-11-wireless.ssid,802-11-wireless.mode,802-11-wireless-security.psk,connection.autoconnect-priority"
 
 
@@ -26,11 +29,12 @@ def ip(*words: str) -> None:
     subprocess.run(["ip", "link", "set", "air", *words], check=False)
 
 
-def used() -> dict:
-    return json.loads(STATE.read_text()) if STATE.exists() else {}
+def used() -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(STATE.read_text()) if STATE.exists() else {}
+    return found
 
 
-def read(uuid: str) -> dict:
+def read(uuid: str) -> dict[str, Any]:
     done = real("-s", "-e", "no", "-g", FIELDS, "connection", "show", uuid)
     ssid, mode, psk, priority = [*done.stdout.split("\n"), "", "", ""][:4]
     return {"uuid": uuid, "ssid": ssid, "mode": mode or "infrastructure", "psk": psk, "priority": int(priority or 0)}
@@ -43,7 +47,7 @@ def leave() -> None:
         real("connection", "down", link)
 
 
-def join(profile: dict, wait: str) -> str:
+def join(profile: dict[str, Any], wait: str) -> str:
     """Use a profile; return why that fails."""
     leave()
     if profile["mode"] != "ap":
@@ -77,13 +81,13 @@ def keep_joined() -> None:
         join(max(good, key=lambda each: (each["priority"], air[each["ssid"]][2])), "10")
 
 
-def locked(action):
+def locked(action: Callable[[], T]) -> T:
     with LOCK.open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         return action()
 
 
-def shown(line: str, fields: list) -> str:
+def shown(line: str, fields: list[str]) -> str:
     """Return a line of the devices, with wlan0 as a wireless one."""
     row, now = line.split(":"), used()
     values = {"DEVICE": "wlan0", "TYPE": "wifi", "STATE": "connected" if now else "disconnected"}
@@ -91,7 +95,7 @@ def shown(line: str, fields: list) -> str:
     return ":".join(values[field] for field in fields) if row[0] == "wlan0" else line
 
 
-def main(words: list) -> int:
+def main(words: list[str]) -> int:
     line = " ".join(words)
     if words == ["serve"]:
         while True:

@@ -76,17 +76,12 @@ class Policy:
         self.looked, self._lost, self.patience = None, now, patience
 
 
-def call(line: str) -> str | None:
-    """Run a program with these arguments; return its output, or None if it fails."""
+def call(line: str) -> list[str] | None:
+    """Run a program with these arguments; return the lines of its output, or None if it fails."""
     with suppress(OSError, subprocess.TimeoutExpired):
         done = subprocess.run(line.split(), capture_output=True, text=True, errors="replace", timeout=40, check=False)
-        return done.stdout if done.returncode == 0 else None
+        return done.stdout.splitlines() if done.returncode == 0 else None
     return None
-
-
-def lines(line: str) -> list[str]:
-    """Run a program; return the lines of its output, none if it fails."""
-    return (call(line) or "").splitlines()
 
 
 class NetworkManager:
@@ -106,7 +101,7 @@ class NetworkManager:
 
     def is_open(self) -> bool:
         """Return whether it is still open."""
-        return f"{self.device}:{UUID}" in lines("nmcli -t -f DEVICE,CON-UUID device status")
+        return f"{self.device}:{UUID}" in (call("nmcli -t -f DEVICE,CON-UUID device status") or ())
 
     def close(self) -> None:
         """Close it, and have the device join a network."""
@@ -155,22 +150,22 @@ Radio = NetworkManager | Networkd
 
 def find_radio() -> Radio | None:
     """Find a wireless device that may serve, by who manages it."""
-    for line in lines("nmcli -t -f DEVICE,TYPE,STATE device status"):
+    for line in call("nmcli -t -f DEVICE,TYPE,STATE device status") or ():
         device, kind, state = [*line.split(":", 2), "", ""][:3]
         if kind == "wifi" and not state.startswith("unmanaged"):
             return None if state.startswith("unavailable") else NetworkManager(device)
     if not shutil.which("netplan") or not shutil.which("hostapd"):
         return None
-    links = (line.split() for line in lines("networkctl --no-legend --no-pager list"))
+    links = (line.split() for line in call("networkctl --no-legend --no-pager list") or ())
     return next((Networkd(each[1]) for each in links if len(each) == 5 and each[2] == "wlan"), None)
 
 
 def is_online(device: str) -> bool:
     """Return whether the robot has a network, as far as it knows."""
-    routes = lines("ip -4 route show default") + lines("ip -6 route show default")
-    addresses = lines(f"ip -o address show dev {device} scope global")
-    carrier = any("LOWER_UP" in line for line in lines(f"ip link show dev {device}"))
-    return any("linkdown" not in route for route in routes) or (carrier and bool(addresses))
+    routes = [*(call("ip -4 route show default") or ()), *(call("ip -6 route show default") or ())]
+    carrier = "LOWER_UP" in str(call(f"ip link show dev {device}"))
+    addressed = carrier and bool(call(f"ip -o address show dev {device} scope global"))
+    return addressed or any("linkdown" not in route for route in routes)
 
 
 @dataclass
@@ -186,20 +181,20 @@ class Usage:
         packets = int(Path(f"/sys/class/net/{self.device}/statistics/rx_packets").read_text())
         busy = packets - self._packets > PACKETS * max(now - self._asked, 1.0)
         self._packets, self._asked = packets, now
-        rows = lines(f"ss -Htn state established src {ADDRESS}")
+        rows = call(f"ss -Htn state established src {ADDRESS}") or ()
         peers = {row.split()[-1].rpartition(":")[0] for row in rows}
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             for peer in peers:  # the entry of a neighbour that has gone then fails before the next call
                 with suppress(OSError):
                     sender.sendto(b"", (peer, 9))
-        entries = [call(f"ip neigh show {peer} dev {self.device}") for peer in peers]
-        return busy or any(each and "FAILED" not in each and "INCOMPLETE" not in each for each in entries)
+        entries = [entry for peer in peers for entry in call(f"ip neigh show {peer} dev {self.device}") or ()]
+        return busy or any("FAILED" not in each and "INCOMPLETE" not in each for each in entries)
 
 
 def open_point(radio: Radio) -> Usage | None:
     """Open the access point; return what observes its use, or None if that failed."""
     RUN.mkdir(mode=0o700, exist_ok=True)
-    (RUN / radio.found).write_text(call(radio.scan) or "")
+    (RUN / radio.found).write_text("\n".join(call(radio.scan) or ()))
     (RUN / "open").write_text(f"{type(radio).__name__} {radio.device}")
     name = os.uname().nodename.partition(".")[0]
     values = {"ssid": name, "bytes": "".join(f"{byte};" for byte in name.encode()), "device": radio.device}
