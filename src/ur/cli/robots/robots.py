@@ -26,7 +26,6 @@ from ur.source.progress_line import show_progress
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-NO_POINT = "no access point known here; on the robot: sudo cat /etc/ubiquity/access-point"
 SETTLE_SECONDS = 6.0  # the longest wait for starting robots, beyond the requested time
 Look = Callable[[], list[RobotRow]]
 
@@ -51,7 +50,7 @@ def command(names: tuple[str, ...], seconds: float, as_json: bool, access_points
     if access_points:
         known_points = [one for one in load_records(records_folder(os.environ)) if not wanted or one.name in wanted]
         lines = [f"WiFi {one.name}: password {one.access_point}" for one in known_points if one.access_point]
-        click.echo("\n".join(lines) or NO_POINT)
+        click.echo("\n".join(lines) or "none is known here; on the robot: sudo cat /etc/ubiquity/access-point")
         return 0 if lines else 1
     need_all(["zeroconf"], "robot.lock", "what finding robots needs (2 MB to download)")
     changed = threading.Event()

@@ -12,8 +12,8 @@ from ur.robot.commit_confirm.guarded import GuardedChange
 from ur.robot.commit_confirm.network import UP_SECONDS, Addressing, WirelessNetwork, refused
 from ur.robot.commit_confirm.network_facts import NetworkDevice, Networks, Profile
 from ur.robot.setup.access_point import CLOSE
-from ur.robot.setup.change import Change, ChangeScript
-from ur.robot.setup.facts import ComputerFacts, FactsRequest
+from ur.robot.setup.change import ChangeScript
+from ur.robot.setup.wanted import WantedScript
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import quote
 
@@ -34,27 +34,6 @@ def side_command(*arguments: str) -> str:
     return quote(
         "python3", "-I", "-c", f"import base64,zlib;exec(zlib.decompress(base64.b64decode('{source}')))", *arguments
     )
-
-
-@dataclass(frozen=True, slots=True)
-class WantedNetplan:
-    """An order to netplan_side, which may hold a password: it is sent over standard input and never shown."""
-
-    title: str
-    order: Secret
-
-    def request(self, user: str) -> FactsRequest:
-        """Request nothing: the files are read on the robot."""
-        return FactsRequest(user)
-
-    def plan(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
-        """Write the files in any case."""
-        command = ChangeScript(side_command(), root=True, stdin=self.order)
-        return Change(self.title, f"/etc/netplan/{netplan_side.OURS}: {self.title}", (command,))
-
-    def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
-        """Return None: the network stays."""
-        return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,9 +89,10 @@ class Netplan:
 
 
 def _guard(title: str, order: Mapping[str, object], device: str, wait: str) -> GuardedChange:
+    script = ChangeScript(side_command(), root=True, stdin=Secret(json.dumps(order)))  # it may hold a password
     return GuardedChange(
         title,
-        (WantedNetplan(title, Secret(json.dumps(order))),),
+        (WantedScript(title, f"/etc/netplan/{netplan_side.OURS}: {title}", lambda _: script),),
         live=f"set -e\n{CLOSE}\n{_APPLY}\n{wait}",
         back=_AGAIN,
         commit=_KEEP,

@@ -11,9 +11,9 @@ from ur.robot.commit_confirm.guarded import GuardedChange
 from ur.robot.commit_confirm.network_facts import NetworkDevice, Networks, Profile, SeenNetwork
 from ur.robot.setup.access_point import CLOSE
 from ur.robot.setup.access_point_side import UUID
-from ur.robot.setup.change import Change, ChangeScript
-from ur.robot.setup.facts import ComputerFacts, FactsRequest
-from ur.robot.setup.wanted import write_file
+from ur.robot.setup.change import ChangeScript
+from ur.robot.setup.facts import ComputerFacts
+from ur.robot.setup.wanted import WantedScript, write_file
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error
@@ -65,31 +65,14 @@ class WirelessNetwork:
         return f"{PROFILES}/ur-{self.uuid}.nmconnection"
 
 
-@dataclass(frozen=True, slots=True)
-class WantedProfile:
-    """The profile of a wireless network. The change never shows its text, which holds the password."""
+def want_profile(wifi: WirelessNetwork) -> WantedScript:
+    """Return the file of a wireless network's profile, written in any case: no script may compare the password."""
 
-    wifi: WirelessNetwork
+    def make(facts: ComputerFacts) -> ChangeScript:
+        text = render_profile(wifi)
+        return ChangeScript(write_file(facts, wifi.path, text, 0o600).script, root=True, stdin=Secret(text))
 
-    @property
-    def title(self) -> str:
-        """The title of the profile for messages."""
-        return f"profile of {self.wifi.ssid}"
-
-    def request(self, user: str) -> FactsRequest:
-        """Request no more than the folder, which is saved as a whole by `also_kept`."""
-        return FactsRequest(user)
-
-    def plan(self, facts: ComputerFacts) -> Change | None:
-        """Write the profile in any case: no script may learn whether the password is unchanged."""
-        text = render_profile(self.wifi)
-        command = write_file(facts, self.wifi.path, text, 0o600)
-        secret = ChangeScript(command.script, root=True, stdin=Secret(text))
-        return Change(self.title, f"{self.wifi.path}: profile of {self.wifi.ssid!r}", (secret,))
-
-    def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
-        """Return None: the profile stays."""
-        return None
+    return WantedScript(f"profile of {wifi.ssid}", f"{wifi.path}: profile of {wifi.ssid!r}", make)
 
 
 def render_profile(wifi: WirelessNetwork) -> str:
@@ -185,7 +168,7 @@ class NetworkManager:
         """Write a profile, unless the robot has one and the password is not replaced, and use it."""
         known = find_profile(self.networks, wifi.ssid)
         use_known = known is not None and wifi.password is None
-        wanted = () if use_known else (WantedProfile(wifi),)
+        wanted = () if use_known else (want_profile(wifi),)
         target = known.uuid if known and use_known else wifi.uuid
         load = [f"nmcli connection load {quote(wifi.path)}"] if wanted else []
         return _guard(self.networks, f"join {wifi.ssid}", wanted, [*load, _bring_up(target, device.name)])
@@ -211,7 +194,7 @@ class NetworkManager:
         return _guard(self.networks, wanted.title(device), (), [modify, _bring_up(profile.uuid, device.name)])
 
 
-def _guard(networks: Networks, title: str, wanted: tuple[WantedProfile, ...], live: Sequence[str]) -> GuardedChange:
+def _guard(networks: Networks, title: str, wanted: tuple[WantedScript, ...], live: Sequence[str]) -> GuardedChange:
     used = [
         (each.profile, each.name)
         for each in networks.devices

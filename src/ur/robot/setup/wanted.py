@@ -4,6 +4,7 @@
 """
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -185,6 +186,27 @@ class WantedGroups:
 
     def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
         """Return None: group memberships stay, since other programs may need them."""
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class WantedScript:
+    """A script that runs in any case, such as one whose input is a secret: it is sent and never shown."""
+
+    title: str
+    difference: str
+    make: Callable[[ComputerFacts], ChangeScript]
+
+    def request(self, user: str) -> FactsRequest:
+        """Request no facts."""
+        return FactsRequest(user)
+
+    def plan(self, facts: ComputerFacts) -> Change | None:
+        """Run the script."""
+        return Change(self.title, self.difference, (self.make(facts),))
+
+    def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
+        """Return None: its effect stays."""
         return None
 
 
