@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tests.hosts.bench import Bench, Machine, wait_until
+from tests.hosts.bench.nm_radio import LINKS
 from tests.hosts.managed import SNAPSHOT, TAKE_OVER, has_other_leader
 from tests.hosts.test_netplan import (
     AIR,
@@ -61,10 +62,6 @@ psk={HOME_PASSWORD}
 [ipv4]
 method=auto
 """
-LINKS = {
-    "auto": ("11111111-07ad-4d0f-a8f1-6ad8cd0e3c11", "auto"),
-    "shared": ("22222222-07ad-4d0f-a8f1-6ad8cd0e3c11", "shared\naddress1=10.83.46.1/24"),
-}
 RADIO_SERVICE = """\
 [Unit]
 After=NetworkManager.service
@@ -141,9 +138,10 @@ def wireless_pair(manager: str) -> Iterator[Wireless]:
             robot.write("/etc/NetworkManager/conf.d/bench.conf", NM_SETTINGS)
             folder = "/etc/NetworkManager/system-connections"
             robot.write(f"{folder}/Home.nmconnection", HOME, mode=0o600)
-            for name, (uuid, method) in LINKS.items():
-                text = LINK.format(name=name, uuid=uuid, method=method)
-                robot.write(f"{folder}/bench-{name}.nmconnection", text, mode=0o600)
+            for mode, uuid in LINKS.items():
+                method = "shared\naddress1=10.83.46.1/24" if mode == "ap" else "auto"
+                text = LINK.format(name=mode, uuid=uuid, method=method)
+                robot.write(f"{folder}/bench-{mode}.nmconnection", text, mode=0o600)
             robot.run("rm /etc/systemd/network/10-host0.network").check()
             robot.run(f"{TAKE_OVER.rpartition(' && ')[0]}; systemctl enable nm-radio ether").check()
             leader = robot.leader

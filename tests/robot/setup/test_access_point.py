@@ -166,10 +166,3 @@ def test_decision_against_it_is_kept_until_it_is_chosen_again() -> None:
     undone = WantedAccessPoint("access point", on=True).undo(off)
     assert undone
     assert PROGRAM in undone.commands[0].script
-
-
-def test_programs_text_is_that_of_one_file_with_the_password_in_files_for_root_only() -> None:
-    values = {"device": "wlan0", "ssid": "bob", "bytes": "98;111;98;", "password": "abcd-efgh-jkmn"}
-    assert "psk=abcd-efgh-jkmn\n" in side.KEYFILE.format(**values)
-    assert "wpa=2\n" in side.HOSTAPD.format(**values)
-    assert "abcd" not in side.SERVED.format(**values)

@@ -25,7 +25,7 @@ _UNIT = (
     f"[Service]\nExecStart={_RUN}\nExecStopPost={_RUN} close\nRestart=always\nRestartSec=10\n\n"
     "[Install]\nWantedBy=multi-user.target\n"
 )
-# 59 bits, without characters that look alike.
+# 60 bits, without characters that look alike.
 _MAKE = "tr -dc abcdefghijkmnpqrstuvwxyz23456789 </dev/urandom | head -c 12 | sed 's/..../&-/g; s/-$//'"
 _REMOVE = f"systemctl -q disable --now {UNIT} 2>/dev/null; rm -f {PATH} {PROGRAM}; systemctl daemon-reload"
 
