@@ -22,6 +22,8 @@ _APPLY = """\
 said=$(netplan generate 2>&1) || { printf '%s\\n' "$said" | sed -n 's/.*: Error/netplan: Error/p'; exit 1; }
 systemctl daemon-reload; netplan apply"""
 _AGAIN = "netplan generate; systemctl daemon-reload; netplan apply"
+# A slow robot needs seconds for each look.
+_LATEST = f"now() {{ cut -d. -f1 /proc/uptime; }}; end=$(($(now) + {UP_SECONDS}))"
 # At boot, a device that had no network before has no job to start its wpa_supplicant.
 _KEEP = """\
 TO=/etc sh step0 <step0.in && netplan generate && systemctl daemon-reload || exit
@@ -51,11 +53,11 @@ class Netplan:
         shown = _shown(wifi.ssid)
         order = {"device": device.name, "ssid": wifi.ssid, "point": point, "shown": shown}
         wait = [
-            f"w={quote(f'wpa_cli -i {device.name}')}; i=0",
+            f"w={quote(f'wpa_cli -i {device.name}')}; {_LATEST}",
             'joined() { s=$($w status); s=$($w get_network "$(printf "%s\\n" "$s" | sed -n "s/^id=//p")" ssid)',
             f'[ "$(printf %s "$s" | base64 -w 0)" = {shown} ] && $w status | grep -qx wpa_state=COMPLETED && ',
             f"ip -4 -o address show dev {quote(device.name)} scope global | grep -q inet; }}",
-            f"until joined; do i=$((i+1)); [ $i -lt {UP_SECONDS} ] || {{",
+            "until joined; do [ $(now) -lt $end ] || {",
             f"why='it has not joined within {UP_SECONDS} s'",
             "! $w list_networks | grep -q TEMP-DISABLED || why='the network refuses the password'",
             'echo "$why"; exit 4; }; sleep 1; done',
@@ -82,9 +84,9 @@ class Netplan:
             if wanted.gateway:
                 definition["routes"] = [{"to": "0.0.0.0/0", "via": str(wanted.gateway), "metric": metric}]
             found = f"| grep -qF {quote(f' {wanted.address} ')}"
-        until = f"i=0; until ip -4 -o address show dev {quote(device.name)} {found}; do i=$((i+1))"
+        until = f"{_LATEST}; until ip -4 -o address show dev {quote(device.name)} {found}; do"
         late = f"{{ echo 'no address within {UP_SECONDS} s'; exit 4; }}"
-        wait = f"{until}; [ $i -lt {UP_SECONDS} ] || {late}; sleep 1; done"
+        wait = f"{until} [ $(now) -lt $end ] || {late}; sleep 1; done"
         return _guard(wanted.title(device), {"device": device.name, "address": definition}, device.name, wait)
 
 
