@@ -29,7 +29,7 @@ from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import ShellResult
 
 pytestmark = [pytest.mark.timeout(3600)]
-SEEK, LOOK = 12, 30  # s, in place of 180 and 120
+SEEK, LOOK = 12, 20  # s, in place of 180 and 120
 QUICK = f"[Service]\nExecStart=\nExecStart=/usr/bin/python3 -Iu {PROGRAM} {SEEK} {LOOK}\n"
 OPEN, POINT = "/run/ur-access-point/open", "10.83.46.1"
 JOINED = "/etc/systemd/network/05-joined.network"

@@ -99,7 +99,8 @@ class Wireless:
 
     def set_air(self, *ssids: str) -> None:
         """Set which networks are in reach."""
-        self.robot.write("/etc/bench-air.json", json.dumps({ssid: AIR[ssid] for ssid in ssids}))
+        self.robot.write("/etc/bench-air.new", json.dumps({ssid: AIR[ssid] for ssid in ssids}))
+        self.robot.run("mv /etc/bench-air.new /etc/bench-air.json").check()  # never half of it
 
     def wait_uses(self, ssid: str) -> None:
         """Wait until the robot has joined a network."""
