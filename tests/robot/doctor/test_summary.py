@@ -28,7 +28,7 @@ def test_everything_that_was_seen_is_shown_for_both() -> None:
 
 def test_ros2_of_a_computer_is_described() -> None:
     assert describe_ros2(RUNNING) == [
-        "ROS 2 Jazzy in /opt/ros/jazzy",
+        "ROS 2 Jazzy in /opt/ros/jazzy, supported until May 2029",
         "2 processes of ROS 2 in domain 7, rmw_fastrtps_cpp (base.service, lidar.service)",
         "4 nodes, 3 topics",
     ]

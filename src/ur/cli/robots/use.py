@@ -13,7 +13,7 @@ from ur.robot.selection import Selection, load_selection, parse_selection, selec
 from ur.source.diagnostic import UserError, error
 from ur.source.project import project_file, state_folder
 from ur.source.suggest import did_you_mean
-from ur.system.ros import find_ros
+from ur.system.ros import find_ros, note_support
 
 
 @click.command("use")
@@ -87,7 +87,7 @@ def _show(selection: Selection) -> None:
     sys.stdout.flush()
     ros = choose_ros(selection, os.environ) if selection.simulated else None
     if ros is not None and ros.version != 1:
-        sys.stderr.write(f"{ros}\n")
+        sys.stderr.write(f"{ros}{note_support(ros.distro)}\n")
 
 
 def check_robot(chosen: Selection, *, away: bool) -> str:

@@ -6,6 +6,7 @@ from ur.robot.doctor.findings import ComputerPair
 from ur.robot.doctor.rules.drivers import describe_driver, read_drivers
 from ur.robot.doctor.side import Side
 from ur.robot.ros2.seen_graph import NAMES, Ros2, domain_of, middleware_of
+from ur.system.ros import note_support
 
 
 def summarize(pair: ComputerPair) -> list[tuple[str, str, str]]:
@@ -74,7 +75,10 @@ def _cells(side: Side) -> list[str]:
 
 def describe_ros2(ros2: Ros2) -> list[str]:
     """Return lines about ROS 2 on a computer: releases, processes and domains; empty without ROS 2."""
-    lines = [f"ROS 2 {NAMES.get(each.distro, each.distro)} in {each.folder}" for each in ros2.installations]
+    lines = [
+        f"ROS 2 {NAMES.get(each.distro, each.distro)} in {each.folder}{note_support(each.distro)}"
+        for each in ros2.installations
+    ]
     if ros2.processes:
         where = f"domain {domain_of(ros2.variables)}, {middleware_of(ros2.variables)}"
         units = sorted({each.unit for each in ros2.processes if each.unit})
