@@ -199,7 +199,7 @@ bring_debian() {
   debian_enter bash "$root/tools/set_up.bash" "$@"
 }
 
-wheels="ROS 2 Kilted as Python packages, supported until December 2026"
+ros2_wheels="ROS 2 Kilted as Python packages, supported until December 2026"
 has_wheels() { [[ $(uname -m) == x86_64 ]]; }
 
 # The user's own ROS 2, the newest in /opt/ros; '' where there is none.
@@ -207,15 +207,17 @@ find_own_ros2() {
   local folder own=
   for folder in /opt/ros/*/share/rclpy; do
     folder="${folder%/share/rclpy}"
-    [[ -r $folder/setup.bash && ${folder##*/} > icz ]] && own="$folder"
+    [[ -r $folder/setup.bash && (${folder##*/} > j || $folder == */humble) ]] && own="$folder"
   done
   printf '%s' "$own"
 }
 
 # Do without ROS 1 where this release has none and the user has not asked for it: ROS 2, or none where there are no wheels.
+# Where it has some, as Ubuntu 22.04 beside Humble, do without it if ROS 2 is installed and ROS 1 is not.
 leave_ros1() {
-  [[ $release_ros == brought && $profile == run && $wanted_ros != 1 && ! -e .venv/debian ]] || return
+  [[ $profile == run && $wanted_ros != 1 && ! -e .venv/debian ]] || return
   own_ros2="$(find_own_ros2)"
+  [[ $release_ros == brought || ( -n $own_ros2 && ! -e /usr/bin/rosmaster ) ]]
 }
 
 # pip for a virtual environment where the release keeps it in a package of its own: without root, where apt can fetch it.
@@ -327,7 +329,7 @@ install_ros2() {
   made_for="$(cat "$lock" && "$python" --version && echo "$packages")"
   [[ "$(cat .ros2/ready 2>/dev/null)" == "$made_for" ]] && return
   rm -rf .ros2
-  say "  $wheels"
+  say "  $ros2_wheels"
   asked=$(grep -c '^[^ #].*==' "$lock")
   "$python" -m venv --without-pip .ros2 || die "the virtual environment .ros2 could not be made" "look at $log, then run this again"
   [[ -d ${XDG_CACHE_HOME:-$HOME/.cache}/pip ]] || kept=(--cache-dir "$PWD/.cache/pip")
@@ -388,7 +390,7 @@ trap interrupted INT TERM HUP
 
 check_system
 [[ $wanted_ros != 2 || -n $(find_own_ros2) ]] || has_wheels || die "there is no ROS 2 as Python packages for $(uname -m)" \
-  "install ROS 2 Jazzy or later in /opt/ros, or simulate without ROS: ur use sim --ros none"
+  "install ROS 2 Humble, Jazzy or later in /opt/ros, or simulate without ROS: ur use sim --ros none"
 mkdir -p .cache 2>/dev/null
 if [[ ! -w . || ! -w .cache || ( -e .venv && ! -w .venv ) ]]; then
   help="git clone it into your home folder"
@@ -415,9 +417,11 @@ made_from="${made_from%% *}" # before it is used: a file that changes meanwhile 
 : >"$log"
 say "setting up this computer ($profile); details in $log"
 if [[ ${#packages[@]} -eq 0 ]]; then
-  nodes="nodes run with ${own_ros2:+ROS 2 in }${own_ros2:-$wheels}"
+  nodes="nodes run with ${own_ros2:+ROS 2 in }${own_ros2:-$ros2_wheels}"
   [[ -n $own_ros2 ]] || has_wheels || nodes="and there is no ROS 2 as Python packages for $(uname -m): all nodes run in one process"
-  say "this release has no ROS 1: $nodes ('ur use sim --ros 1' brings ROS 1)"
+  why="this release has no ROS 1"
+  [[ $release_ros == native ]] && why="ROS 1 is not installed"
+  say "$why: $nodes ('ur use sim --ros 1' brings ROS 1)"
 else
   install_packages
   offer_rviz

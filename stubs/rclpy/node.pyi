@@ -6,7 +6,8 @@ import genpy
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import JumpHandle, JumpThreshold, TimeJump
-from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.event_handler import PublisherEventCallbacks as PublisherEventCallbacks
+from rclpy.event_handler import SubscriptionEventCallbacks as SubscriptionEventCallbacks
 from rclpy.impl.implementation_singleton import Handle, SubscriptionHandle
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
@@ -46,7 +47,6 @@ class Subscription:
     msg_type: object
     raw: bool
     callback: Callable[..., object]
-    _callback_type: CallbackType
 
 class Client:
     def wait_for_service(self, timeout_sec: float | None = ...) -> bool: ...

@@ -44,4 +44,6 @@ def test_description_names_the_release_and_the_folder() -> None:
     assert describe_system(None) == "ROS: the packages of this computer"
     assert "Debian 13.1 in /data" in describe_system(DebianRoot("/data", "13.1"))
     wheels = Ros(2, "kilted", "/state/.ros2", "/state/.ros2/bin/python")
-    assert describe_system(None, wheels) == "ROS: ROS 2 Kilted, as wheels in /state/.ros2, supported until December 2026"
+    assert (
+        describe_system(None, wheels) == "ROS: ROS 2 Kilted, as wheels in /state/.ros2, supported until December 2026"
+    )

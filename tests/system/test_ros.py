@@ -27,7 +27,8 @@ def make_computer(root: Path, *files: str) -> str:
 
 ROS1 = "usr/bin/rosmaster"
 WHEELS = "state/.ros2/ready"
-JAZZY, KILTED, HUMBLE = (f"opt/ros/{name}/share/rclpy/package.xml" for name in ("jazzy", "kilted", "humble"))
+NAMES = ("jazzy", "kilted", "humble", "foxy")
+JAZZY, KILTED, HUMBLE, FOXY = (f"opt/ros/{name}/share/rclpy/package.xml" for name in NAMES)
 
 
 @pytest.mark.parametrize(
@@ -40,6 +41,7 @@ JAZZY, KILTED, HUMBLE = (f"opt/ros/{name}/share/rclpy/package.xml" for name in (
         ((WHEELS, JAZZY), "", "ROS 2 Jazzy, in {root}/opt/ros/jazzy"),
         ((ROS1, JAZZY, KILTED), "2", "ROS 2 Kilted, in {root}/opt/ros/kilted"),
         ((KILTED, HUMBLE), "", "ROS 2 Kilted, in {root}/opt/ros/kilted"),
+        ((WHEELS, HUMBLE), "", "ROS 2 Humble, in {root}/opt/ros/humble"),
         ((ROS1, WHEELS), "none", "no ROS: all nodes of a run are in one process"),
     ],
 )
@@ -64,7 +66,7 @@ def test_processor_without_wheels_has_no_ros_unless_it_is_installed_or_asked_for
     [
         ((), "2", "ROS 2 is not installed"),
         ((WHEELS,), "1", "ROS 1 is not installed"),
-        ((HUMBLE, WHEELS), "2", "ROS 2 Humble in .* is not supported, expected Jazzy"),
+        ((FOXY, WHEELS), "2", "ROS 2 Foxy is not supported, expected Humble, Jazzy"),
     ],
 )
 def test_ros_that_is_missing_or_too_old_is_named(

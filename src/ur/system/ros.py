@@ -29,7 +29,6 @@ READY = "ready"
 """The file that the set-up writes last into the environment of the wheels."""
 
 _MASTERS = ("usr/bin/rosmaster", "opt/ros/noetic/bin/rosmaster")
-_OLDEST = "jazzy"
 _FIRST_DOMAIN, _DOMAINS = 60, 40  # of the simulated robots, by user: 0 to 101 are free of the ports of programs
 _FIRST_PORT, _PORTS = 7400, 250  # of domain 0; of each
 _SOCKETS = ("/proc/net/udp", "/proc/net/udp6")
@@ -181,7 +180,7 @@ def _find_users(environment: Mapping[str, str], python: str, root: str) -> Ros |
     distro = environment.get("ROS_DISTRO", "")
     prefixes = [each for each in environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if each]
     if environment.get("ROS_VERSION") == "2" and prefixes and os.path.basename(prefixes[-1]) != WHEELS:  # noqa: PTH119
-        _check_distro(distro, prefixes[-1])
+        check_distro(distro, prefixes[-1])
         return Ros(2, distro, prefixes[-1], python, sourced=True)
     folder = os.path.join(root, "opt/ros")
     try:
@@ -192,17 +191,18 @@ def _find_users(environment: Mapping[str, str], python: str, root: str) -> Ros |
     if not found:
         return None
     newest = max(found, key=lambda name: (name != "rolling", name))
-    _check_distro(newest, os.path.join(folder, newest))
+    check_distro(newest, os.path.join(folder, newest))
     return Ros(2, newest, os.path.join(folder, newest), python)
 
 
-def _check_distro(distro: str, prefix: str) -> None:
-    if distro < _OLDEST:
+def check_distro(distro: str, where: str) -> None:
+    """Raise UserError if no node of this project runs on a release of ROS 2; `where` is its folder or computer."""
+    if distro not in SUPPORTED_UNTIL and distro < "jazzy":  # names of releases follow the alphabet
         raise UserError(
             error(
-                f"ROS 2 {distro.capitalize()} in {prefix} is not supported, expected Jazzy, Kilted or Lyrical",
+                f"{where}: ROS 2 {distro.capitalize()} is not supported, expected Humble, Jazzy, Kilted or Lyrical",
                 rule="old-ros",
-                help="its messages break nodes of newer releases on one network; install a newer release of ROS 2",
+                help="install one of these releases",
                 subject=distro,
             )
         )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from rclpy.event_handler import PublisherEventCallbacks
-from rclpy.node import Node
+from rclpy.node import Node, PublisherEventCallbacks
 from rclpy.qos import QoSProfile
 
 from ur.source.diagnostic import UserError, error
@@ -16,6 +16,9 @@ from ur_nodes.ros2.messages.bare_type import bare_class, reset_error
 
 if TYPE_CHECKING:
     from rclpy.event_handler import MatchedInfo
+
+_LOOK = 0.1  # s between two counts of subscribers, where the middleware reports none
+_REPORTS_MATCHES = "matched" in inspect.signature(PublisherEventCallbacks).parameters  # not in Humble
 
 
 class MessageSender:
@@ -33,11 +36,15 @@ class MessageSender:
             if on_subscriber is not None and event.current_count_change > 0:
                 on_subscriber()
 
-        callbacks = PublisherEventCallbacks(matched=matched) if on_subscriber is not None else None
+        reports = on_subscriber is not None and _REPORTS_MATCHES
+        callbacks = PublisherEventCallbacks(matched=matched) if reports else None
         self._bare = hasattr(message_class, "BARE")
         self._node = node
         with _type_of(message_class) as kind:
             self._publisher = node.create_publisher(kind, topic, profile, event_callbacks=callbacks)
+        self._looks = None
+        if on_subscriber is not None and not reports:
+            self._looks = node.create_timer(_LOOK, counter(self.subscribers, on_subscriber))
 
     def send(self, message: Any) -> None:
         """Send a message, or its bytes."""
@@ -50,7 +57,21 @@ class MessageSender:
 
     def close(self) -> None:
         """Stop sending."""
+        if self._looks is not None:
+            self._node.destroy_timer(self._looks)
         self._node.destroy_publisher(self._publisher)
+
+
+def counter(count: Callable[[], int], on_subscriber: Callable[[], None]) -> Callable[[], None]:
+    """Return a function, to be called regularly, that reports when there are more subscribers than at its last call."""
+    known = [0]
+
+    def look() -> None:
+        before, known[0] = known[0], count()
+        if known[0] > before:
+            on_subscriber()
+
+    return look
 
 
 class Receiver:

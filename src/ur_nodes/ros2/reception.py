@@ -8,6 +8,7 @@ whose messages a subscription does not get.
 
 from __future__ import annotations
 
+import inspect
 import threading
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -16,9 +17,9 @@ from typing import TYPE_CHECKING, cast
 import rclpy.node
 import rclpy.utilities
 from rclpy.callback_groups import CallbackGroup
-from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.guard_condition import GuardCondition
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import SubscriptionEventCallbacks
 
 from ur_nodes.loop import Worker
 
@@ -88,43 +89,49 @@ class Reception(CallbackGroup):
                 # Keep the subscriptions alive; returns the live ones by their addresses
                 with self._released:
                     self._changed, self._held = False, self._subscriptions
-                found = {}
+                found: dict[int, tuple[Subscription, bool]] = {}
                 for each in self._held:
                     try:
                         held.enter_context(each.handle)
                     except rclpy_implementation.InvalidHandle:
                         continue
-                    found[each.handle.pointer] = each
+                    found[each.handle.pointer] = each, takes_details(each.callback)
                 self._receive_from(found, held)
             with self._released:
                 self._held = ()
                 self._released.notify_all()
 
-    def _receive_from(self, subscriptions: dict[int, Subscription], held: ExitStack) -> None:
-        """Receive until the subscriptions change."""
+    def _receive_from(self, subscriptions: dict[int, tuple[Subscription, bool]], held: ExitStack) -> None:
+        """Receive until the subscriptions change; each is given with whether its callback takes details."""
         context, guard = self._context.handle, self._guard.handle
         held.enter_context(context)
         held.enter_context(guard)
         waiters = rclpy_implementation.WaitSet(len(subscriptions), 1, 0, 0, 0, 0, context)
         while not (self._changed or self._closed):
             waiters.clear_entities()
-            for each in subscriptions.values():
+            for each, _ in subscriptions.values():
                 waiters.add_subscription(each.handle)
             waiters.add_guard_condition(guard)
             waiters.wait(-1)
             for address in waiters.get_ready_entities("subscription"):
-                self._take(subscriptions[address])
+                self._take(*subscriptions[address])
 
-    def _take(self, subscription: Subscription) -> None:
+    def _take(self, subscription: Subscription, detailed: bool) -> None:
         for _ in range(_MOST_AT_ONCE):
             taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
             if taken is None or self._closed:
                 return
             message, info = taken
-            if subscription._callback_type is subscription.CallbackType.MessageOnly:  # noqa: SLF001 - as an executor
-                subscription.callback(message)
-            else:
-                subscription.callback(message, info)
+            subscription.callback(*((message, info) if detailed else (message,)))
+
+
+def takes_details(callback: Callable[..., object]) -> bool:
+    """Return whether a callback takes the middleware's information beside the message: rclpy's rule from Iron on."""
+    try:
+        inspect.signature(callback).bind(None)
+    except TypeError:
+        return True
+    return False
 
 
 class ReceivingNode(rclpy.node.Node):

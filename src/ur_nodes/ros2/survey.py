@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-import rclpy
+import rclpy.node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 if TYPE_CHECKING:
@@ -265,7 +265,9 @@ class SurveySubscriptions:
         for end in self._node.get_publishers_info_by_topic(topic):
             self._owners[bytes(end.endpoint_gid)[:_GID]] = full_name(end.node_namespace, end.node_name)
         profile = QoSProfile(depth=200, reliability=ReliabilityPolicy.BEST_EFFORT)
-        self._node.create_subscription(TFMessage, topic, self._on_transforms, profile)
+        humble = not hasattr(rclpy.node.Subscription, "CallbackType")  # passes messages alone
+        receive = partial(self._on_transforms, details={}) if humble else self._on_transforms
+        self._node.create_subscription(TFMessage, topic, receive, profile)
 
     def _on_transforms(self, message: TFMessage, details: Mapping[str, object]) -> None:
         number = details.get("publisher_gid") if isinstance(details, dict) else None
@@ -281,9 +283,7 @@ def main() -> None:
     """Survey, and print the result."""
     quiet = [f"--disable-{each}-logs" for each in ("stdout", "rosout", "external-lib")]
     rclpy.init(args=["ur_doctor", "--ros-args", *quiet])
-    node = rclpy.create_node(
-        "ur_doctor", enable_rosout=False, start_parameter_services=False, enable_logger_service=False
-    )
+    node = rclpy.create_node("ur_doctor", enable_rosout=False, start_parameter_services=False)
     found = survey(node)
     sys.stdout.write(json.dumps(found) + "\n")
     sys.stdout.flush()

@@ -13,7 +13,7 @@ BOB = Selection("bob", "", ros="2")
 
 def test_robot_is_asked_for_its_domain_and_middleware() -> None:
     robots = {"bob": Ros2Robot("jazzy", "7", "rmw_cyclonedds_cpp", "/bob")}
-    assert guest_changes(BOB, "2", robots.__getitem__) == {
+    assert guest_changes(BOB, "2", "jazzy", robots.__getitem__) == {
         "ROS_DOMAIN_ID": "7",
         "RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp",
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET",
@@ -22,7 +22,7 @@ def test_robot_is_asked_for_its_domain_and_middleware() -> None:
 
 
 def test_programs_of_zenoh_use_the_router_of_the_robot() -> None:
-    found = guest_changes(BOB, "2", lambda _name: Ros2Robot("jazzy", "0", "rmw_zenoh_cpp"))
+    found = guest_changes(BOB, "2", "jazzy", lambda _name: Ros2Robot("jazzy", "0", "rmw_zenoh_cpp"))
     assert found["ZENOH_CONFIG_OVERRIDE"] == 'mode="client";connect/endpoints=["tcp/bob.local:7447"]'
     assert "ROS_STATIC_PEERS" not in found
 
@@ -33,7 +33,14 @@ def test_middleware_of_the_release_is_left_alone() -> None:
 
 def test_option_is_refused_where_this_computer_uses_ros_1() -> None:
     with pytest.raises(UserError, match="--graph is for ROS 2, which this computer does not use"):
-        guest_changes(BOB, "1")
+        guest_changes(BOB, "1", "")
+
+
+@pytest.mark.parametrize(("own", "other"), [("kilted", "humble"), ("humble", "jazzy")])
+def test_humble_does_not_join_nodes_of_newer_releases(own: str, other: str) -> None:
+    with pytest.raises(UserError, match=f"{own.capitalize()}, and bob {other.capitalize()}: nodes of the two raise"):
+        guest_changes(BOB, "2", own, lambda _name: Ros2Robot(other))
+    assert guest_changes(BOB, "2", other, lambda _name: Ros2Robot(other))["ROS_DOMAIN_ID"] == "0"
 
 
 def test_simulated_robot_is_in_the_graph_of_this_computer_anyway(

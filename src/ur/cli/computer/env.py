@@ -34,17 +34,30 @@ def command(graph: bool) -> int:
     selection = current_selection(os.environ)
     changes = environment_changes(selection, os.environ)
     if graph and not selection.simulated:
-        changes |= guest_changes(selection, changes.get("ROS_VERSION", os.environ.get("ROS_VERSION", "1")))
+        version, distro = (changes.get(each, os.environ.get(each, "")) for each in ("ROS_VERSION", "ROS_DISTRO"))
+        changes |= guest_changes(selection, version, distro)
     write_exactly(render_exports(changes))
     return 0
 
 
-def guest_changes(selection: Selection, version: str, read: Callable[[str], Ros2Robot] | None = None) -> dict[str, str]:
-    """Return the variables with which ROS of this `version` joins the selected robot's graph. Raises UserError."""
+def guest_changes(
+    selection: Selection, version: str, distro: str, read: Callable[[str], Ros2Robot] | None = None
+) -> dict[str, str]:
+    """Return the variables with which ROS of this version and release joins the selected robot's graph.
+
+    Raises UserError if it does not understand the robot's nodes.
+    """
+    from ur.robot.ros2.seen_graph import mixes
+
     if version != "2":
         message = "--graph is for ROS 2, which this computer does not use"
         raise UserError(error(message, rule="bad-options", help=f"ur use {selection.robot} --ros 2"))
-    return (read or _read_robot)(selection.robot).guest_variables(f"{selection.robot}.local")
+    robot = (read or _read_robot)(selection.robot)
+    if not mixes(distro, robot.distro):
+        names = f"ROS 2 {distro.capitalize()}, and {selection.robot} {robot.distro.capitalize()}"
+        message = f"this computer has {names}: nodes of the two raise exceptions when they discover one another"
+        raise UserError(error(message, rule="ros2-release-mix", help="the page and the keys need no ROS here: ur web"))
+    return robot.guest_variables(f"{selection.robot}.local")
 
 
 def _read_robot(name: str) -> Ros2Robot:

@@ -159,6 +159,11 @@ class Ros2:
         return max((each.distro for each in self.installations), default="")
 
 
+def mixes(first: str, second: str) -> bool:
+    """Return whether the nodes of two releases understand one another."""
+    return first == second or (first in OLD_RELEASES) == (second in OLD_RELEASES)
+
+
 def domain_of(variables: Mapping[str, str]) -> str:
     """Return the domain id as text; the default of ROS 2 is 0."""
     return variables.get("ROS_DOMAIN_ID", "").strip() or "0"

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ctypes
 from functools import cache
+from importlib.util import find_spec
 from typing import Any
 
 from sensor_msgs.msg import PointCloud2
@@ -67,6 +68,8 @@ def bare_class(package: str, name: str, hash: str) -> Any:
 
     `hash` is RIHS01 in hex, of 32 bytes. Raises OSError if the middleware of this computer has no such tables.
     """
+    if find_spec("rclpy.type_hash") is None:
+        raise OSError("types of Humble have no hash, and tables of another layout")
     find = ctypes.CDLL(_LIBRARY)[_SYMBOL]
     find.restype = ctypes.POINTER(_TypeSupport)
     donor: _TypeSupport = find().contents

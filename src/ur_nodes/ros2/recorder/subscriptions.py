@@ -29,12 +29,14 @@ class TopicPublishers:
 
 
 def read_publishers(node: Node, topic: str) -> TopicPublishers | None:
-    """Read what the publishers of a topic offer; None: it has none."""
+    """Read what the publishers of a topic offer; None: it has none, or a type that this release cannot receive."""
     found = node.get_publishers_info_by_topic(topic)
     if not found:
         return None
     kind = str(found[0].topic_type)
     message_class = find_class(kind) or _bare_class_of(found[0])
+    if message_class is None:
+        return None
     latched = all(each.qos_profile.durability.name == "TRANSIENT_LOCAL" for each in found)
     loose = any(each.qos_profile.reliability.name == "BEST_EFFORT" for each in found)
     return TopicPublishers(kind, message_class, latched, loose)
@@ -59,7 +61,9 @@ def open_subscription(
     return subscription, find_schema(publishers.kind) or ""
 
 
-def _bare_class_of(publisher: TopicEndpointInfo) -> type:
+def _bare_class_of(publisher: TopicEndpointInfo) -> type | None:
     package, name = split_type(str(publisher.topic_type))
+    if not hasattr(publisher, "topic_type_hash"):  # Humble
+        return None
     found: type = bare_class(package, name, bytes(publisher.topic_type_hash.value).hex())
     return found

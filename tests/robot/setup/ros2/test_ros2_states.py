@@ -53,9 +53,11 @@ def test_robot_without_ros2_has_none() -> None:
     assert find_ros2("bob", Ros2()) is None
 
 
-def test_humble_is_refused_with_the_reason() -> None:
-    with pytest.raises(UserError, match="expected Jazzy, Kilted or Lyrical"):
-        find_ros2("bob", Ros2((replace(JAZZY, distro="humble"),)))
+def test_robot_with_humble_is_set_up_and_older_ones_are_refused() -> None:
+    assert find_ros2("bob", Ros2((replace(JAZZY, distro="humble"),))) == Ros2Robot("humble")
+    for old in ("foxy", "iron"):
+        with pytest.raises(UserError, match=r"bob: .* is not supported, expected Humble, Jazzy, Kilted or Lyrical"):
+            find_ros2("bob", Ros2((replace(JAZZY, distro=old),)))
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ from dataclasses import replace
 from ur.robot.robot_file import COMMANDS, ROBOT_FILE, Ros2Robot, parse_robot_file
 from ur.robot.ros2.seen_graph import (
     DEFAULT_MIDDLEWARE,
-    OLD_RELEASES,
     TWISTS,
     End,
     Ros2,
@@ -24,7 +23,7 @@ from ur.robot.setup.robot_states import ViewerFacts, WantedPassword, WantedRobot
 from ur.robot.setup.ros2.take_over import MUX_NODE, list_topics
 from ur.robot.setup.wanted import Wanted, WantedFile, WantedFolder, WantedLine
 from ur.robot.ssh.shell import Shell, quote
-from ur.source.diagnostic import UserError, error_about
+from ur.system.ros import check_distro
 
 # ROS 2 itself, its domain, middleware, discovery and units stay unchanged.
 PACKAGES = (
@@ -37,20 +36,12 @@ def find_ros2(destination: str, found: Ros2, present: Ros2Robot | None = None) -
     """Determine a robot's ROS 2 settings from an inspection; None if it has no ROS 2.
 
     If the base subscribes to the command topic in the `present` robot file, that topic stays. Raises UserError if its
-    release is too old.
+    release is not supported.
     """
     if not found.present:
         return None
     distro = found.distro
-    if distro in OLD_RELEASES:
-        raise UserError(
-            error_about(
-                destination,
-                f"it has ROS 2 {distro.capitalize()}, expected Jazzy, Kilted or Lyrical",
-                rule="old-ros",
-                help="install a newer release there: nodes of the two do not understand each other",
-            )
-        )
+    check_distro(distro or "rolling", destination)
     middleware = middleware_of(found.variables)
     commands = find_commands(found.graph) if found.graph else ""
     namespace = commands.removesuffix(COMMANDS) if commands.endswith(COMMANDS) else ""
@@ -122,8 +113,8 @@ _ROS1 = "command -v roslaunch rosmaster || ls /opt/ros/noetic/bin/roslaunch"
 def find_robot_ros2(shell: Shell) -> tuple[Ros2Robot, dict[str, str]] | None:
     """Find the ROS 2 of a robot, and the velocity topics of its base by their types.
 
-    None without ROS 2, or if ROS 1 is installed as well. Raises UserError if the connection breaks, the release is too
-    old, or its robot file is invalid.
+    None without ROS 2, or if ROS 1 is installed as well. Raises UserError if the connection breaks, the release is
+    not supported, or its robot file is invalid.
     """
     found = inspect_robot(shell)
     if not found.present or shell.run(f"{{ {_ROS1}; }} >/dev/null 2>&1").code == 0:

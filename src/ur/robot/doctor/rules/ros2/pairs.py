@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand
 from ur.robot.doctor.rules.registry import PairRule, Rule
 from ur.robot.doctor.side import Side
-from ur.robot.ros2.seen_graph import NAMES, OLD_RELEASES, domain_of, middleware_of, peers_of, range_of
+from ur.robot.ros2.seen_graph import NAMES, domain_of, middleware_of, mixes, peers_of, range_of
 from ur.robot.ssh.shell import quote
 
 _FOLLOW = "of a shell that follows the robot: "
@@ -35,7 +35,7 @@ def check_both(pair: ComputerPair) -> Iterator[Finding]:
 
 def _check_releases(local: Side, remote: Side) -> Iterator[Finding]:
     mine, theirs = local.ros2.distro, remote.ros2.distro
-    if mine != theirs and (mine in OLD_RELEASES) != (theirs in OLD_RELEASES):
+    if not mixes(mine, theirs):
         names = [NAMES.get(each, each) for each in (mine, theirs)]
         yield Finding(
             "ros2-release-mix",
