@@ -1,11 +1,19 @@
 """The names of rclpy that this project uses."""
 
 from rclpy import node as node
+from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future as Future
 
 def init(*, args: list[str] | None = ..., signal_handler_options: SignalHandlerOptions | None = ...) -> None: ...
-def create_node(node_name: str, **options: object) -> node.Node: ...
+def create_node(
+    node_name: str,
+    *,
+    enable_rosout: bool = ...,
+    namespace: str | None = ...,
+    parameter_overrides: list[Parameter] | None = ...,
+    start_parameter_services: bool = ...,
+) -> node.Node: ...
 def spin(node: node.Node) -> None: ...
 def spin_once(node: node.Node, *, timeout_sec: float | None = ...) -> None: ...
 def spin_until_future_complete(node: node.Node, future: Future, *, timeout_sec: float | None = ...) -> None: ...
