@@ -37,9 +37,10 @@ def take_as_humble(take: Callable[..., Any]) -> Callable[..., Any]:
 
 
 if __name__ == "__main__":
-    rclpy.node.PublisherEventCallbacks = HumbleCallbacks  # type: ignore[misc]
-    kind: Any = rclpy_implementation
-    kind.Subscription.take_message = take_as_humble(kind.Subscription.take_message)
+    module: Any = rclpy.node
+    module.PublisherEventCallbacks = HumbleCallbacks
+    compiled: Any = rclpy_implementation
+    compiled.Subscription.take_message = take_as_humble(compiled.Subscription.take_message)
     sys.path.insert(0, str(Path(__file__).parents[3]))
     from tests.ur_nodes.ports.ros2_stage import main
 
