@@ -44,6 +44,14 @@ def test_applying_twice_changes_nothing() -> None:
     assert once["ROS_PACKAGE_PATH"] == "/place/ubiquity_launches:/mine:/usr/share"
 
 
+def test_simulated_robot_on_humble_stays_on_this_computer() -> None:
+    shell = {"ROS_VERSION": "2", "ROS_DISTRO": "humble", "AMENT_PREFIX_PATH": "/opt/ros/humble"}
+    assert changes(Selection("sim", "", "", "2"), **shell)["ROS_LOCALHOST_ONLY"] == "1"
+    on_robot = {**shell, "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}
+    assert "ROS_LOCALHOST_ONLY" not in changes(Selection("sim", "", "", "2"), **on_robot)
+    assert "ROS_LOCALHOST_ONLY" not in changes(Selection("sim", "", "", "2"), **shell | {"ROS_DISTRO": "jazzy"})
+
+
 def test_new_selection_replaces_the_old_one() -> None:
     before = changes(ROBOT, PATH="/bin")
     assert changes(Selection(), **before) == changes(Selection(), PATH="/bin")

@@ -99,6 +99,8 @@ def _ros2(ros: Ros, environment: Mapping[str, str], package: str) -> dict[str, s
         "ROS_AUTOMATIC_DISCOVERY_RANGE": environment.get("ROS_AUTOMATIC_DISCOVERY_RANGE") or "LOCALHOST",
         "UR_FACTS": facts_file(environment, domain),
     }
+    if ros.distro == "humble" and wanted["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST":  # which it does not read
+        wanted["ROS_LOCALHOST_ONLY"] = environment.get("ROS_LOCALHOST_ONLY") or "1"
     if ros.wheels:  # workspaces that the user has sourced come first
         given = environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
         own = [each for each in given if each and each != ros.prefix]
