@@ -22,6 +22,7 @@ from ur.system.releases import System
 STOPPED = {"ssh.service": "active", "avahi-daemon.service": "inactive", "chrony.service": "active"}
 NO_CHRONY = {**STOPPED, "avahi-daemon.service": "active", "chrony.service": "inactive"}
 NO_SSH = {**NO_CHRONY, "chrony.service": "active", "ssh.service": "inactive", "ssh.socket": "inactive"}
+WSL = "5.15.153.1-microsoft-standard-WSL2"
 DEVICE = Device("/dev/ttyUSB0", "serial", "10c4:ea60", links=("/dev/rplidar",), mode=0o660, group="dialout")
 MASTER = {"ROS_MASTER_URI": "http://bob.local:11311"}
 DRIVER = DriverHealth("/dev/create", "iRobot Create 2 or Roomba", open=True, frames=66.0, voltage=16.0)
@@ -40,6 +41,8 @@ def local(**changes: object) -> ComputerPair:
 
 CASES = [
     ("no-network", local(addresses=())),
+    ("wsl-network", local(observed={"wsl": f"{WSL}\nnat\n"})),
+    ("wsl-network", local(observed={"wsl": f"{WSL}\n"})),  # older ones do not tell the mode
     ("avahi-not-running", remote(active=STOPPED)),
     ("avahi-not-running", local(active=STOPPED)),
     ("name-not-found", remote(resolves=NOBODY)),
@@ -130,6 +133,8 @@ def test_every_kind_of_finding_is_tried_here_and_explained_to_users() -> None:
         local(wifi=(WIFI,)),
         local(wifi=(WirelessLink("wlan0"),)),
         local(failing=(FailedUnit("cups.service"),)),  # no business of robots
+        local(observed={"wsl": f"{WSL}\nmirrored\n"}),  # it is in the network of Windows
+        local(observed={"wsl": "6.1.0-18-amd64\n"}),
         remote(disks=(Disk("/var/log", 30.0, 0.4),)),  # small, and hardly used
         remote(shell=ROBOT.ros),
         remote(release=System("debian", version="13", name="Debian 13")),

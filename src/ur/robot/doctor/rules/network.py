@@ -110,6 +110,22 @@ def check_network(pair: ComputerPair) -> Iterator[Finding]:
             )
 
 
+_WSL = "cat /proc/sys/kernel/osrelease; wslinfo --networking-mode 2>/dev/null"
+
+
+def check_wsl(where: Where, side: Side) -> Iterator[Finding]:
+    """Check whether Windows hides the computer from the robot: WSL 2 with its default network."""
+    release, _, mode = side.observed.get("wsl", "").lower().partition("\n")
+    if where == "local" and "microsoft" in release and mode.strip() not in ("mirrored", "bridged"):
+        yield Finding(
+            "wsl-network",
+            f"{side.name} is WSL in Windows, behind an address translation: names ending in .local are not found, and "
+            "the robot does not reach it; USB devices such as a joystick are not there either",
+            "in Windows 11, write '[wsl2]' and 'networkingMode=mirrored' as lines of %UserProfile%\\.wslconfig, then "
+            "run 'wsl --shutdown'; or drive from a browser of Windows: docs/how-to/laptops.md",
+        )
+
+
 def _lost_frames(pair: ComputerPair, side: Side) -> Finding:
     other = pair.remote if side is pair.local else pair.local
     message = f"full frames from {side.name} to {other.name} are lost, and large messages with them"
@@ -127,6 +143,7 @@ def _lost_frames(pair: ComputerPair, side: Side) -> Finding:
 
 RULES: tuple[Rule, ...] = (
     SideRule({"no-network": "a computer is in no network"}, check_address),
+    SideRule({"wsl-network": "Windows hides its WSL from the robot"}, check_wsl, observe={"wsl": _WSL}),
     PairRule(
         {"closed-port": "a firewall keeps connections out; ROS nodes use any port above 1024"}, check_ports, ros1=True
     ),
