@@ -199,7 +199,6 @@ bring_debian() {
   debian_enter bash "$root/tools/set_up.bash" "$@"
 }
 
-ros2_wheels="ROS 2 Kilted as Python packages, supported until December 2026"
 has_wheels() { [[ $(uname -m) == x86_64 ]]; }
 
 # The user's own ROS 2, the newest in /opt/ros; '' where there is none.
@@ -212,8 +211,7 @@ find_own_ros2() {
   printf '%s' "$own"
 }
 
-# Do without ROS 1 where this release has none and the user has not asked for it: ROS 2, or none where there are no wheels.
-# Where it has some, as Ubuntu 22.04 beside Humble, do without it if ROS 2 is installed and ROS 1 is not.
+# Do without ROS 1, unless the user has asked for it, where this release has none, or only ROS 2 is installed: Humble.
 leave_ros1() {
   [[ $profile == run && $wanted_ros != 1 && ! -e .venv/debian ]] || return
   own_ros2="$(find_own_ros2)"
@@ -329,12 +327,11 @@ install_ros2() {
   made_for="$(cat "$lock" && "$python" --version && echo "$packages")"
   [[ "$(cat .ros2/ready 2>/dev/null)" == "$made_for" ]] && return
   rm -rf .ros2
-  say "  $ros2_wheels"
   asked=$(grep -c '^[^ #].*==' "$lock")
   "$python" -m venv --without-pip .ros2 || die "the virtual environment .ros2 could not be made" "look at $log, then run this again"
   [[ -d ${XDG_CACHE_HOME:-$HOME/.cache}/pip ]] || kept=(--cache-dir "$PWD/.cache/pip")
   # With pip of .venv, which leaves out what is there already.
-  run_step "ROS 2" env PYTHONPATH="$packages" .ros2/bin/python -m pip install --progress-bar off --no-compile \
+  run_step "$ros2_wheels" env PYTHONPATH="$packages" .ros2/bin/python -m pip install --progress-bar off --no-compile \
     --disable-pip-version-check --require-hashes --only-binary :all: --no-deps "${kept[@]}" -r "$lock" ||
     die "ROS 2 could not be installed" "check the network and pip's settings (pip config list), then run this again"
   asked=0
@@ -397,7 +394,7 @@ if [[ ! -w . || ! -w .cache || ( -e .venv && ! -w .venv ) ]]; then
   [[ -n $wheel ]] && help="list the permissions of all folders above it: namei -l $state/.venv"
   die "$state is not writable for $(id -un), expected a folder of your own" "$help"
 fi
-own_ros2=
+own_ros2='' ros2_wheels="ROS 2 Kilted as Python packages, supported until December 2026"
 if leave_ros1; then
   packages=()
   [[ -x $python ]] || die "$python does not exist" "install Python 3 with the packages of $release_name, then run this again"
@@ -419,9 +416,7 @@ say "setting up this computer ($profile); details in $log"
 if [[ ${#packages[@]} -eq 0 ]]; then
   nodes="nodes run with ${own_ros2:+ROS 2 in }${own_ros2:-$ros2_wheels}"
   [[ -n $own_ros2 ]] || has_wheels || nodes="and there is no ROS 2 as Python packages for $(uname -m): all nodes run in one process"
-  why="this release has no ROS 1"
-  [[ $release_ros == native ]] && why="ROS 1 is not installed"
-  say "$why: $nodes ('ur use sim --ros 1' brings ROS 1)"
+  say "there is no ROS 1: $nodes ('ur use sim --ros 1' brings ROS 1)"
 else
   install_packages
   offer_rviz

@@ -95,7 +95,7 @@ class Reception(CallbackGroup):
                         held.enter_context(each.handle)
                     except rclpy_implementation.InvalidHandle:
                         continue
-                    found[each.handle.pointer] = each, takes_details(each.callback)
+                    found[each.handle.pointer] = each, accepts_details(each.callback)
                 self._receive_from(found, held)
             with self._released:
                 self._held = ()
@@ -125,7 +125,7 @@ class Reception(CallbackGroup):
             subscription.callback(*((message, info) if detailed else (message,)))
 
 
-def takes_details(callback: Callable[..., object]) -> bool:
+def accepts_details(callback: Callable[..., object]) -> bool:
     """Return whether a callback takes the middleware's information beside the message: rclpy's rule from Iron on."""
     try:
         inspect.signature(callback).bind(None)
