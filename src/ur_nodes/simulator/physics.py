@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial.transform import Rotation
 
-from ur_nodes.geometry.pose import Pose2, quaternion_of_yaw, yaw_of_quaternion
+from ur_nodes.geometry.pose import Pose2, Quaternion, quaternion_of_yaw, yaw_of_quaternion
 
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
@@ -18,19 +17,13 @@ _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 class BodyMotion:
     """The motion of a body at an instant.
 
-    `attitude` is the quaternion w, x, y, z, body to world; `velocity` that of the body's origin in the world, m/s;
+    `attitude` is the quaternion x, y, z, w, body to world; `velocity` that of the body's origin in the world, m/s;
     `turning` the angular velocity in the body, rad/s.
     """
 
-    attitude: npt.NDArray[np.float64]
+    attitude: Quaternion
     velocity: npt.NDArray[np.float64]
     turning: npt.NDArray[np.float64]
-
-    @property
-    def rotation(self) -> Rotation:
-        """Body to world."""
-        w, x, y, z = self.attitude
-        return Rotation.from_quat([x, y, z, w])
 
 
 class Physics:
@@ -125,8 +118,8 @@ class Physics:
     def motion(self, robot: int) -> BodyMotion:
         """Return the motion of a robot's base_footprint in three dimensions."""
         q, v = self._joints[robot]
-        qpos, qvel = self._data.qpos, self._data.qvel
-        return BodyMotion(qpos[q + 3 : q + 7].copy(), qvel[v : v + 3].copy(), qvel[v + 3 : v + 6].copy())
+        (a, b, c, d), speeds = self._data.qpos[q + 3 : q + 7].tolist(), self._data.qvel[v : v + 6].copy()
+        return BodyMotion((b, c, d, a), speeds[:3], speeds[3:])
 
     @property
     def model(self) -> mujoco.MjModel:

@@ -16,6 +16,7 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
+from multiprocessing import get_context
 from typing import IO, BinaryIO
 
 import numpy as np
@@ -73,9 +74,9 @@ class CameraProcess:
         scenery = build_scenery(camera, fiducials, robots)
         model = build_model(world, base, robots, world.start, scenery)
         job = CameraJob(model, fiducials, camera.width, camera.height, quality)
-        chosen = environment.get("MUJOCO_GL")
+        chosen = environment.get("MUJOCO_GL", "off")
         reasons: dict[str, str] = {}
-        for backend in (chosen,) if chosen else _BACKENDS:
+        for backend in _BACKENDS if chosen in ("", "off") else (chosen,):
             self._process = _start(backend, environment)
             answer = self._begin(write_json(job).encode() + b"\n")
             if answer == "ok":
@@ -177,6 +178,8 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> int:
     job = read_json(requests.readline(), CameraJob, _LONGEST_JOB)
     renderer: mujoco.Renderer | None = None
     try:
+        with get_context("fork").Pool(1) as other:  # OpenCV's memory ends with it
+            textures = other.apply(draw_textures, (job.fiducials,))
         try:
             import mujoco
         except (AttributeError, ImportError):  # PyOpenGL's, where the library that it wraps is missing
@@ -184,10 +187,9 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> int:
 
         from ur_nodes.simulator.physics import restore_state
 
-        textures = draw_textures(job.fiducials)
         model = mujoco.MjModel.from_xml_string(job.model, textures)
         data = mujoco.MjData(model)
-        renderer = mujoco.Renderer(model, job.height, job.width)
+        renderer = mujoco.Renderer(model, job.height, job.width, model.ngeom + 50)
         renderer.render()
     except Exception as problem:  # all exceptions of drivers and libraries are passed to the node
         answers.write((str(problem).replace("\n", " ") or type(problem).__name__).encode()[:300] + b"\n")

@@ -5,8 +5,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage, sparse
-from scipy.sparse.csgraph import dijkstra
 
 from ur.source.diagnostic import UserError, error
 from ur.worlds.world_file import Box, WorldModel
@@ -29,6 +27,8 @@ class WalkableFloor:
 
     def __init__(self, world: WorldModel, random: np.random.Generator) -> None:
         """Raises UserError when there is no floor for people."""
+        from scipy import ndimage  # for worlds with people only: it takes 40 MB
+
         plan = world.floor_plan
         stride = max(1, round(_CELL / plan.resolution))
         self._origin, self._side = plan.origin, stride * plan.resolution
@@ -46,7 +46,8 @@ class WalkableFloor:
         rooms = ndimage.distance_transform_edt(~blocked)[1:-1, 1:-1] * plan.resolution
         middle = stride // 2
         self._rooms: Floats = rooms[middle::stride, middle::stride]
-        self._free = self._join(self._rooms >= PERSON_RADIUS + _ROOM, start // stride - self._low)
+        pieces, _ = ndimage.label(self._rooms >= PERSON_RADIUS + _ROOM, np.ones((3, 3)))
+        self._free = _join(pieces, start // stride - self._low)
         if not self._free.any():
             raise UserError(error("people: the world has no floor that they fit on near its start", rule="not-free"))
         self._corner, self._size, self._rows = tuple(self._low.tolist()), self._free.shape, self._free.tolist()
@@ -56,7 +57,9 @@ class WalkableFloor:
         self._cells: NDArray[np.intp] = np.argwhere(self._free)
         places = self._spread(np.arange(len(self._cells)), _PLACES, random)
         self.rooms = len(places)  # the places after as many are narrow
-        self._ends = np.concatenate((places, self._spread(self._narrow(), _DOORS, random)))
+        self._ends = np.concatenate(
+            (places, self._spread(self._narrow(ndimage.maximum_filter(self._rooms, 3)), _DOORS, random))
+        )
         self._last: NDArray[np.int32] | None = None
 
     @property
@@ -113,6 +116,9 @@ class WalkableFloor:
     @cached_property
     def _trees(self) -> NDArray[np.int32]:
         """Return for each place and cell the next cell on the route to the place; negative at the place itself."""
+        from scipy import sparse
+        from scipy.sparse.csgraph import dijkstra
+
         rows, columns = self._cells.T
         parts = []
         for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
@@ -144,9 +150,9 @@ class WalkableFloor:
         count = max(2, math.ceil(math.dist(one, other) / (0.5 * self._side)))
         return bool(self.is_free(one + np.linspace(0.0, 1.0, count)[:, None] * (other - one)).all())
 
-    def _narrow(self) -> NDArray[np.intp]:
-        """Return the numbers of the cells in the middle of doors and other narrow passages."""
-        ridge = (self._rooms == ndimage.maximum_filter(self._rooms, 3)) & self._free
+    def _narrow(self, widest: Floats) -> NDArray[np.intp]:
+        """Return the numbers of the cells in the middle of narrow passages; `widest` is the most room around each."""
+        ridge = (self._rooms == widest) & self._free
         low, high = _DOOR_ROOMS
         found: NDArray[np.intp] = self._numbers[ridge & (self._rooms >= low) & (self._rooms <= high)]
         return found
@@ -163,16 +169,6 @@ class WalkableFloor:
                 break
         return order[chosen]
 
-    def _join(self, free: NDArray[np.bool_], start: NDArray[np.intp]) -> NDArray[np.bool_]:
-        """Return the free cells that are connected to the one nearest to the start."""
-        if not free.any():
-            return free
-        pieces, _ = ndimage.label(free, np.ones((3, 3)))
-        cells = np.argwhere(free)
-        nearest = cells[int(np.argmin(((cells - start) ** 2).sum(axis=1)))]
-        joined: NDArray[np.bool_] = pieces == pieces[tuple(nearest)]
-        return joined
-
     def _points(self, numbers: NDArray[np.intp]) -> Floats:
         cells = self._cells[numbers] + self._low
         x, y, yaw = self._origin
@@ -187,6 +183,16 @@ class WalkableFloor:
         offsets = (points - (x, y)) @ np.array(((c, -s), (s, c))) / self._side
         cells = np.floor(offsets).astype(np.intp)
         return cells[..., 1] - self._low[0], cells[..., 0] - self._low[1]
+
+
+def _join(pieces: NDArray[np.int32], start: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Return the cells of the piece of floor that is nearest to the start; pieces have numbers, walls 0."""
+    cells = np.argwhere(pieces)
+    if not len(cells):
+        return pieces > 0
+    nearest = cells[int(np.argmin(((cells - start) ** 2).sum(axis=1)))]
+    joined: NDArray[np.bool_] = pieces == pieces[tuple(nearest)]
+    return joined
 
 
 def _is_below(box: Box, points: Floats) -> NDArray[np.bool_]:

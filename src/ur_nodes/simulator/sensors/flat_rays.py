@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import ConvexHull
 
 from ur.robot.base import Lidar
+from ur_nodes.geometry.hull import hull_of_outline
 from ur_nodes.simulator.mujoco_model import LIDAR_GROUPS
 
 Floats = npt.NDArray[np.float64]
@@ -199,7 +199,7 @@ def _prism_of(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> _Prism |
     above, below = points[points[:, 2] > high - _EVEN, :2], points[points[:, 2] < low + _EVEN, :2]
     if len(above) + len(below) != len(points) or not _are_equal(above, below):
         return None
-    return _Prism(above[ConvexHull(above).vertices], low, high)
+    return _Prism(hull_of_outline([(px, py) for px, py in above.tolist()]).corners, low, high)
 
 
 def _are_equal(some: Floats, others: Floats) -> bool:

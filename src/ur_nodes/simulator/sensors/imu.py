@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial.transform import Rotation
 
 from ur.robot.base import ImuErrors
+from ur_nodes.geometry.pose import Quaternion, multiply, rotate
+from ur_nodes.geometry.rigid import from_angles, to_quaternion
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Imu as Message
@@ -31,7 +32,7 @@ class ImuReading:
 
 
 _ORIENTATION_VARIANCE = 1e-6  # rad^2
-_STILL = BodyMotion(np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3), np.zeros(3))
+_STILL = BodyMotion((0.0, 0.0, 0.0, 1.0), np.zeros(3), np.zeros(3))
 
 
 class InertialUnit:
@@ -40,7 +41,7 @@ class InertialUnit:
     def __init__(self, imu: ImuErrors) -> None:
         self._imu = imu
         self._place = np.array(imu.pose[:3], np.float64)
-        self._mount = Rotation.from_euler("xyz", imu.pose[3:])  # unit to body
+        self._mount = to_quaternion(from_angles(imu.pose[:3], imu.pose[3:]))  # unit to body
         self._span: tuple[tuple[BodyMotion, float], tuple[BodyMotion, float]] | None = None
 
     def forget(self) -> None:
@@ -60,11 +61,11 @@ class InertialUnit:
         still = (_STILL, 0.0)
         (before, then), (after, now) = self._span or (still, still)
         period = now - then if now > then else math.inf
-        force = self._mount.inv().apply(specific_force(before, after, self._place, period))
-        turning = self._mount.inv().apply((before.turning + after.turning) / 2.0)
+        force = _turn_back(self._mount, specific_force(before, after, self._place, period))
+        turning = _turn_back(self._mount, (before.turning + after.turning) / 2.0)
         gx, gy, gz = (turning + self._imu.gyro_noise * noise[:3]).tolist()
         ax, ay, az = (force + self._imu.accel_noise * noise[3:]).tolist()
-        return ImuReading(quaternion(after.rotation * self._mount), (gx, gy, gz), (ax, ay, az))
+        return ImuReading(with_positive_w(multiply(after.attitude, self._mount)), (gx, gy, gz), (ax, ay, az))
 
 
 def specific_force(before: BodyMotion, after: BodyMotion, point: Floats, period: float) -> Floats:
@@ -74,19 +75,23 @@ def specific_force(before: BodyMotion, after: BodyMotion, point: Floats, period:
     """
     acceleration = (_velocity_at(after, point) - _velocity_at(before, point)) / period
     felt = acceleration + np.array([0.0, 0.0, GRAVITY])
-    force: Floats = (before.rotation.inv().apply(felt) + after.rotation.inv().apply(felt)) / 2.0
-    return force
+    return (_turn_back(before.attitude, felt) + _turn_back(after.attitude, felt)) / 2.0
 
 
-def quaternion(rotation: Rotation) -> tuple[float, float, float, float]:
-    """x, y, z, w of a rotation, with w >= 0."""
-    x, y, z, w = rotation.as_quat().tolist()
+def with_positive_w(rotation: Quaternion) -> Quaternion:
+    """Return the same rotation with w >= 0."""
+    x, y, z, w = rotation
     return (x, y, z, w) if w >= 0.0 else (-x, -y, -z, -w)
 
 
 def _velocity_at(motion: BodyMotion, point: Floats) -> Floats:
-    velocity: Floats = motion.velocity + motion.rotation.apply(np.cross(motion.turning, point))
-    return velocity
+    return motion.velocity + rotate(motion.attitude, np.cross(motion.turning, point).tolist())
+
+
+def _turn_back(rotation: Quaternion, vector: Floats) -> Floats:
+    """Turn a vector by the inverse of a rotation."""
+    x, y, z, w = rotation
+    return np.array(rotate((-x, -y, -z, w), vector.tolist()))
 
 
 class ImuSense(Sense):

@@ -12,7 +12,7 @@ from ur.robot.base import Base, ImuErrors
 from ur.worlds.world_file import WorldModel
 from ur_nodes.simulator.mujoco_model import GRAVITY
 from ur_nodes.simulator.physics import BodyMotion
-from ur_nodes.simulator.sensors.imu import ImuReading, ImuSense, InertialUnit, quaternion, specific_force
+from ur_nodes.simulator.sensors.imu import ImuReading, ImuSense, InertialUnit, specific_force, with_positive_w
 from ur_nodes.simulator.simulation import Simulation
 
 PERIOD = 0.02
@@ -28,8 +28,8 @@ def unit(pose: tuple[float, ...] = LEVEL, gyro: float = 0.0, accel: float = 0.0)
 
 def motion(rotation: Rotation) -> BodyMotion:
     """A body that lies still."""
-    x, y, z, w = rotation.as_quat()
-    return BodyMotion(np.array([w, x, y, z]), np.zeros(3), np.zeros(3))
+    x, y, z, w = rotation.as_quat().tolist()
+    return BodyMotion((x, y, z, w), np.zeros(3), np.zeros(3))
 
 
 def read(simulation: Simulation) -> ImuReading:
@@ -71,7 +71,7 @@ def test_unit_off_the_axis_feels_that_it_goes_round(rate: float, radius: float) 
 @given(st.floats(-math.pi, math.pi), st.floats(-1.5, 1.5), st.floats(-math.pi, math.pi))
 def test_quaternion_is_that_of_the_rotation(roll: float, pitch: float, yaw: float) -> None:
     rotation = Rotation.from_euler("xyz", [roll, pitch, yaw])
-    x, y, z, w = quaternion(rotation)
+    x, y, z, w = with_positive_w(tuple(rotation.as_quat().tolist()))
     assert w >= 0.0
     assert (Rotation.from_quat([x, y, z, w]) * rotation.inv()).magnitude() < 1e-6
 
