@@ -70,17 +70,12 @@ _ROOM = 0.02  # m from the rays to the top and the bottom of shapes
 _EVEN = 1e-3  # m: corners of a top
 _SLACK = 1e-9  # of the step between two beams: a beam through a corner meets the sides of both
 _PARALLEL = 1e-12
+_CELL = 0.5  # m: which walls can be seen is found once for each square of this size
+_MOST_CELLS = 4000
+_MOST_SCREENS = 64  # sides that may hide others: the nearest
+_MARGIN = 1e-6  # m, m^2
 _QUARTERS = np.array(((1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)))
 _NO_SIDES: Floats = np.zeros((4, 0))
-
-
-@dataclass(frozen=True, slots=True)
-class _Moving:
-    """The sides of bodies that move, in their frames: shape (4, n), with the body of each and its height at first."""
-
-    bodies: npt.NDArray[np.int64]
-    heights: Floats
-    sides: Floats
 
 
 class UprightShapes:
@@ -111,29 +106,61 @@ class UprightShapes:
         self._fixed, self._moving = np.concatenate(fixed, axis=1), np.concatenate(moving, axis=1)
         self._bodies = np.array(bodies, np.int64)
         self._heights = data.xpos[self._bodies, 2]
-        self._without: dict[int, _Moving] = {}
+        self._movers, self._poses = np.unique(self._bodies), b""
+        self._others: dict[int, npt.NDArray[np.int64]] = {}
+        self._seen: dict[tuple[int, int], Floats] = {}
 
-    def sides(self, data: mujoco.MjData, own_body: int) -> Floats | None:
-        """The sides now, but those of a body, shape (4, n): x, y of a corner, and dx, dy on, counter-clockwise.
+    def sides(self, data: mujoco.MjData, own_body: int, point: tuple[float, float]) -> Floats | None:
+        """The sides now that may be seen from a point, but those of a body, shape (4, n).
 
-        None: a shape has tipped over, or is higher or lower than at first.
+        They are x, y of a corner, and dx, dy on, counter-clockwise. None: a shape has tipped over, or is higher or
+        lower than at first.
         """
-        others = self._without.get(own_body)
+        poses = data.xpos[self._movers].tobytes() + data.xmat[self._movers].tobytes()
+        if poses != self._poses:  # the same for all lidars at a time
+            self._poses = poses
+            turn, place = data.xmat[self._bodies], data.xpos[self._bodies]
+            self._upright = (turn[:, 8] >= _LEVEL) & (np.abs(place[:, 2] - self._heights) <= _ROOM / 2.0)
+            (x, y, dx, dy), (a, b), (c, d) = self._moving, turn[:, :2].T, turn[:, 3:5].T
+            now = (place[:, 0] + a * x + b * y, place[:, 1] + c * x + d * y, a * dx + b * dy, c * dx + d * dy)
+            self._now = np.stack(now)
+        others = self._others.get(own_body)
         if others is None:
-            rows = self._bodies != own_body
-            others = self._without[own_body] = _Moving(self._bodies[rows], self._heights[rows], self._moving[:, rows])
-        if not len(others.bodies):
-            return self._fixed
-        turn, place = data.xmat[others.bodies], data.xpos[others.bodies]
-        if turn[:, 8].min() < _LEVEL or np.abs(place[:, 2] - others.heights).max() > _ROOM / 2.0:
-            return None
-        (x, y, dx, dy), (a, b), (c, d) = others.sides, turn[:, :2].T, turn[:, 3:5].T
-        now = (place[:, 0] + a * x + b * y, place[:, 1] + c * x + d * y, a * dx + b * dy, c * dx + d * dy)
-        return np.concatenate((self._fixed, np.stack(now)), axis=1)
+            others = self._others[own_body] = np.flatnonzero(self._bodies != own_body)
+        cell = math.floor(point[0] / _CELL), math.floor(point[1] / _CELL)
+        fixed = self._seen.get(cell)
+        if fixed is None:
+            if len(self._seen) >= _MOST_CELLS:
+                self._seen.clear()
+            middle = (cell[0] + 0.5) * _CELL, (cell[1] + 0.5) * _CELL
+            fixed = self._seen[cell] = self._fixed[:, find_visible(self._fixed, middle, _CELL / 2.0 + _MARGIN)]
+        return np.concatenate((fixed, self._now[:, others]), axis=1) if self._upright[others].all() else None
 
     def is_at_height(self, point: Floats, turn: Floats) -> bool:
         """Return whether a lidar with a place (3,) and a rotation matrix (9,) sees in the plane of the sides."""
         return bool(turn[8] >= _LEVEL and abs(point[2] - self._height) < _ROOM / 2.0)
+
+
+def find_visible(sides: Floats, middle: tuple[float, float], half: float) -> npt.NDArray[np.int64]:
+    """Number the sides, shape (4, n), that a point of a square may see; `half` is half the length of its edges, m.
+
+    A side is left out where no point of the square is in front of it, or one side hides it from all of them: every
+    line from a corner to one of its ends, and so all between them, passes through the inside of that side.
+    """
+    x, y, dx, dy = sides
+    corners = [(middle[0] + i * half, middle[1] + j * half) for i in (-1, 1) for j in (-1, 1)]
+    away = np.stack([(y - cy) * dx - (x - cx) * dy for cx, cy in corners])
+    in_front = np.flatnonzero(away.min(axis=0) > _MARGIN)
+    nearest = np.argsort(np.hypot(x + dx / 2.0 - middle[0], y + dy / 2.0 - middle[1])[in_front])[:_MOST_SCREENS]
+    left, top, along, up = sides[:, in_front[nearest], None]
+    hidden = np.ones((len(left), len(x)), np.bool_)
+    for end_x, end_y in ((x, y), (x + dx, y + dy)):
+        hidden &= (top - end_y) * along - (left - end_x) * up < -_MARGIN
+        for cx, cy in corners:
+            to_x, to_y = end_x - cx, end_y - cy
+            hidden &= to_x * (top - cy) - to_y * (left - cx) > _MARGIN
+            hidden &= to_x * (top + up - cy) - to_y * (left + along - cx) < -_MARGIN
+    return np.flatnonzero((away.max(axis=0) > -_MARGIN) & ~hidden.any(axis=0))
 
 
 class PlanarBeams:
@@ -261,10 +288,9 @@ class LidarBeams:
         place, turn = data.site_xpos[self._site], data.site_xmat[self._site]
         if not self._shapes or not self._shapes.is_at_height(place, turn):
             return None
-        sides = self._shapes.sides(data, self._body)
-        if sides is None:
-            return None
-        return planar.cast(sides, (float(place[0]), float(place[1])), math.atan2(turn[3], turn[0]))
+        point = float(place[0]), float(place[1])
+        sides = self._shapes.sides(data, self._body, point)
+        return None if sides is None else planar.cast(sides, point, math.atan2(turn[3], turn[0]))
 
 
 def make_lidars(model: mujoco.MjModel, lidar: Lidar, robots: int) -> list[LidarBeams]:

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from ur.robot.base import Base
-from ur.worlds.world_file import Box, WorldModel
+from ur.source.project import launch_library
+from ur.worlds.world_file import Box, WorldModel, read_world
 from ur_nodes.simulator.mujoco_model import build_model
-from ur_nodes.simulator.sensors.flat_rays import LidarBeams, UprightShapes, make_lidars
+from ur_nodes.simulator.sensors.flat_rays import LidarBeams, PlanarBeams, UprightShapes, find_visible, make_lidars
 from ur_nodes.simulator.simulation import Simulation
 
 BOXES = (Box("pillar", (3.0, 1.0, 0.5, 0.4), (0.3, 0.5, 1.0)), Box("low", (3.0, 0.0, 0.05, 0.0), (0.2, 0.2, 0.1)))
@@ -97,3 +98,17 @@ def test_lidars_of_one_model_share_its_shapes(room: WorldModel, stage: Base) -> 
     model = mujoco.MjModel.from_xml_string(build_model(room, stage, 2, (0.0, 0.0, 0.0)))
     first, second = make_lidars(model, stage.lidar, 2)
     assert first._shapes is second._shapes
+
+
+def test_sides_that_a_square_cannot_see_change_no_range(stage: Base) -> None:
+    world = read_world(str(launch_library() / "n_simulator/worlds/maze.yaml"))
+    model = mujoco.MjModel.from_xml_string(build_model(world, stage, 1, world.start))
+    every, beams = UprightShapes(model, 0.3)._fixed, PlanarBeams(-math.pi, math.tau / 360, 360, 50.0)
+    random, left = np.random.default_rng(0), []
+    for middle in random.uniform((0.0, -6.0), (16.0, 6.0), (20, 2)).tolist():
+        seen = every[:, find_visible(every, (middle[0], middle[1]), 0.25)]
+        left.append(seen.shape[1])
+        for dx, dy, yaw in random.uniform(-0.25, 0.25, (5, 3)).tolist():
+            point = middle[0] + dx, middle[1] + dy
+            assert np.array_equal(beams.cast(seen, point, yaw), beams.cast(every, point, yaw))
+    assert np.mean(left) < 0.3 * every.shape[1]
