@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import rospy
 from actionlib import ActionServer, ServerGoalHandle
+from actionlib.goal_id_generator import GoalIDGenerator
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import (
@@ -81,6 +82,7 @@ class RosGoalServer:
         self._server = ActionServer(action, MoveBaseAction, handle_goal, handle_cancel, auto_start=False)
         self._server.publish_status = quiet_at_end(self._server.publish_status)  # a thread of its own calls it
         self._goals = rospy.Publisher(f"{action}/goal", MoveBaseActionGoal, queue_size=10)
+        self._ids = GoalIDGenerator()
         rospy.Subscriber(f"{action}_simple/goal", PoseStamped, self._pass_on, queue_size=100)
         self._server.start()
         self._server.status_list_timeout = rospy.Duration.from_sec(kept)
@@ -90,9 +92,11 @@ class RosGoalServer:
 
     def _pass_on(self, message: PoseStamped) -> None:
         goal = MoveBaseActionGoal()
+        goal.goal_id.id = self._ids.generate_ID().id
         goal.header.stamp = rospy.Time.now()
         goal.goal.target_pose = message
-        self._goals.publish(goal)
+        self._goals.publish(goal)  # for those who listen to goals; this server may not be connected to itself yet
+        self._server.internal_goal_callback(goal)  # a second one with this id is ignored
 
     def _on_goal(self, handle: ServerGoalHandle) -> None:
         own = RosGoalHandle(handle, self._handles.pop)
