@@ -67,6 +67,11 @@ SMALL = """<?xml version="1.0"?>
     )
 )
 
+# The same with a depth camera in place of the lidar.
+DEPTH = (
+    SMALL[: SMALL.index('  <gazebo reference="base_scan">')] + SMALL[SMALL.index('  <gazebo reference="imu_link">') :]
+).replace("base_scan", "camera_depth_link")
+
 # A skid steer: four wheels, root above the ground, no gazebo tags, sensors by their names.
 FOUR_WHEELS = """<robot name="four">
   <link name="base_link">
