@@ -5,12 +5,14 @@ import math
 from pathlib import Path
 
 import pytest
+import yaml
 from tests.base_contract import PACKAGE, load
 from tests.ur_nodes.first_drive.stage import DrivenStage
 
 from ur.robot.base import Base
 from ur.worlds.world_file import WorldModel
-from ur_nodes.ports.values import Odometry, Twist
+from ur_nodes.localisation.amcl_node import AmclNode
+from ur_nodes.ports.values import Odometry, PoseEstimate, Twist
 from ur_nodes.simulator.mujoco_model import build_model
 from ur_nodes.simulator.simulation import Simulation
 
@@ -111,9 +113,9 @@ def test_base_with_two_driven_wheels_ignores_a_command_to_the_left(room: WorldMo
     assert "aside" not in build_model(room, wheeled, 1, room.start)
 
 
-def test_node_takes_commands_to_the_left_and_reports_motion_there(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.fixture
+def own_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A package with the base `omni`."""
     text = (PACKAGE / "bases" / "stage" / "base.yaml").read_text(encoding="utf-8")
     folder = tmp_path / "share" / "ubiquity_launches" / "bases" / "omni"
     folder.mkdir(parents=True)
@@ -121,6 +123,34 @@ def test_node_takes_commands_to_the_left_and_reports_motion_there(
     aside = text.replace("command_age:", "lateral_velocity: 0.4, command_age:", 1)
     (folder / "base.yaml").write_text(aside, encoding="utf-8")
     monkeypatch.setenv("CMAKE_PREFIX_PATH", str(tmp_path))
+
+
+@pytest.mark.usefixtures("own_package")
+@pytest.mark.parametrize("command", [(0.0, 0.0, 0.4), (0.2, 0.0, 0.3)], ids=["to the side", "askew"])
+def test_omni_base_that_presses_a_wall_knows_where_it_is_to_five_centimetres(
+    command: tuple[float, float, float],
+) -> None:
+    stage = DrivenStage("maze", base="omni", seed=1)
+    stage.serve_map()
+    estimates, odometry = stage.record("amcl_pose", PoseEstimate), stage.record("odom", Odometry)
+    lost, contacts = stage.record("amcl/lost", str), stage.record("simulator/collisions", int)
+    settings = yaml.safe_load((PACKAGE / "n_amcl" / "params" / "stage.yaml").read_text(encoding="utf-8"))
+    stage.add("amcl", AmclNode, **settings | {"odom_model_type": "omni-corrected", "odom_alpha5": 0.02})
+    stage.bus.run(1.0)
+    commands = stage.client.publish("cmd_vel", Twist)
+    for _ in range(160):
+        commands.send(Twist(*command))
+        stage.bus.run(0.05)
+    stage.bus.run(1.0)
+    true = stage.truth.pose
+    assert contacts
+    assert math.dist(odometry[-1].pose[:2], true[:2]) > 1.0
+    assert math.dist(estimates[-1].pose[:2], true[:2]) < 0.05
+    assert not any(lost)
+
+
+@pytest.mark.usefixtures("own_package")
+def test_node_takes_commands_to_the_left_and_reports_motion_there() -> None:
     for base, speed, variance in (("omni", 0.3, 1e-4), ("stage", 0.0, 1e-6)):
         stage = DrivenStage(base=base)
         odometry, commands = stage.record("odom", Odometry), stage.client.publish("cmd_vel", Twist)
