@@ -205,6 +205,20 @@ def test_base_from_a_description_is_written_with_its_sources(
     finds_nothing(capsys)
 
 
+def test_limits_of_a_controller_are_those_of_the_base_and_slower_ones_of_nav2_those_of_navigation(
+    package: Path, small: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    nav2 = "velocity_smoother: {ros__parameters: {max_velocity: [0.26, 0.0, 1.0]}}"
+    small.with_name("small.yaml").write_text(nav2, encoding="utf-8")
+    control = "diffdrive_controller: {linear.x.max_velocity: 0.46, angular.z.max_velocity: 1.4}"
+    small.with_name("control.yaml").write_text(control, encoding="utf-8")
+    (small.parent / ".git").mkdir()
+    assert main(["new", "base", "small", "--from", str(small)]) == 0
+    assert "read: navigation velocity 0.26 (velocity_smoother of small.yaml)" in capsys.readouterr().err
+    limits = read_base(package / "bases" / "small" / "base.yaml", "small").limits
+    assert (limits.velocity, limits.angular_velocity) == (0.46, 1.4)
+
+
 def test_everything_that_a_description_lacks_is_named_at_once(
     package: Path, small: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -21,6 +21,13 @@ def read(node: str) -> str:
     return (PACKAGE / node / "params" / "stage.yaml").read_text(encoding="utf-8")
 
 
+def test_navigation_may_be_slower_than_its_base_and_than_teleop(omni: Base) -> None:
+    planner = yaml.safe_load(fit_parameters(read("n_move_base"), "stage", omni, (0.26, 0.9)))["DWAPlannerROS"]
+    assert [planner[f"max_vel_{key}"] for key in ("x", "trans", "theta")] == [0.26, 0.26, 0.9]
+    for node in ("n_velocity_smoother", "n_teleop_twist_keyboard", "n_teleop_twist_joy"):
+        assert fit_parameters(read(node), "stage", omni, (0.26, 0.9)) == fit_parameters(read(node), "stage", omni)
+
+
 def test_parameters_of_a_base_that_drives_sideways_permit_it(omni: Base) -> None:
     planner = yaml.safe_load(fit_parameters(read("n_move_base"), "stage", omni))["DWAPlannerROS"]
     assert (planner["max_vel_y"], planner["min_vel_y"], planner["acc_lim_y"]) == (0.4, -0.4, 0.8)

@@ -1,5 +1,6 @@
 """Speeds in the parameter files around a description."""
 
+import dataclasses
 from pathlib import Path
 
 import pytest
@@ -42,13 +43,18 @@ def find(folder: Path, robot: str = "robot.urdf", **files: str) -> FoundSpeeds |
     ],
 )
 def test_speeds_are_read_in_each_of_their_forms(tmp_path: Path, text: str, speeds: FoundSpeeds) -> None:
-    assert find(tmp_path, config__it=text) == speeds
+    found = find(tmp_path, config__it=text)
+    assert found is not None
+    assert dataclasses.replace(found, navigation=None) == speeds
+    assert found.navigation == (speeds if text in (SMOOTHER, PLANNER) else None)
 
 
 def test_controller_comes_before_navigation_and_the_slower_of_two(tmp_path: Path) -> None:
     found = find(tmp_path, nav__a=PLANNER, nav__b=SMOOTHER, control__c=CONTROLLER)
     assert found is not None
     assert found.velocity == 2.0
+    assert found.navigation is not None
+    assert found.navigation.velocity == 0.22
     assert find(tmp_path / "nav", nav__a=PLANNER, nav__b=SMOOTHER) == find(tmp_path / "other", nav__a=PLANNER)
 
 
@@ -57,6 +63,12 @@ def test_file_that_is_named_after_the_robot_comes_first(tmp_path: Path) -> None:
     found = find(tmp_path, "turtle_waffle.urdf", param__burger=slower, param__waffle=PLANNER)
     assert found is not None
     assert found.source == "DWAPlannerROS of param/waffle.yaml"
+
+
+def test_controller_comes_before_navigation_that_is_named_after_the_robot(tmp_path: Path) -> None:
+    found = find(tmp_path, "burger.urdf", param__burger=PLANNER, control__diff_drive=CONTROLLER_2)
+    assert found is not None
+    assert (found.velocity, found.navigation and found.navigation.velocity) == (0.46, 0.22)
 
 
 @pytest.mark.parametrize(

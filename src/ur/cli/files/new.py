@@ -168,14 +168,14 @@ def new_base(
     like = check_like(place.library, place.target.name, like)
     name = ask(name, "NAME", "Name of the base")
     if source is not None:
-        text = describe_base(Path(source), summary, figures, arguments, lidar=lidar, raspicam=raspicam)
+        text, cruise = describe_base(Path(source), summary, figures, arguments, lidar=lidar, raspicam=raspicam)
     else:
         refuse_arguments(arguments)
         summary = ask(summary, "--summary", "What it is, in one line")
-        text = write_base(base_request(name, summary, figures, lidar=bool(lidar), raspicam=raspicam))
+        text, cruise = write_base(base_request(name, summary, figures, lidar=bool(lidar), raspicam=raspicam)), None
     text += driver_lines(driver, lidar_driver)
     drivers = driver_files(name, place.target.name, driver, lidar_driver)
-    beside = urdf_files(place.target, name, text, like, place.library, place.url)
+    beside = urdf_files(place.target, name, text, like, place.library, place.url, cruise)
     files = place.place_files([NewFile(f"bases/{name}/base.yaml", text), *beside, *drivers])
     return show_done(place.target, files, next_step(place, name))
 

@@ -182,11 +182,13 @@ def check_like(library: Path, name: str, like: str | None) -> str | None:
 
 
 def urdf_files(
-    target: TargetPackage, name: str, text: str, like: str | None, library: Path, url: str = ""
-) -> list[NewFile]:
+    target: TargetPackage, name: str, text: str, like: str | None, library: Path, url: str = "",
+    navigation: tuple[float, float] | None = None,
+) -> list[NewFile]:  # fmt: skip
     """Return the files of a new base besides its base.yaml: its URDF, and the parameter files that base `like` has.
 
-    `library` is the package of `like`; `url` is the URL of the files' folder, unless it is a package.
+    `library` is the package of `like`; `url` is the URL of the files' folder, unless it is a package. `navigation`: see
+    `fit_parameters`.
     """
     from ur.robot.base import read_base
     from ur.robot.base.body_mesh import make_body, write_stl
@@ -200,7 +202,7 @@ def urdf_files(
     files = [
         NewFile(
             str(each.relative_to(library).with_name(f"{name}.yaml")),
-            fit_parameters(each.read_text(encoding="utf-8"), like, base),
+            fit_parameters(each.read_text(encoding="utf-8"), like, base, navigation),
         )
         for each in sorted(library.glob(f"*/params/{like}.yaml"))
         if like is not None and each.parts[-3] != "n_stage_ros"
@@ -281,8 +283,8 @@ def _formatted(target: TargetPackage, file: NewFile) -> NewFile:
 def describe_base(
     source: Path, summary: str | None, figures: Mapping[str, float | None], arguments: Sequence[str], *,
     lidar: bool | None, raspicam: bool,
-) -> str:  # fmt: skip
-    """Return the text of a base.yaml for a description. Raises UserError.
+) -> tuple[str, tuple[float, float]]:  # fmt: skip
+    """Return the text of a base.yaml for a description, and the `navigation` of it. Raises UserError.
 
     Prints the properties that were read; asks once for the others. `lidar` tells whether the robot has one; None if the
     file defines it. `arguments` are those of a xacro file.
@@ -311,7 +313,8 @@ def describe_base(
     if lidar is not None:
         reading = read_base_figures(description, given, lidar=lidar, speeds=speeds)
     click.echo(f"stop: {limits_of(reading).describe_stop()}", err=True)
-    return write_base_file(reading, summary or f"Robot {reading.name or source.stem}.", source.name)
+    text = write_base_file(reading, summary or f"Robot {reading.name or source.stem}.", source.name)
+    return text, reading.navigation
 
 
 def _ask_for_lidar(reading: DescriptionReading) -> bool | None:

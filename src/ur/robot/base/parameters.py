@@ -14,13 +14,16 @@ _BRAKING = 0.6  # of the acceleration: the braking of `ur_nodes.navigation`
 _LOCAL, _SEEN = 4.0, 2.5  # m: the least side of the local costmap, and the least distance up to which it is marked
 
 
-def fit_parameters(text: str, like: str, base: Base) -> str:
-    """Return the parameter file of base `like`, adapted to another base's outline, speeds and scan rate."""
+def fit_parameters(text: str, like: str, base: Base, navigation: tuple[float, float] | None = None) -> str:
+    """Return the parameter file of base `like`, adapted to another base's outline, speeds and scan rate.
+
+    `navigation`: its highest velocity and angular velocity, m/s and rad/s; by default those of the base.
+    """
     points = ", ".join(f"[{x:g}, {y:g}]" for x, y in base.footprint)
     text = _OUTLINE.sub(rf"\1 [{points}]", text)
     text = _BUMPERS.sub(lambda found: _list_bumpers(found[0], base), text)
     text = _fit_sideways(text, base)
-    values = _list_values(base) | (_list_distances(base) if "rolling_window:" in text else {})
+    values = _list_values(base, navigation) | (_list_distances(base) if "rolling_window:" in text else {})
     for key, value in values.items():
         text = re.sub(rf"^( *{key}:) *[-+.\de]+(?=\s)", rf"\1 {value:g}", text, flags=re.MULTILINE)
     if base.lidar and base.lidar.rate < _EXPECTED and "odom_model_type:" in text:
@@ -58,13 +61,14 @@ def _list_bumpers(layer: str, base: Base) -> str:
     return layer.splitlines()[0] + f"\n    topics: [{topics}]\n    sectors: [{sectors}]\n"
 
 
-def _list_values(base: Base) -> dict[str, float]:
+def _list_values(base: Base, navigation: tuple[float, float] | None) -> dict[str, float]:
     limits = base.limits
+    speed, turn = navigation or (limits.velocity, limits.angular_velocity)
     slow, slow_turn = _round(_SHARE * limits.velocity), _round(_SHARE * limits.angular_velocity)
     values = {
-        "max_vel_trans": limits.velocity,
-        "max_vel_x": limits.velocity,
-        "max_vel_theta": limits.angular_velocity,
+        "max_vel_trans": speed,
+        "max_vel_x": speed,
+        "max_vel_theta": turn,
         "acc_lim_x": limits.acceleration,
         "acc_lim_theta": limits.angular_acceleration,
         "speed": slow,

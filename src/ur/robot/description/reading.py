@@ -115,6 +115,10 @@ def read_limits(
     usual = {"velocity": 0.5, "angular_velocity": 1.5}
     missing = [key for key in usual if key not in figures]
     figures.update({key: Figure(usual[key], "usual") for key in missing})
+    if speeds and (own := speeds.navigation):
+        for key, value, least in (("velocity", own.velocity, 0.05), ("angular_velocity", own.angular_velocity, 0.2)):
+            if value and least <= value < figures[key].value:
+                figures[f"navigation_{key}"] = Figure(value, own.source)
     if not missing:
         return ()
     names = " and ".join(f"{key.replace('_', ' ')} {usual[key]:g} {_UNITS[key]}" for key in missing)
@@ -183,6 +187,14 @@ class DescriptionReading:
     supports: tuple[Support, ...]
     sensors: tuple[FoundSensor, ...]
     notes: tuple[str, ...]
+
+    @property
+    def navigation(self) -> tuple[float, float]:
+        """The highest velocity and angular velocity of navigation, m/s and rad/s."""
+        figures = self.figures
+        keys = ("velocity", "angular_velocity")
+        velocity, turning = (figures.get(f"navigation_{key}", figures[key]).value for key in keys)
+        return velocity, turning
 
     @property
     def has_lidar(self) -> bool:

@@ -1,4 +1,4 @@
-"""Speed limits in the parameter files around a robot description: of its controller, or else of its navigation.
+"""Speed limits in the parameter files around a robot description: of its controller, and of its navigation.
 
 Descriptions seldom say how fast a robot is; the repository of the robot says it in the files of `diff_drive_controller`
 and its relatives, of Nav2's velocity smoother, or of a local planner (DWA, DWB, TEB, MPPI, regulated pure pursuit).
@@ -6,7 +6,7 @@ and its relatives, of Nav2's velocity smoother, or of a local planner (DWA, DWB,
 
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 
@@ -21,18 +21,22 @@ _LEAST_NAME = 3  # letters that two names share by intention
 
 @dataclass(frozen=True, slots=True)
 class FoundSpeeds:
-    """Limits of one file, each None where it names none: m/s, rad/s, m/s^2. `source` names what they are of."""
+    """Limits of one file, each None where it names none: m/s, rad/s, m/s^2. `source` names what they are of.
+
+    `navigation` are the limits of navigation, which may be slower.
+    """
 
     source: str
     velocity: float
     angular_velocity: float | None = None
     acceleration: float | None = None
     deceleration: float | None = None
+    navigation: "FoundSpeeds | None" = None
 
 
 def find_speeds(around: Surroundings) -> FoundSpeeds | None:
-    """Return the limits of the section that fits a description best: by the file's name, a controller's, the lowest."""
-    found = []
+    """Return the limits of a controller, else of navigation: of a file named like the description, the lowest."""
+    found: list[tuple[int, int, float, str, FoundSpeeds]] = []
     for path in _list_files(around):
         try:
             tree = load_yaml(read_file(path, _LARGEST, inside=around.folder).decode("utf-8"))
@@ -40,8 +44,10 @@ def find_speeds(around: Surroundings) -> FoundSpeeds | None:
             continue
         name = os.path.relpath(path, around.folder)
         like = -len(path.stem) if len(path.stem) >= _LEAST_NAME and path.stem in around.file.stem else 0
-        found += [(like, rank, speeds.velocity, name, speeds) for rank, speeds in _read_tree(tree, name)]
-    return min(found, key=lambda each: each[:4])[4] if found else None
+        found += [(rank, like, speeds.velocity, name, speeds) for rank, speeds in _read_tree(tree, name)]
+    found.sort(key=lambda each: each[:4])
+    navigation = next((each[4] for each in found if each[0]), None)
+    return replace(found[0][4], navigation=navigation) if found else None
 
 
 def _list_files(around: Surroundings) -> Iterator[Path]:
