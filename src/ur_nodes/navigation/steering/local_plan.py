@@ -17,7 +17,15 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.people.tracked_people import approaches, hull_of_footprint, rooms_to
 from ur_nodes.navigation.planning.outline_grid import overlaps
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
-from ur_nodes.navigation.steering.rollout import FAST, Floats, FollowSettings, ReferencePath, RolloutState, roll_out
+from ur_nodes.navigation.steering.rollout import (
+    FAST,
+    Floats,
+    FollowSettings,
+    ReferencePath,
+    RolloutState,
+    horizon_at,
+    roll_out,
+)
 from ur_nodes.navigation.steering.speed_profile import DriveVelocity, SpeedLimits, brake_for
 
 # Variants of the steering law: the share of the speed limit, the offset to the left of the path (m).
@@ -71,6 +79,8 @@ def follow_reference(
     """
     if limits.speed > FAST:
         reference = slow_beside(reference, index, around.costmap, footprint, limits)
+        soon = abs(motion.speed) + limits.acceleration * period  # what a later one would touch, a later command avoids
+        settings = replace(settings, horizon=min(settings.horizon, horizon_at(soon, limits, settings)))
     plain = roll_out(reference, index, motion, _PLAIN, limits, settings, period)
     times: Floats = period + settings.step * np.arange(len(plain.poses), dtype=np.float64)
     clear = not _touches(plain.poses, motion.pose, around, footprint)[:, 0].any()

@@ -51,8 +51,13 @@ def follow_settings(limits: SpeedLimits) -> FollowSettings:
     """Return the parameters for a base: rollouts last until it has braked, and a fast one steers further ahead."""
     usual = FollowSettings()
     speed = max(limits.speed, limits.lateral)
-    horizon = max(usual.horizon, usual.delay + speed / (_BRAKING * limits.acceleration))
-    return replace(usual, horizon=horizon, preview_most=max(usual.preview_most, usual.preview * speed))
+    far = replace(usual, preview_most=max(usual.preview_most, usual.preview * speed))
+    return replace(far, horizon=horizon_at(speed, limits, far))
+
+
+def horizon_at(speed: float, limits: SpeedLimits, settings: FollowSettings) -> float:
+    """Return how long (s) a rollout lasts that shows whether the robot can brake in time from a speed."""
+    return max(FollowSettings().horizon, settings.delay + speed / (_BRAKING * limits.acceleration))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -210,7 +215,7 @@ def _steer(
     spin = min(limits.turn, math.sqrt(2.0 * _TURN_BRAKING * limits.turn_acceleration * abs(bearing)))
     # A fast base that turns more than it can end at the bearing weaves.
     swing = spin if limits.speed > FAST and not limits.radius else limits.turn
-    wanted = min(allowed, swing / max(abs(curvature), _STRAIGHT)) * share
+    wanted = share * (min(allowed, swing / abs(curvature)) if abs(curvature) > _STRAIGHT else allowed)
     if near > course.end - _LAST_POINTS:
         (c, s), x, y = course.direction, course.end_x - state.x, course.end_y - state.y
         left_over = x * c + y * s - settings.delay * v

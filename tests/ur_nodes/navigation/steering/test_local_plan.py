@@ -190,3 +190,18 @@ def test_fast_base_that_begins_across_its_path_does_not_weave(speed: float) -> N
     assert max(map(abs, aside)) < 0.15
     assert abs(motion.pose.yaw) < 0.2
     assert motion.pose.x > 2.0
+
+
+def test_slow_start_of_a_fast_base_is_not_hindered_by_what_it_would_touch_only_at_full_speed() -> None:
+    limits = replace(LIMITS, speed=3.0)
+    settings = follow_settings(limits)
+    reference = make_reference(resample(np.array([(0.0, 0.0), (4.0, 0.0)]), 0.05), limits)
+    around = LocalObstacles(window((3.2, 0.0, 0.3)))
+    begin, late = (RolloutState(Pose2(0.0, 0.0, 0.0), speed, 0.0) for speed in (0.5, 1.8))
+    first, last = (
+        follow_reference(reference, 0, motion, around, FOOTPRINT, limits, settings, 0.1) for motion in (begin, late)
+    )
+    assert not first.hindered
+    assert first.speed > 0.5
+    assert last.hindered or last.blocked
+    assert last.speed < 1.8
