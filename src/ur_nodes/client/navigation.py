@@ -82,6 +82,7 @@ SILENT = 3.0
 
 BASE_LINK = "base_link"  # REP 105
 _SPEED_WINDOW = 0.2  # s
+_PATIENCE = 0.3  # s for which a scan waits for odometry, to be shown nevertheless
 _STATUS_SILENT = 3.0  # s
 # The spread of a pose that a person points at, for the localiser: RViz's "2D Pose Estimate" sends the same.
 _POINTED = np.diag((0.25, 0.25, (math.pi / 12) ** 2))
@@ -106,7 +107,7 @@ class RobotState:
         self._stamp: float | None = None
         self._moved_at = -math.inf
         self._scan: tuple[str, NDArray[np.float64]] | None = None
-        self._feed = ScanFeed(node, "", base_frame, self._on_scan, reports=False)
+        self._feed = ScanFeed(node, "", base_frame, self._on_scan, reports=False, patience=_PATIENCE)
         self._tree.watch(self._note_transform)
 
     @property

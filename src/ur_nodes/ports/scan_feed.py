@@ -23,6 +23,7 @@ class ScanFeed:
     Odometry is the transform from `odom_frame` to `base_frame` at the scan's time; a head that turns measures a scan
     for a while: it is given as if measured at the middle of it, as far as odometry is known. Without an `odom_frame`
     ('') no scan waits, and its odometry is None. Every `throttle`th scan is used. `reports`: silence is logged.
+    With a `patience` (s) a scan without odometry by then is given as it is, with the newest odometry.
     """
 
     def __init__(
@@ -35,6 +36,7 @@ class ScanFeed:
         *,
         topic: str = "scan",
         reports: bool = True,
+        patience: float = 0.0,
     ) -> None:
         self.odom_frame, self.base_frame = odom_frame, base_frame
         self.newest: Scan | None = None
@@ -51,6 +53,8 @@ class ScanFeed:
         node.subscribe(topic, Scan, self._add)
         if reports:
             node.every(1.0, self._explain_silence)
+        if patience:
+            node.every(patience, lambda: self._give_up(patience))
 
     def beside(self, topic: str, use: Callable[[Scan], None]) -> None:
         """Feed the scans of another lidar of the robot, too."""
@@ -105,6 +109,12 @@ class ScanFeed:
                 self._quiet_since = self._node.now()
                 self._use(self._at_one_moment(scan, odometry), odometry)
                 return
+
+    def _give_up(self, patience: float) -> None:
+        if self._scans and not self._held and self._node.now() - self._scans[-1].stamp > patience * SECOND:
+            scan = self._scans.pop()
+            self._scans.clear()
+            self._use(scan, self.odometry())
 
     def _at_one_moment(self, scan: Scan, middle: Pose2 | None) -> Scan:
         """Return the scan without the robot's motion during its measurement; unchanged if that is unknown."""

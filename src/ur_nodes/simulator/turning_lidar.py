@@ -16,7 +16,7 @@ _WITHOUT = 1.5  # turns: nobody wanted the last scans
 
 
 def direction_of(base: Base) -> int:
-    """How the lidar of a base turns, seen from above: 1 counter-clockwise, -1 clockwise; 0: there is no real one."""
+    """Return 1 where the lidar of a base turns counter-clockwise, -1 clockwise, in its frame; 0: it has no real one."""
     drivers = [driver.protocol for driver in base.drivers if driver.part == "lidar"]
     drivers += [base.driver.protocol] if base.driver and base.driver.protocol == "neato" else []
     return (-1 if drivers[0] in CLOCKWISE else 1) if base.lidar and drivers else 0
