@@ -70,3 +70,19 @@ def test_missing_mount_is_reported_once_its_node_has_had_time_to_start() -> None
     assert user.lines == []
     bus.run(3.0)
     assert user.lines == [("warn", "no transform from laser to base, expected one")]
+
+
+def test_scan_whose_odometry_does_not_come_is_given_as_it_is_where_patience_ends() -> None:
+    bus = Bus()
+    used: list[Scan] = []
+    driver = bus.node("driver")
+    ScanFeed(bus.node("user"), "odom", "base", lambda each, _: used.append(each), patience=0.3)
+    bus.run(0.1)
+    pose = Pose3(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    driver.publish("/tf", tuple, Quality.EVERY).send((Transform(bus.now, "odom", "base", pose),))
+    bus.run(0.5)
+    bus.node("lidar").publish("scan", Scan).send(scan(0.002, bus.now))
+    bus.run(0.2)
+    assert used == []
+    bus.run(0.8)
+    assert [each.time_increment for each in used] == [0.002]
