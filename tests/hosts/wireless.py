@@ -62,10 +62,12 @@ psk={HOME_PASSWORD}
 [ipv4]
 method=auto
 """
+# The bridge of the radio's other end is in the robot: masquerading of the hotspot would drop multicasts there.
 RADIO_SERVICE = """\
 [Unit]
 After=NetworkManager.service
 [Service]
+ExecStartPre=-/bin/sh -c 'echo 0 >/proc/sys/net/bridge/bridge-nf-call-iptables'
 ExecStart=/usr/local/bin/nmcli serve
 Restart=always
 [Install]
