@@ -20,8 +20,7 @@ MANAGER, NETWORKD = "NetworkManager.service", "systemd-networkd.service"
 CLOSE = f"systemctl try-restart {UNIT} 2>/dev/null || :"
 _RUN = f"/usr/bin/python3 -Iu {PROGRAM}"
 _UNIT = (
-    "# Written by ur robot setup.\n"
-    "[Unit]\nDescription=Access point of this robot, where none of its networks is in reach\nAfter=network.target\n\n"
+    "[Unit]\nDescription=Access point by ur, where none of the robot's networks is in reach\nAfter=network.target\n\n"
     f"[Service]\nExecStart={_RUN}\nExecStopPost={_RUN} close\nRestart=always\nRestartSec=10\n\n"
     "[Install]\nWantedBy=multi-user.target\n"
 )

@@ -145,10 +145,7 @@ class Networkd:
         call(f"networkctl reconfigure {self.device}")
 
 
-Radio = NetworkManager | Networkd
-
-
-def find_radio() -> Radio | None:
+def find_radio() -> NetworkManager | Networkd | None:
     """Find a wireless device that may serve, by who manages it."""
     for line in call("nmcli -t -f DEVICE,TYPE,STATE device status") or ():
         device, kind, state = [*line.split(":", 2), "", ""][:3]
@@ -191,7 +188,7 @@ class Usage:
         return busy or any("FAILED" not in each and "INCOMPLETE" not in each for each in entries)
 
 
-def open_point(radio: Radio) -> Usage | None:
+def open_point(radio: NetworkManager | Networkd) -> Usage | None:
     """Open the access point; return what observes its use, or None if that failed."""
     RUN.mkdir(mode=0o700, exist_ok=True)
     (RUN / radio.found).write_text("\n".join(call(radio.scan) or ()))
@@ -206,7 +203,7 @@ def open_point(radio: Radio) -> Usage | None:
     return None
 
 
-def close_point(radio: Radio | None = None) -> bool:
+def close_point(radio: NetworkManager | Networkd | None = None) -> bool:
     """Close the access point, or what an earlier process has left; return whether there was one."""
     if not (RUN / "open").exists():
         return False
