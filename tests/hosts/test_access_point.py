@@ -131,6 +131,18 @@ def give(pair: Wireless, password: str) -> "subprocess.Popen[str]":
     return process
 
 
+def test_access_point_opens_again_after_a_wrong_password(pair: Wireless) -> None:
+    open_point(pair, "Lab")
+    with give(pair, "wrong-secret") as process:
+        assert process.stdout
+        said = process.stdout.read()
+    assert "the robot reverted the change" in said, said
+    wait_reached(pair.laptop, "bob", POINT)
+    pair.set_air("Home")
+    leave_point(pair)
+    pair.wait_uses("Home")
+
+
 def test_network_is_joined_over_the_access_point(pair: Wireless) -> None:
     open_point(pair, "Lab")
     with give(pair, LAB_PASSWORD) as process:
@@ -142,15 +154,3 @@ def test_network_is_joined_over_the_access_point(pair: Wireless) -> None:
     pair.set_air("Home")
     pair.wait_uses("Home")
     wait_settled(pair.robot)
-
-
-def test_access_point_opens_again_after_a_wrong_password(pair: Wireless) -> None:
-    open_point(pair, "Lab")
-    with give(pair, "wrong-secret") as process:
-        assert process.stdout
-        said = process.stdout.read()
-    assert "the robot reverted the change" in said, said
-    wait_reached(pair.laptop, "bob", POINT)
-    pair.set_air("Home")
-    leave_point(pair)
-    pair.wait_uses("Home")
