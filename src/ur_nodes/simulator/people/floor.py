@@ -1,7 +1,7 @@
 """The floor for simulated people: free positions, destinations, and routes between them."""
 
 import math
-from functools import cached_property
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ _DOORS = 5  # narrow places in which they stop
 _DOOR_ROOMS = (0.3, 0.56)  # m from the middle of a narrow place to the nearest wall
 _APART = 1.5  # m between two places
 _CANDIDATES = 400
+_TOGETHER = 12  # points of a route that are looked at together
 
 
 class WalkableFloor:
@@ -60,7 +61,7 @@ class WalkableFloor:
         self._ends = np.concatenate(
             (places, self._spread(self._narrow(ndimage.maximum_filter(self._rooms, 3)), _DOORS, random))
         )
-        self._last: NDArray[np.int32] | None = None
+        self._trees = self._grow_trees()
 
     @property
     def ends(self) -> Floats:
@@ -113,8 +114,7 @@ class WalkableFloor:
             path.append(int(before[path[-1]]))
         return self._pulled(self._points(np.array(path)))
 
-    @cached_property
-    def _trees(self) -> NDArray[np.int32]:
+    def _grow_trees(self) -> NDArray[np.int32]:
         """Return for each place and cell the next cell on the route to the place; negative at the place itself."""
         from scipy import sparse
         from scipy.sparse.csgraph import dijkstra
@@ -140,15 +140,21 @@ class WalkableFloor:
         corners, here = [points[0]], 0
         while here < len(points) - 1:
             step = 1
-            while here + step < len(points) - 1 and self._sees(points[here], points[here + step + 1]):
-                step += 1
+            while following := list(points[here + step + 1 : here + step + 1 + _TOGETHER]):
+                seen = self._count_seen(points[here], following)
+                step += seen
+                if seen < len(following):
+                    break
             here += step
             corners.append(points[here])
         return np.array(corners)
 
-    def _sees(self, one: Floats, other: Floats) -> bool:
-        count = max(2, math.ceil(math.dist(one, other) / (0.5 * self._side)))
-        return bool(self.is_free(one + np.linspace(0.0, 1.0, count)[:, None] * (other - one)).all())
+    def _count_seen(self, here: Floats, others: list[Floats]) -> int:
+        """Count the points before the first to which no straight line leads over free floor."""
+        counts = [max(2, math.ceil(math.dist(here, other) / (0.5 * self._side))) for other in others]
+        lines = [here + _spread_shares(count) * (other - here) for count, other in zip(counts, others, strict=True)]
+        seen = np.logical_and.reduceat(self.is_free(np.concatenate(lines)), np.cumsum([0, *counts[:-1]]))
+        return len(others) if seen.all() else int(np.argmin(seen))
 
     def _narrow(self, widest: Floats) -> NDArray[np.intp]:
         """Return the numbers of the cells in the middle of narrow passages; `widest` is the most room around each."""
@@ -183,6 +189,11 @@ class WalkableFloor:
         offsets = (points - (x, y)) @ np.array(((c, -s), (s, c))) / self._side
         cells = np.floor(offsets).astype(np.intp)
         return cells[..., 1] - self._low[0], cells[..., 0] - self._low[1]
+
+
+@lru_cache(maxsize=1000)
+def _spread_shares(count: int) -> Floats:
+    return np.linspace(0.0, 1.0, count)[:, None]
 
 
 def _join(pieces: NDArray[np.int32], start: NDArray[np.intp]) -> NDArray[np.bool_]:
