@@ -178,7 +178,8 @@ class RosClock(RosPublisher[ClockTime]):
 
     def send(self, value: ClockTime) -> None:
         self._set(time_of(value.stamp))
-        super().send(value)
+        if self.subscribers():
+            super().send(value)
 
 
 class RosSubscription(Generic[Value]):

@@ -34,14 +34,18 @@ class SensorTopics:
         self._simulation, self._robot = simulation, robot
         every = simulation.senses[robot].each
         senses = {name: sense for name, sense in every.items() if name not in without}
-        self._sends = {name: sense.advertise(node, prefix, settings.quality) for name, sense in senses.items()}
-        self._constant = {name for name, sense in senses.items() if not sense.rate}
+        sends = {name: sense.advertise(node, prefix, settings.quality) for name, sense in senses.items()}
+        self._constant = [send for name, send in sends.items() if not senses[name].rate]
+        self._timed = {name: send for name, send in sends.items() if senses[name].rate}
 
     def send(self, tick: SimulationTick, stamp: int) -> None:
         """Send the readings that are due."""
-        for name, send in self._sends.items():
-            if name in self._constant or name in tick.due:
-                send(self._simulation.time, stamp)
+        for send in self._constant:
+            send(tick.time, stamp)
+        if not tick.due.isdisjoint(self._timed):
+            for name, send in self._timed.items():
+                if name in tick.due:
+                    send(tick.time, stamp)
 
 
 class Pacer:
@@ -130,8 +134,6 @@ class Operation:
         self.begin()
 
     def _tick(self) -> None:
-        if self._camera:
-            self._watch(self._camera)
         tick = self._simulation.advance()
         if self._bench:
             self._bench.step()
@@ -149,6 +151,8 @@ class Operation:
         self._send_robots(tick, stamp, joints=joints)
         if tick.odometry:
             self._send_people(stamp)
+            if self._camera:
+                self._watch(self._camera)
         for sensors in self._sensors:
             sensors.send(tick, stamp)
         if tick.picture and self._camera:

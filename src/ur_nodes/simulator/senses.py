@@ -47,10 +47,9 @@ class Senses:
             each.begin()
 
     def sample(self, due: Sequence[str], time: float) -> None:
-        """These are due, at a time (s) since the start or the last reset."""
+        """These sensors are due, at a time (s) since the start or the last reset."""
         for name in due:
-            if name in self.each:
-                self.each[name].sample(time)
+            self.each[name].sample(time)
 
     def feel_touch(self, time: float) -> None:
         """The robot touches something at a time (s)."""

@@ -124,8 +124,9 @@ class Simulation:
             self._read_encoders()
         if "scan" in now:
             self._noise = [random.standard_normal(self._noise[0].size) for random in self._random]
-        for senses in self.senses:
-            senses.sample(now, self._step * TIME_STEP)
+        if sensed := [name for name in now if name in self._sensed]:
+            for senses in self.senses:
+                senses.sample(sensed, self._step * TIME_STEP)
         if "control" in now:
             self._update_drives()
             self._move_people(1.0 / CONTROL_RATE)
@@ -210,7 +211,7 @@ class Simulation:
         _refuse(name, pose, blocked)
 
     def _next_step(self) -> int:
-        return min(schedule.step for schedule in self._schedules.values())
+        return min([schedule.step for schedule in self._schedules.values()])
 
     def _outside(self, pose: tuple[float, float, float]) -> str | None:
         return "outside the floor plan" if self._world.floor_plan.wall_at(pose[0], pose[1]) is None else None
@@ -232,6 +233,7 @@ class Simulation:
         for senses in self.senses:
             senses.begin()
         own = self.senses[0].each if self.senses else {}
+        self._sensed = frozenset(own)
         rates |= {name: sense.rate for name, sense in own.items()}
         self._placed = _PLACED | {name for name, sense in own.items() if sense.placed}
         self._schedules = {name: Schedule(rate) for name, rate in rates.items() if rate > 0.0}

@@ -21,7 +21,14 @@ def keep_own_clock() -> Callable[[genpy.Time], None]:
     if subscriber is None:
         return lambda _time: None
     subscriber.unregister()
-    return rospy.rostime._set_rostime  # noqa: SLF001 - as the subscription did
+    return _set_time
+
+
+def _set_time(time: genpy.Time) -> None:
+    """Set the time as rospy does, which calls `notify_all` by a name that costs a warning each time."""
+    rospy.rostime._rostime_current = rospy.Time(time.secs, time.nsecs)  # noqa: SLF001 - rospy has no other name
+    with (changed := rospy.rostime._rostime_cond):  # noqa: SLF001 - likewise
+        changed.notify_all()
 
 
 def follow_clock(call: Callable[[], None]) -> None:
