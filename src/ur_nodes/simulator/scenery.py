@@ -3,13 +3,15 @@
 import math
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ur.robot.base import Camera
 from ur.worlds.world_file import DICTIONARIES, Fiducial
+from ur_nodes.geometry.rigid import from_angles
 from ur_nodes.simulator.mujoco_model import Scenery
 
 _CELL_PIXELS = 16
-
-Axes = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
 
 def build_scenery(camera: Camera, fiducials: Iterable[Fiducial], robots: int) -> Scenery:
@@ -46,7 +48,6 @@ def draw_textures(fiducials: Iterable[Fiducial]) -> dict[str, bytes]:
     if not plates:
         return {}
     import cv2
-    import numpy as np
 
     files = {}
     for fiducial in plates:
@@ -58,22 +59,16 @@ def draw_textures(fiducials: Iterable[Fiducial]) -> dict[str, bytes]:
     return files
 
 
-def rotation_axes(angles: Sequence[float]) -> Axes:
-    """The axes of a frame turned by roll, pitch, yaw (rad, about fixed axes, as in URDF), in its parent."""
-    (cr, cp, cy), (sr, sp, sy) = [[f(a) for a in angles] for f in (math.cos, math.sin)]
-    return (
-        (cy * cp, sy * cp, -sp),
-        (cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr),
-        (cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr),
-    )
+def rotation_axes(angles: Sequence[float]) -> NDArray[np.float64]:
+    """The axes (3, 3) of a frame turned by roll, pitch, yaw (rad, about fixed axes, as in URDF), in its parent."""
+    return from_angles((0.0, 0.0, 0.0), tuple(angles))[:3, :3].T
 
 
 def _camera(camera: Camera, number: int) -> str:
     """MuJoCo's cameras look along -z with y up; `fovy` is in degrees under any setting of the compiler."""
     _, left, up = rotation_axes(camera.pose[3:])
-    right = tuple(-value for value in left)
     fovy = 2.0 * math.degrees(math.atan(camera.height / 2.0 / camera.focal_length))
-    return f'<camera name="camera_{number}" pos="{_n(camera.pose[:3])}" xyaxes="{_n((*right, *up))}" fovy="{fovy!r}"/>'
+    return f'<camera name="camera_{number}" pos="{_n(camera.pose[:3])}" xyaxes="{_n((*-left, *up))}" fovy="{fovy!r}"/>'
 
 
 def _asset(plate: Fiducial) -> str:

@@ -27,7 +27,7 @@ class SonarRing:
         poses = [sonar.pose for sonar in sonars.at]
         self._places = np.array([pose[:3] for pose in poses], np.float64).reshape(-1, 3)
         fan = cone_rays(sonars.field_of_view)
-        self._fans = [fan @ np.array(rotation_axes(pose[3:])) for pose in poses]
+        self._fans = [fan @ rotation_axes(pose[3:]) for pose in poses]
         self._rays = RayCaster(model, self._body, len(fan), sonars.range_max + 6.0 * sonars.noise, SONAR_GROUPS)
 
     def listen(self, data: mujoco.MjData, noise: Floats) -> Floats:
