@@ -61,7 +61,8 @@ def draw_textures(fiducials: Iterable[Fiducial]) -> dict[str, bytes]:
 
 def rotation_axes(angles: Sequence[float]) -> NDArray[np.float64]:
     """The axes (3, 3) of a frame turned by roll, pitch, yaw (rad, about fixed axes, as in URDF), in its parent."""
-    return from_angles((0.0, 0.0, 0.0), tuple(angles))[:3, :3].T
+    axes: NDArray[np.float64] = from_angles((0.0, 0.0, 0.0), tuple(angles))[:3, :3].T
+    return axes
 
 
 def _camera(camera: Camera, number: int) -> str:
