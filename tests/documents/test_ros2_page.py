@@ -16,7 +16,7 @@ def rows(text: str, after: str) -> list[list[str]]:
 
 
 def test_page_has_the_names_of_ros_2() -> None:
-    source = (ROOT / "src/ur_nodes/ros2/names.py").read_text(encoding="utf-8")
+    source = (ROOT / "src/ur_nodes/ports/raw.py").read_text(encoding="utf-8")
     assignment = next(
         node
         for node in ast.parse(source).body

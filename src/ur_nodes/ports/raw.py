@@ -161,3 +161,40 @@ class RecordingRaw:
         self: RawSubscriber, callback: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]
     ) -> TopicRecorder:
         return SubscribedRecorder(self, callback, clock)
+
+
+UPSTREAM = {
+    "move_base_simple/goal": "goal_pose",
+    **{f"move_base/{end}": f"navigate_to_pose/{end}" for end in ("goal", "cancel", "state", "status", "feedback")},
+    "move_base/NavfnROS/plan": "plan",
+    "move_base/DWAPlannerROS/global_plan": "received_global_plan",
+    "move_base/DWAPlannerROS/local_plan": "local_plan",
+    "move_base/global_costmap/costmap": "global_costmap/costmap",
+    "move_base/global_costmap/costmap_updates": "global_costmap/costmap_updates",
+    "move_base/global_costmap/footprint": "global_costmap/published_footprint",
+    "move_base/local_costmap/costmap": "local_costmap/costmap",
+    "move_base/local_costmap/costmap_updates": "local_costmap/costmap_updates",
+    "move_base/local_costmap/footprint": "local_costmap/published_footprint",
+    "static_map": "map_server/map",
+    "change_map": "map_server/load_map",
+    "dynamic_map": "slam_toolbox/dynamic_map",
+    "global_localization": "reinitialize_global_localization",
+}
+"""Ends of names of topics and services of ROS 1, and what Nav2 calls them: the table of `docs/reference/ros2.md`."""
+
+
+def upstream_name(full: str) -> str:
+    """Return the usual ROS 2 name of a topic or service; `full` is its name as on ROS 1, below any namespace."""
+    for ours, theirs in UPSTREAM.items():
+        done = theirs.endswith(f"/{ours}") and full.endswith(f"/{theirs}")
+        if full.endswith(f"/{ours}") and not done:
+            return full.removesuffix(ours) + theirs
+    return full
+
+
+def ros1_name(full: str) -> str:
+    """Return the name on ROS 1 of a topic that `upstream_name` has named."""
+    for ours, theirs in UPSTREAM.items():
+        if full.endswith(f"/{theirs}"):
+            return full.removesuffix(theirs) + ours
+    return full

@@ -23,6 +23,7 @@ from ur.source.foreign.json_values import write_json
 from ur_nodes.datagram_socket import DatagramSocket
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.raw import ros1_name
 from ur_nodes.ports.values import ClockTime
 
 _MOST_AT_ONCE = 2000  # messages of one step at most; the next step continues
@@ -139,7 +140,8 @@ class ReplayNode:
                 continue
             quality = Quality.LATCHED if name in kept else Quality.EVERY
             try:
-                publishers[name] = self._node.raw.publish(name, self._convert_topic(topic).type_name, quality)
+                own_name = self._name_here(name, topic)
+                publishers[name] = self._node.raw.publish(own_name, self._convert_topic(topic).type_name, quality)
             except LookupError:
                 missing[topic.type_name] = None
         if missing:
@@ -161,7 +163,11 @@ class ReplayNode:
             action, _, part = name.rpartition("/")
             if part == "status" and topic.type_name in _STATUS_TYPES:
                 for each in ("goal", "cancel"):
-                    self._node.raw.subscribe(f"{action}/{each}", lambda _message: None)
+                    self._node.raw.subscribe(self._name_here(f"{action}/{each}", topic), lambda _message: None)
+
+    def _name_here(self, name: str, topic: RecordingTopic) -> str:
+        """Return a name as the ROS that runs has it; on ROS 2, the node itself converts names of ROS 1."""
+        return ros1_name(name) if (topic.encoding, self._node.raw.encoding) == ("cdr", "ros1") else name
 
     def _print(self, text: str) -> None:
         sys.stdout.write(f"{text}\n")

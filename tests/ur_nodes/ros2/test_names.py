@@ -1,6 +1,7 @@
 import pytest
 
-from ur_nodes.ros2.names import UPSTREAM, arguments_of, full_name, name_of, upstream_name
+from ur_nodes.ports.raw import UPSTREAM, ros1_name, upstream_name
+from ur_nodes.ros2.names import arguments_of, full_name, name_of
 
 
 @pytest.mark.parametrize(
@@ -49,3 +50,9 @@ def test_topics_of_navigation_have_the_names_of_nav2(full: str, expected: str) -
 
 def test_names_of_ros_2_stay_as_they_are() -> None:
     assert [upstream_name(f"/{name}") for name in UPSTREAM.values()] == [f"/{name}" for name in UPSTREAM.values()]
+
+
+def test_names_of_nav2_are_those_of_ros_1_again() -> None:
+    names = [f"/robot1/{name}" for name in UPSTREAM]
+    assert [ros1_name(upstream_name(name)) for name in names] == names
+    assert ros1_name("/my_plan") == "/my_plan"
