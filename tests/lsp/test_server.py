@@ -133,18 +133,6 @@ async def test_server_renames_marks_and_follows_includes(package: Path) -> None:
         assert [lens.command.title for lens in lenses if lens.command] == ["Check: no findings", "Show graph", "Launch"]
         command = types.ExecuteCommandParams("ur.check", arguments=[editor.uri(name)])
         assert await client.workspace_execute_command_async(command) == "bringup.launch: no findings"
-        items = await client.text_document_prepare_call_hierarchy_async(
-            types.CallHierarchyPrepareParams(editor.document("launch/part.launch.xml"), types.Position(0, 0))
-        )
-        assert items is not None
-        callers = await client.call_hierarchy_incoming_calls_async(types.CallHierarchyIncomingCallsParams(items[0]))
-        assert callers is not None
-        assert [each.from_.name for each in callers] == ["bringup.launch"]
-        included = await client.call_hierarchy_outgoing_calls_async(
-            types.CallHierarchyOutgoingCallsParams(callers[0].from_)
-        )
-        assert included is not None
-        assert [each.to.name for each in included] == ["part.launch.xml"]
         folds = await client.text_document_folding_range_async(types.FoldingRangeParams(document))
         assert folds is not None
         assert [(fold.start_line, fold.end_line) for fold in folds] == [(0, 6), (3, 4)]

@@ -1,8 +1,7 @@
-"""Requests of the protocol about names and annotations: rename, colours, values, includes as calls, commands."""
+"""Requests of the protocol about names and annotations: rename, colours, values, commands."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from lsprotocol import types
@@ -11,14 +10,13 @@ from pygls.exceptions import JsonRpcInvalidParams
 from ur.check.rule import TextEdit
 from ur.launchfile.query.written import find_written
 from ur.lsp.annotations import TOKEN_KINDS, list_code_lenses, list_inlay_hints, list_semantic_tokens
-from ur.lsp.convert import path_of, uri_of
+from ur.lsp.convert import path_of
 from ur.lsp.definitions import included_by
 from ur.lsp.launch_texts import declaring_file, is_launch_text
 from ur.lsp.names import find_name_at
 from ur.lsp.programs.places import list_programs
-from ur.lsp.symbols import IncludeStep, find_included, find_including
 from ur.source.diagnostic import UserError
-from ur.source.file import SourceFile, Span
+from ur.source.file import Span
 from ur.tools.find.arguments import rename_argument
 
 if TYPE_CHECKING:
@@ -29,7 +27,6 @@ def add_more_answers(server: LaunchServer) -> None:
     """Register what a client may ask about names and annotations."""
     _add_rename(server)
     _add_annotations(server)
-    _add_hierarchy(server)
     _add_commands(server)
 
 
@@ -112,34 +109,6 @@ def _add_annotations(server: LaunchServer) -> None:
             types.CodeLens(server.units.range(each.span), types.Command(each.title, each.command, arguments=arguments))
             for each in lenses
         ]
-
-
-def _add_hierarchy(server: LaunchServer) -> None:
-    @server.feature(types.TEXT_DOCUMENT_PREPARE_CALL_HIERARCHY)
-    def _prepare(params: types.CallHierarchyPrepareParams) -> list[types.CallHierarchyItem]:
-        path = path_of(params.text_document.uri)
-        return [_file_item(server, path)] if path is not None else []
-
-    @server.feature(types.CALL_HIERARCHY_OUTGOING_CALLS)
-    def _included(params: types.CallHierarchyOutgoingCallsParams) -> list[types.CallHierarchyOutgoingCall]:
-        steps = find_included(server.files, path_of(params.item.uri) or "")
-        return [types.CallHierarchyOutgoingCall(_file_item(server, each.path), _tags(server, each)) for each in steps]
-
-    @server.feature(types.CALL_HIERARCHY_INCOMING_CALLS)
-    def _including(params: types.CallHierarchyIncomingCallsParams) -> list[types.CallHierarchyIncomingCall]:
-        steps = find_including(server.files, path_of(params.item.uri) or "")
-        return [types.CallHierarchyIncomingCall(_file_item(server, each.path), _tags(server, each)) for each in steps]
-
-
-def _tags(server: LaunchServer, step: IncludeStep) -> Sequence[types.Range]:
-    return [server.units.range(tag) for tag in step.tags]
-
-
-def _file_item(server: LaunchServer, path: str) -> types.CallHierarchyItem:
-    source: SourceFile = server.read(path)
-    whole = server.units.range(Span(source, 0, len(source.text)))
-    start = types.Range(whole.start, whole.start)
-    return types.CallHierarchyItem(path.rpartition("/")[2], types.SymbolKind.File, uri_of(path), whole, start)
 
 
 def _add_commands(server: LaunchServer) -> None:

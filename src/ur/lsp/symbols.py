@@ -9,7 +9,6 @@ from typing import Literal
 from ur.check.rule import LaunchView
 from ur.check.survey import walk_elements
 from ur.launchfile.syntax import Comment, Element
-from ur.lsp.programs.places import starts_of_file
 from ur.lsp.workspace import Workspace
 from ur.source.file import Span
 
@@ -120,37 +119,3 @@ def list_folds(view: LaunchView) -> list[Fold]:
         if last > first:
             folds.append(Fold(first, last, comment=True))
     return sorted(folds, key=lambda each: (each.first, each.last))
-
-
-@dataclass(frozen=True, slots=True)
-class IncludeStep:
-    """A file at the other end, and the `<include>` tags between the two."""
-
-    path: str
-    tags: tuple[Span, ...]
-
-
-def find_included(workspace: Workspace, path: str) -> list[IncludeStep]:
-    """The files that a file includes, in any case."""
-    view = workspace.view(path)
-    found: dict[str, dict[int, Span]] = {}
-    for _, plan, _ in workspace.cases(view) if view is not None else ():
-        for include in plan.includes:
-            if not include.origin.includes and include.found:
-                found.setdefault(include.file, {})[include.origin.span.start] = include.origin.span
-    return [IncludeStep(each, tuple(spans.values())) for each, spans in sorted(found.items())]
-
-
-def find_including(workspace: Workspace, path: str) -> list[IncludeStep]:
-    """The files of the workspace that include or start a launch file, in any case."""
-    session = workspace.session
-    if session is None:
-        return []
-    starts = starts_of_file(path, workspace) if path in workspace.views else []
-    found: dict[str, list[Span]] = {}
-    for span in starts:
-        found.setdefault(span.file.path, []).append(span)
-    files = {span.file.path for span in session.sources.inclusions.tags.get(path, ())}
-    steps = ((file, step) for file in sorted(files) for step in find_included(workspace, file))
-    including = [IncludeStep(file, step.tags) for file, step in steps if step.path == path]
-    return [*including, *(IncludeStep(file, tuple(spans)) for file, spans in sorted(found.items()))]

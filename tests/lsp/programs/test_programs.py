@@ -11,7 +11,6 @@ from ur.check.worlds import make_world
 from ur.lsp.completion import complete
 from ur.lsp.definitions import find_definitions, find_references
 from ur.lsp.hover import describe_at
-from ur.lsp.symbols import find_including
 from ur.lsp.workspace import Workspace
 
 PROGRAM = """#!/usr/bin/env python3
@@ -140,9 +139,9 @@ def test_definitions_and_uses_cross_files(
 
 
 def test_launch_file_knows_the_programs_that_start_it(workspace: Workspace) -> None:
-    folder = workspace.folders[0]
-    (step,) = find_including(workspace, f"{folder}/launch/first.launch")
-    assert names_of(workspace, [*step.tags]) == ["bin/ur_follow:4:25"]
+    include = '<include file="$(find my_robot)/launch/first|.launch"/>'
+    found = find_references(*place(workspace, "launch/new.launch", include))
+    assert "bin/ur_follow:4:25" in names_of(workspace, [*found])
 
 
 @pytest.mark.usefixtures("workspace")
