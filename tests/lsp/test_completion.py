@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from ur.check.worlds import make_world
-from ur.lsp.actions import list_actions
 from ur.lsp.completion import complete
 from ur.lsp.definitions import find_definitions, find_references
 from ur.lsp.hover import describe_at
@@ -121,12 +120,3 @@ def test_definitions_and_references_are_found(
         assert sorted({Path(each.file.path).name for each in found}) == files
     places = find_references(here.workspace, here.path, here.offset)
     assert sorted({Path(each.file.path).name for each in places}) == references
-
-
-def test_tags_become_a_file_of_their_own(tmp_path: Path) -> None:
-    text = '<launch>\n  <arg name="a" default="1"/>\n  |<param name="p" value="$(arg a)"/>\n</launch>\n'
-    here = EditedText(tmp_path, text)
-    end = text.index("/>\n</launch>") + 1
-    (action,) = [each for each in list_actions(here.workspace, here.path, here.offset, end) if each.refactors]
-    assert action.new is not None
-    assert '<param name="p" value="$(arg a)"/>' in action.new[1]

@@ -1,4 +1,4 @@
-"""Changes that a place offers: the fixes of findings, hiding them, adding what is missing, and extracting a file."""
+"""Changes that a place offers: the fixes of findings, hiding them, and adding what is missing."""
 
 import re
 from collections.abc import Iterator
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ur.check.inclusion import list_includes
 from ur.check.rule import LaunchView, TextEdit
-from ur.check.survey import find_uses, walk_elements
+from ur.check.survey import walk_elements
 from ur.lsp.symbols import whole_of
 from ur.lsp.workspace import Workspace
 from ur.source.diagnostic import Diagnostic, UserError
@@ -18,28 +18,22 @@ _MEANT = re.compile(r"did you mean ['\"]?([^\s?'\"]+?)['\"]?(?::=\.\.\.)?\?")
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """A change with a title. `new` is a file that it makes, with its text; `fixes` the finding that ends by it."""
+    """A change with a title; `fixes` is the finding that ends by it."""
 
     title: str
     edits: tuple[TextEdit, ...]
     fixes: Diagnostic | None = None
-    new: tuple[str, str] | None = None
-    refactors: bool = False
 
 
 def list_actions(workspace: Workspace, path: str, start: int, end: int) -> list[Action]:
     """The changes that are offered for the characters `start` to `end` of a file."""
     view = workspace.view(path)
-    source = view.tree.source if view is not None else None
     found = [
         each
         for each in workspace.findings_of(path)
         if each.span is not None and each.span.start <= end and start <= max(each.span.end, each.span.start + 1)
     ]
-    actions = [action for each in found for action in _for_finding(each, view, workspace)]
-    if view is not None and source is not None and end > start:
-        actions.extend(_extract(view, start, end))
-    return actions
+    return [action for each in found for action in _for_finding(each, view, workspace)]
 
 
 def _for_finding(found: Diagnostic, view: LaunchView | None, workspace: Workspace) -> Iterator[Action]:
@@ -105,30 +99,6 @@ def _hide(found: Diagnostic, view: LaunchView) -> Iterator[Action]:
     indent = source.text[line:start] if not source.text[line:start].strip() else ""
     comment = f"<!--ur: ignore {found.rule}: REASON-->\n{indent}"
     yield Action(f"Hide '{found.rule}' here", (TextEdit(Span(source, start, start), comment),), found)
-
-
-def _extract(view: LaunchView, start: int, end: int) -> Iterator[Action]:
-    source, launch = view.tree.source, view.tree.launch
-    if launch is None or view.tree.diagnostics:
-        return
-    chosen = [each for each in launch.elements if start <= whole_of(each).start and whole_of(each).end <= end]
-    if not chosen or any(each.name in ("arg", "machine") for each in chosen):
-        return
-    first, last = chosen[0].start, whole_of(chosen[-1]).end
-    between = [each for each in launch.elements if first <= each.start < last]
-    if between != chosen:
-        return
-    used = {name: None for top in chosen for each, _ in walk_elements(top) for name, _ in find_uses(each)}
-    names = [name for name in used if name in view.declared]
-    folder, _, file = view.path.rpartition("/")
-    stem = file.removesuffix(".xml").removesuffix(".launch")
-    name = f"{stem}_part.launch.xml"
-    declared = "".join(f'  <arg name="{each}"/>\n' for each in names)
-    text = f"<launch>\n{declared}  {source.text[first:last]}\n</launch>\n"
-    passed = "".join(f'\n    <arg name="{each}" value="$(arg {each})"/>' for each in names)
-    tag = f'<include file="$(dirname)/{name}"' + (f">{passed}\n  </include>" if passed else "/>")
-    edit = TextEdit(Span(source, first, last), tag)
-    yield Action(f"Extract into {name}", (edit,), None, (f"{folder}/{name}", text), refactors=True)
 
 
 def format_text(workspace: Workspace, path: str) -> str | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from lsprotocol import types
@@ -10,7 +9,7 @@ from lsprotocol import types
 from ur.check.rule import TextEdit
 from ur.lsp.actions import format_text, list_actions
 from ur.lsp.completion import complete
-from ur.lsp.convert import path_of, uri_of
+from ur.lsp.convert import path_of
 from ur.lsp.cursor import Candidate, CandidateKind
 from ur.lsp.definitions import find_definitions, find_references
 from ur.lsp.hover import describe_at
@@ -150,7 +149,7 @@ def _symbol(server: LaunchServer, found: Symbol) -> types.DocumentSymbol:
 
 
 def _add_actions(server: LaunchServer) -> None:
-    kinds = types.CodeActionOptions([types.CodeActionKind.QuickFix, types.CodeActionKind.RefactorExtract])
+    kinds = types.CodeActionOptions([types.CodeActionKind.QuickFix])
 
     @server.feature(types.TEXT_DOCUMENT_CODE_ACTION, kinds)
     def _act(params: types.CodeActionParams) -> list[types.CodeAction]:
@@ -160,25 +159,10 @@ def _add_actions(server: LaunchServer) -> None:
             return []
         actions = []
         for each in list_actions(server.files, start[0], start[1], end[1]):
-            changes = server.units.edits(each.edits)
-            edit = types.WorkspaceEdit(changes)
-            if each.new is not None:
-                edit = _with_new_file(changes, *each.new)
-            kind = types.CodeActionKind.RefactorExtract if each.refactors else types.CodeActionKind.QuickFix
+            edit = types.WorkspaceEdit(server.units.edits(each.edits))
             found = each.fixes
             fixed = (
                 [server.units.diagnostic(found, found.span)] if found is not None and found.span is not None else None
             )
-            actions.append(types.CodeAction(each.title, kind, fixed, edit=edit))
+            actions.append(types.CodeAction(each.title, types.CodeActionKind.QuickFix, fixed, edit=edit))
         return actions
-
-
-def _with_new_file(changes: dict[str, Sequence[types.TextEdit]], path: str, text: str) -> types.WorkspaceEdit:
-    uri = uri_of(path)
-    start = types.Range(types.Position(0, 0), types.Position(0, 0))
-    new = types.TextDocumentEdit(types.OptionalVersionedTextDocumentIdentifier(uri), [types.TextEdit(start, text)])
-    others = [
-        types.TextDocumentEdit(types.OptionalVersionedTextDocumentIdentifier(each), edits)
-        for each, edits in changes.items()
-    ]
-    return types.WorkspaceEdit(document_changes=[types.CreateFile(uri), new, *others])
