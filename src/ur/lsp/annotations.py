@@ -1,7 +1,6 @@
-"""Semantic tokens, inlay hints and code lenses of a launch file."""
+"""Inlay hints and code lenses of a launch file."""
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,26 +11,9 @@ from ur.lsp.names import arguments_before, expand
 from ur.lsp.workspace import ResolvedCase, Workspace
 from ur.source.file import Span
 
-TokenKind = Literal["macro", "parameter", "namespace", "function", "string", "keyword"]
-TOKEN_KINDS: tuple[TokenKind, ...] = ("macro", "parameter", "namespace", "function", "string", "keyword")
-_PIECE = re.compile(r"\$\((\w+)\s*([^)]*)\)")
 _PLAIN_PATH = re.compile(r"\$\((?:find [\w.-]+|dirname)\)/[^$]*")  # its result would only repeat it
 _LONG = 40
 _EMPTY = "''"
-_NAMES: dict[tuple[str, str], TokenKind] = {
-    ("arg", "name"): "parameter",
-    ("node", "name"): "function",
-    ("node", "pkg"): "namespace",
-    ("node", "type"): "function",
-}
-
-
-@dataclass(frozen=True, slots=True)
-class SemanticToken:
-    """A word with its kind."""
-
-    span: Span
-    kind: TokenKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,31 +31,6 @@ class CodeLens:
     span: Span
     title: str
     command: Literal["ur.check", "ur.graph", "ur.launch"]
-
-
-def list_semantic_tokens(view: LaunchView) -> list[SemanticToken]:
-    """The words of a file that have a meaning beyond XML, in order, without overlaps."""
-    found = [word for element, _ in walk_elements(view.tree.launch) for word in _words_of(element)]
-    return sorted(found, key=lambda each: each.span.start)
-
-
-def _words_of(element: Element) -> Iterator[SemanticToken]:
-    for attribute in element.attributes:
-        span = element.value_span(attribute)
-        if span.start == element.start:
-            continue
-        kind = _NAMES.get((element.name, attribute))
-        if "$(" not in span.text:
-            if kind is not None and span.text and "\n" not in span.text:
-                yield SemanticToken(span, kind)
-            continue
-        for piece in _PIECE.finditer(span.text):
-            start = span.start + piece.start(1)
-            yield SemanticToken(Span(span.file, start, start + len(piece.group(1))), "macro")
-            if piece.group(1) in ("arg", "find") and piece.group(2).strip() and "\n" not in piece.group(2):
-                start = span.start + piece.start(2)
-                word = Span(span.file, start, start + len(piece.group(2).rstrip()))
-                yield SemanticToken(word, "parameter" if piece.group(1) == "arg" else "namespace")
 
 
 def list_inlay_hints(workspace: Workspace, view: LaunchView, start: int, end: int) -> list[InlayHint]:

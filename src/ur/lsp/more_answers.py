@@ -1,4 +1,4 @@
-"""Requests of the protocol about names and annotations: rename, colours, values, commands."""
+"""Requests of the protocol about names and annotations: rename, values, commands."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pygls.exceptions import JsonRpcInvalidParams
 
 from ur.check.rule import TextEdit
 from ur.launchfile.query.written import find_written
-from ur.lsp.annotations import TOKEN_KINDS, list_code_lenses, list_inlay_hints, list_semantic_tokens
+from ur.lsp.annotations import list_code_lenses, list_inlay_hints
 from ur.lsp.convert import path_of
 from ur.lsp.definitions import included_by
 from ur.lsp.launch_texts import declaring_file, is_launch_text
@@ -72,22 +72,6 @@ def _add_rename(server: LaunchServer) -> None:
 
 
 def _add_annotations(server: LaunchServer) -> None:
-    legend = types.SemanticTokensLegend(list(TOKEN_KINDS), [])
-
-    @server.feature(types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL, legend)
-    def _words(params: types.SemanticTokensParams) -> types.SemanticTokens:
-        view = server.files.view(path_of(params.text_document.uri) or "")
-        data: list[int] = []
-        line = column = 0
-        for word in list_semantic_tokens(view) if view is not None else ():
-            place = server.units.range(word.span)
-            start = place.start
-            shift = start.character - (column if start.line == line else 0)
-            length = place.end.character - start.character
-            data += [start.line - line, shift, length, TOKEN_KINDS.index(word.kind), 0]
-            line, column = start.line, start.character
-        return types.SemanticTokens(data)
-
     @server.feature(types.TEXT_DOCUMENT_INLAY_HINT)
     def _hints(params: types.InlayHintParams) -> list[types.InlayHint]:
         view = server.files.view(path_of(params.text_document.uri) or "")
