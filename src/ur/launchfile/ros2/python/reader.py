@@ -251,8 +251,7 @@ class _Reader(Imports):
         here = self._expressions
         kinds = {decorator_name(each) for each in node.decorator_list}
         if node.keywords or not kinds <= {"dataclass", *_NEUTRAL}:
-            text = f"the class {node.name} is not followed while reading"
-            here.frame.names_here[node.name] = Unknown(text, here.span(node))
+            self._leave_out(node)
             return
         visited = [here.visit(base) for base in node.bases]
         bases = [base for base in visited if isinstance(base, UserClass)]
@@ -281,9 +280,11 @@ class _Reader(Imports):
             self._exception_of(node, bases),
         )
 
-    def _run_AsyncFunctionDef(self, node: ast.AsyncFunctionDef) -> None:  # noqa: N802
-        text = f"the function {node.name} is not followed while reading"
-        self._expressions.frame.names_here[node.name] = Unknown(text, self._expressions.span(node))
+    def _leave_out(self, node: ast.ClassDef | ast.AsyncFunctionDef) -> None:
+        unknown = Unknown(f"{node.name} is not followed while reading", self._expressions.span(node))
+        self._expressions.frame.names_here[node.name] = unknown
+
+    _run_AsyncFunctionDef = _leave_out  # noqa: N815
 
     def _exception_of(self, node: ast.ClassDef, bases: list[UserClass]) -> type[Exception] | None:
         """Return what is raised with a class: a class of its name, below the exception that it is derived from."""
@@ -300,28 +301,24 @@ class _Reader(Imports):
         bound = bind(function, arguments, keywords)
         outer, here.frame = here.frame, Frame(function.frame, bound)
         caller, here.function = here.function, function
-        variables, here.variables = here.variables, []
-        loops, self._loops = self._loops, 0
-        tries, here.tries = here.tries, 0
-        yields, here.yields = here.yields, []
+        variables, yields, here.variables, here.yields = here.variables, here.yields, [], []
+        loops, tries, self._loops, here.tries = self._loops, here.tries, 0, 0
         self._tries_around += tries
         self._depth += 1
+        result: object = None
         try:
             if isinstance(function.node, ast.Lambda):
                 return here.visit(function.node.body)
             self._run(function.node.body)
         except Returned as returned:
-            if isinstance(returned.value, Unknown) or not is_generator(function.node):
-                return returned.value
-        else:
-            if not is_generator(function.node):
-                return None
+            result = returned.value
         finally:
             generated, here.yields = here.yields, yields
             here.frame, here.variables, here.function, here.tries = outer, variables, caller, tries
             self._depth, self._loops = self._depth - 1, loops
             self._tries_around -= tries
-        return iter(generated)  # all at once, as expressions are computed
+        is_known = is_generator(function.node) and not isinstance(result, Unknown)
+        return iter(generated) if is_known else result  # all at once, as expressions are computed
 
     def _run_Return(self, node: ast.Return) -> None:  # noqa: N802
         if not self._depth:
