@@ -24,11 +24,11 @@ def read_record(folder: Path) -> MotionRecord:
     return record
 
 
-def test_drive_of_20_metres_shows_what_to_calibrate(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_drive_to_two_goals_shows_what_to_calibrate(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     wrong = FirstDrive(errors=WRONG, seed=1)
     assert go(wrong, 7.87, 1.53, -140.0) > 2.0
-    go(wrong, 2.03, 7.62, -160.0)
+    go(wrong, 4.0, 1.53, 180.0)
     wrong.bus.run(6.0)
     found, expected = read_record(tmp_path), parse_calibration(WRONG, "errors")
     assert found.yaw == pytest.approx(expected.lidar_yaw, abs=math.radians(0.3))
