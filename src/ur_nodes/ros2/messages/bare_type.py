@@ -82,7 +82,7 @@ def bare_class(package: str, name: str, hash: str) -> Any:
     support.get_type_hash = _GetHash(lambda _support: ctypes.addressof(number))
     part = _get_part() if _needs_fields() else None
     if part is not None:
-        support.func = ctypes.cast(part, ctypes.c_void_p)
+        support.func = ctypes.cast(part, ctypes.c_void_p)  # type: ignore[arg-type]  # a function of C
     make = ctypes.pythonapi.PyCapsule_New
     make.restype, make.argtypes = ctypes.py_object, (ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p)
     PointCloud2.__class__.__import_type_support__()  # type: ignore[attr-defined]  # of rclpy's metaclass
