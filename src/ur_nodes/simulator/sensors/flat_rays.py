@@ -72,6 +72,7 @@ _SLACK = 1e-9  # of the step between two beams: a beam through a corner meets th
 _PARALLEL = 1e-12
 _CELL = 0.5  # m: which walls can be seen is found once for each square of this size
 _MOST_CELLS = 4000
+_WORTH = 16  # scans from a square: finding it takes what as many of them save
 _MOST_SCREENS = 64  # sides that may hide others: the nearest
 _MARGIN = 1e-6  # m, m^2
 _QUARTERS = np.array(((1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)))
@@ -109,6 +110,7 @@ class UprightShapes:
         self._movers, self._poses = np.unique(self._bodies), b""
         self._others: dict[int, npt.NDArray[np.int64]] = {}
         self._seen: dict[tuple[int, int], Floats] = {}
+        self._asked: dict[tuple[int, int], int] = {}
 
     def sides(self, data: mujoco.MjData, own_body: int, point: tuple[float, float]) -> Floats | None:
         """The sides now that may be seen from a point, but those of a body, shape (4, n).
@@ -128,10 +130,12 @@ class UprightShapes:
         if others is None:
             others = self._others[own_body] = np.flatnonzero(self._bodies != own_body)
         cell = math.floor(point[0] / _CELL), math.floor(point[1] / _CELL)
-        fixed = self._seen.get(cell)
+        asked = self._asked[cell] = self._asked.get(cell, 0) + 1
+        fixed = self._seen.get(cell) if asked > _WORTH else self._fixed
         if fixed is None:
             if len(self._seen) >= _MOST_CELLS:
                 self._seen.clear()
+                self._asked.clear()
             middle = (cell[0] + 0.5) * _CELL, (cell[1] + 0.5) * _CELL
             fixed = self._seen[cell] = self._fixed[:, find_visible(self._fixed, middle, _CELL / 2.0 + _MARGIN)]
         return np.concatenate((fixed, self._now[:, others]), axis=1) if self._upright[others].all() else None
