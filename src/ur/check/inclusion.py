@@ -124,8 +124,7 @@ def merge_includes(found: Iterable[tuple[PossibleInclude, ...]]) -> Inclusions:
                 tags.setdefault(path, []).append(include.span)
                 passed.setdefault(path, set()).update(include.passes)
     return Inclusions(
-        {path: tuple(spans) for path, spans in tags.items()},
-        {path: frozenset(names) for path, names in passed.items()},
+        {path: tuple(spans) for path, spans in tags.items()}, {path: frozenset(names) for path, names in passed.items()}
     )
 
 

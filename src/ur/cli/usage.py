@@ -57,9 +57,7 @@ _VERBS = (
     ("version", "did you mean 'ur --version'?"),
     ("test", "check launch files: ur check; the project's own tests: ./test"),
 )  # fmt: skip
-_REMOVED = {
-    "ur docs --site": "write the page with '--output FILE.md'; MkDocs and others make a site of Markdown",
-}
+_REMOVED = {"ur docs --site": "write the page with '--output FILE.md'; MkDocs and others make a site of Markdown"}
 _MAPS = (
     ("join combine concat fuse append", "merge"),
     ("rm remove del erase", "delete"),

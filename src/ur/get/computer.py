@@ -56,10 +56,7 @@ class PackageSources(Protocol):
 
 
 def load_tables(
-    missing: Iterable[Missing],
-    sources: PackageSources,
-    distribution: str = "",
-    names: Iterable[str] = (),
+    missing: Iterable[Missing], sources: PackageSources, distribution: str = "", names: Iterable[str] = ()
 ) -> tuple[Tables, tuple[str, ...]]:
     """Read the tables for these packages, and return them with notes on missing ones. No package name is sent anywhere.
 

@@ -6,14 +6,7 @@ from ur.complete.yaml_keys import find_key, plain_parents
 from ur.launchfile.plan.specs import NodeSpec
 from ur.launchfile.query.topics import find_name_uses
 from ur.launchfile.query.vocabulary import DOCUMENTS, find_choices
-from ur.lsp.definitions import (
-    LAUNCH_FILES,
-    find_packages,
-    find_parameter,
-    find_programs,
-    included_by,
-    programs_around,
-)
+from ur.lsp.definitions import LAUNCH_FILES, find_packages, find_parameter, find_programs, included_by, programs_around
 from ur.lsp.documents import document_of, summary_of
 from ur.lsp.launch_texts import describe_text, is_launch_text
 from ur.lsp.names import NamedThing, arguments_before, expand_everywhere, find_files, find_thing

@@ -34,11 +34,7 @@ _Moment = Annotated[float, Meta(ge=-1e11, le=1e11)]
 _NPZ = r"(graph|scans)_[0-9]{1,6}\.npz"
 _File = Annotated[str, Meta(pattern=rf"^{_NPZ}\Z")]
 _ZoneName = Annotated[
-    str,
-    Meta(
-        pattern=rf"^(?:{PLACE_NAME.pattern})\Z",
-        description=f"the name of a zone, {PLACE_RULE}",
-    ),
+    str, Meta(pattern=rf"^(?:{PLACE_NAME.pattern})\Z", description=f"the name of a zone, {PLACE_RULE}")
 ]
 
 

@@ -9,13 +9,7 @@ from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
 from ur.source.printable import printable
 
-_STYLES = {
-    "error": BOLD + RED,
-    "warning": BOLD + YELLOW,
-    "note": CYAN,
-    "help": GREEN,
-    "path": BOLD,
-}
+_STYLES = {"error": BOLD + RED, "warning": BOLD + YELLOW, "note": CYAN, "help": GREEN, "path": BOLD}
 
 
 def shows_colour(stream: TextIO) -> bool:

@@ -152,12 +152,7 @@ def check_output(path: AnyPath, inputs: Iterable[AnyPath] = (), begin: Begin = b
 
 @contextmanager
 def output_file(
-    path: AnyPath,
-    inputs: Iterable[AnyPath] = (),
-    begin: Begin = b"",
-    *,
-    mode: int = PUBLIC,
-    parents: bool = False,
+    path: AnyPath, inputs: Iterable[AnyPath] = (), begin: Begin = b"", *, mode: int = PUBLIC, parents: bool = False
 ) -> Iterator[BinaryIO]:
     """Open an output that the user has named: it passes `check_output`, and is complete or unchanged.
 

@@ -48,12 +48,7 @@ KEYS = (
     KeyBinding("c", "clear", "c", "clear the log; the log files keep everything", group=1),
     KeyBinding("X", "stop_all", "X", "stop everything (asks)", group=2),
     KeyBinding(
-        "q",
-        "leave",
-        "q",
-        "quit (asks): stop everything, or detach where the run goes on without you",
-        "quit",
-        group=2,
+        "q", "leave", "q", "quit (asks): stop everything, or detach where the run goes on without you", "quit", group=2
     ),
     KeyBinding("ctrl+q", "leave(True)", "", "", group=2),
     KeyBinding("ctrl+c", "interrupt", "Ctrl-C", "stop everything now; again: faster", group=2),

@@ -96,10 +96,7 @@ class Reader:
 class BareGridUpdate:
     """map_msgs/msg/OccupancyGridUpdate: new cells `data`, int8, from column `x` and row `y` on."""
 
-    BARE = (
-        *("map_msgs", "OccupancyGridUpdate"),
-        "c4095b0be2e4363f8978a1570e0293ee093436f1e1c61d99b48502ac317025e8",
-    )
+    BARE = (*("map_msgs", "OccupancyGridUpdate"), "c4095b0be2e4363f8978a1570e0293ee093436f1e1c61d99b48502ac317025e8")
     DEFINITION = "std_msgs/Header header\nint32 x\nint32 y\nuint32 width\nuint32 height\nint8[] data\n"
 
     def __init__(self) -> None:

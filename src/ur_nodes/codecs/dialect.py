@@ -44,15 +44,7 @@ else:
 
     from ur_nodes.codecs.genpy.scan import ScanMessage
 
-__all__ = [
-    "ROS_2",
-    "Headed",
-    "LogMessage",
-    "ScanMessage",
-    "ServiceMessages",
-    "TimeMessage",
-    "Transforms",
-]
+__all__ = ["ROS_2", "Headed", "LogMessage", "ScanMessage", "ServiceMessages", "TimeMessage", "Transforms"]
 
 
 class ServiceMessages(Protocol[Request, Response]):

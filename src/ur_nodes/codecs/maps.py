@@ -165,11 +165,7 @@ SERVICES = {
         lambda response: Result(success=True, value=map_of(response.map)),
     ),
     UseMap: ServiceCodec(
-        SetMap,
-        _use_map_request,
-        _use_map_of,
-        _use_map_response,
-        lambda response: Result(bool(response.success)),
+        SetMap, _use_map_request, _use_map_of, _use_map_response, lambda response: Result(bool(response.success))
     ),
     Place: ServiceCodec(
         SetMap,

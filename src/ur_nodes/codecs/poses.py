@@ -122,5 +122,5 @@ SERVICES = {
         lambda request: AskPath(stamped_of(request.start), stamped_of(request.goal), float(request.tolerance)),
         _path_response,
         lambda response: Result(success=True, value=path_of(response.plan)),
-    ),
+    )
 }

@@ -10,16 +10,7 @@ from ur_nodes.drivers.boards.board import MotorBoard
 from ur_nodes.drivers.health import HealthMeter, Report
 from ur_nodes.drivers.lidars.turns import TurnCollector
 from ur_nodes.drivers.lines.line import REPORT, Connect, LineSettings, LineUser, describe_loss
-from ur_nodes.drivers.readings import (
-    Contacts,
-    Counts,
-    DeviceIdentity,
-    MeasuredBeams,
-    Motors,
-    Power,
-    Reading,
-    SonarEcho,
-)
+from ur_nodes.drivers.readings import Contacts, Counts, DeviceIdentity, MeasuredBeams, Motors, Power, Reading, SonarEcho
 from ur_nodes.drivers.sonars.echoes import make_range
 from ur_nodes.geometry.dead_reckoning import SPEED_COVARIANCE, DeadReckoning, covariance_matrix
 from ur_nodes.geometry.pose import Pose3, quaternion_of_yaw

@@ -116,11 +116,7 @@ def rotate(rotation: Quaternion, vector: tuple[float, float, float]) -> tuple[fl
     qx, qy, qz, qw = rotation
     x, y, z = vector
     tx, ty, tz = 2.0 * (qy * z - qz * y), 2.0 * (qz * x - qx * z), 2.0 * (qx * y - qy * x)
-    return (
-        x + qw * tx + qy * tz - qz * ty,
-        y + qw * ty + qz * tx - qx * tz,
-        z + qw * tz + qx * ty - qy * tx,
-    )
+    return (x + qw * tx + qy * tz - qz * ty, y + qw * ty + qz * tx - qx * tz, z + qw * tz + qx * ty - qy * tx)
 
 
 def interpolate(a: Pose3, b: Pose3, share: float) -> Pose3:

@@ -13,15 +13,7 @@ from numpy.typing import NDArray
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.geometry.scan import points_of_scan
 from ur_nodes.localisation.likelihood import BeamModel, LikelihoodField, make_field
-from ur_nodes.localisation.localiser import (
-    FOUND,
-    LEAST_BEAMS,
-    LITTLE,
-    LOST,
-    PoseFit,
-    share_through_walls,
-    step_doubt,
-)
+from ur_nodes.localisation.localiser import FOUND, LEAST_BEAMS, LITTLE, LOST, PoseFit, share_through_walls, step_doubt
 from ur_nodes.localisation.scan_match import MatchSettings, match_scan
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality

@@ -82,11 +82,7 @@ def _normal_equations(
     trust = np.square(1.0 / (1.0 + np.square(residuals / settings.outlier)))
     trust *= on_near_side
     weighted = slopes * (trust / (settings.sigma * settings.sigma))[:, None, :]
-    return (
-        weighted @ slopes.transpose(0, 2, 1),
-        (weighted @ residuals[..., None])[..., 0],
-        trust.mean(axis=1),
-    )
+    return (weighted @ slopes.transpose(0, 2, 1), (weighted @ residuals[..., None])[..., 0], trust.mean(axis=1))
 
 
 def _linearise(

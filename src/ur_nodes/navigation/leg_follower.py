@@ -15,13 +15,7 @@ from ur_nodes.navigation.planning.path_geometry import Points, nearest_index
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.local_plan import LocalCommand, follow_reference, sweep_is_free
 from ur_nodes.navigation.steering.rollout import FollowSettings, ReferencePath, RolloutState, make_reference
-from ur_nodes.navigation.steering.speed_profile import (
-    SpeedLimits,
-    approach,
-    brake,
-    speed_shares,
-    turn_towards,
-)
+from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach, brake, speed_shares, turn_towards
 
 _BACK = 0.2  # m/s, at most, while a leg is driven back
 _ARRIVED = 0.015  # m from the end of a leg

@@ -144,10 +144,7 @@ class RecordNode:
     """
 
     def __init__(
-        self,
-        node: Node,
-        steady_ns: Callable[[], int] = time.monotonic_ns,
-        unix_ns: Callable[[], int] = time.time_ns,
+        self, node: Node, steady_ns: Callable[[], int] = time.monotonic_ns, unix_ns: Callable[[], int] = time.time_ns
     ) -> None:
         self._node = node
         self._patterns = tuple(f"/{each.lstrip('/')}" for each in node.parameters.text("topics", "").split())

@@ -22,12 +22,7 @@ if TYPE_CHECKING:
 
 Value = TypeVar("Value")
 
-_DEPTHS: dict[Quality, int | None] = {
-    Quality.NEWEST: 1,
-    Quality.FRESH: 1,
-    Quality.LATCHED: 1,
-    Quality.LOSSLESS: None,
-}
+_DEPTHS: dict[Quality, int | None] = {Quality.NEWEST: 1, Quality.FRESH: 1, Quality.LATCHED: 1, Quality.LOSSLESS: None}
 _QUEUE = 100
 
 

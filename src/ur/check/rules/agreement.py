@@ -246,10 +246,7 @@ A namespace does not reach `/tf`: its name begins with a slash. Two robots need 
 """,
         bad=(_file(_LEFT, _node("robot_state_publisher", "robot_state_publisher", _RIGHT, bad=True)),),
         good=(
-            _file(
-                _LEFT,
-                _node("robot_state_publisher", "robot_state_publisher", _RIGHT, 'remappings=[("/tf", "tf")]'),
-            ),
+            _file(_LEFT, _node("robot_state_publisher", "robot_state_publisher", _RIGHT, 'remappings=[("/tf", "tf")]')),
         ),
         plan=_find_mixed_trees,
     ),

@@ -135,7 +135,7 @@ only where the argument is used, and accepts it silently where it is not.
     <param name="speed" value="$(arg speed)"/>
   </group>
 </launch>
-""",
+"""
                 },
             ),
         ),

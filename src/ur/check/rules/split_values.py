@@ -146,9 +146,7 @@ Arguments that are numbers, `true` or `false` by their default are left alone, a
         good=(
             directory_example(
                 make_talk_launch(
-                    '<arg name="options" default=""/>',
-                    "<!--options: Options of the program.-->",
-                    says="$(arg options)",
+                    '<arg name="options" default=""/>', "<!--options: Options of the program.-->", says="$(arg options)"
                 )
             ),
             directory_example(

@@ -40,13 +40,7 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
     places = list(paths) or ["."]
     world = make_world(places, add_own_package(os.environ))
     with show_progress("finding launch files") as progress:
-        found = find_name(
-            name,
-            places,
-            world,
-            [kind for kind in KINDS if not kinds or kind in kinds],
-            progress,
-        )
+        found = find_name(name, places, world, [kind for kind in KINDS if not kinds or kind in kinds], progress)
     if as_json:
         import json
 

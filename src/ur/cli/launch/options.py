@@ -132,13 +132,7 @@ GROUPS: Mapping[str, tuple[LaunchOption, ...]] = {
         _value(
             "--master-logger-level",
             kind="choice",
-            choices=(
-                "debug",
-                "info",
-                "warn",
-                "error",
-                "fatal",
-            ),
+            choices=("debug", "info", "warn", "error", "fatal"),
             help="The log level of the master that is started.",
         ),
     ),

@@ -23,14 +23,7 @@ from ur.source.project import launch_library
 @click.command("run", context_settings={"ignore_unknown_options": True, "help_option_names": []})
 @click.argument("program")
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
-def command(
-    program: str,
-    arguments: tuple[str, ...],
-    watch: bool,
-    ask: bool,
-    take_over: bool,
-    unattended: bool,
-) -> int:
+def command(program: str, arguments: tuple[str, ...], watch: bool, ask: bool, take_over: bool, unattended: bool) -> int:
     """Run a program on the selected robot.
 
     `ur list` lists the programs, and `ur run PROGRAM --help` describes the arguments of one. Everything after the

@@ -9,16 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ur.cli.changing import (
-    DRY_RUN,
-    PASSWORD_FROM,
-    WAIT,
-    become_root,
-    begin,
-    finish,
-    print_line,
-    show_plan,
-)
+from ur.cli.changing import DRY_RUN, PASSWORD_FROM, WAIT, become_root, begin, finish, print_line, show_plan
 from ur.cli.output import check_name, read_lines
 from ur.source.diagnostic import UserError, error, error_about
 

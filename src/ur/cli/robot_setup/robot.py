@@ -362,10 +362,7 @@ def set_up_each(tasks: Sequence[Task], make: Callable[[Task], list[str]], passwo
     by_name = {task.robot.name: task for task in tasks}
     try:
         return run_for_each(
-            "robot setup",
-            tuple(by_name),
-            lambda name: make(by_name[name]),
-            passwords=dict.fromkeys(by_name, passwords),
+            "robot setup", tuple(by_name), lambda name: make(by_name[name]), passwords=dict.fromkeys(by_name, passwords)
         )
     except KeyboardInterrupt:
         sys.stderr.write("interrupted; the same command continues where it stopped\n")

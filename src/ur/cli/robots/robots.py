@@ -110,11 +110,7 @@ def _print_left_out(misshapen: int, too_many: int) -> None:
 
 
 def _listen(
-    look: Look,
-    changed: threading.Event,
-    seconds: float,
-    settled: Callable[[], bool],
-    complete: Callable[[], bool],
+    look: Look, changed: threading.Event, seconds: float, settled: Callable[[], bool], complete: Callable[[], bool]
 ) -> list[RobotRow]:
     """Return the robots after `seconds` of listening, and after the visible ones have answered.
 

@@ -38,7 +38,7 @@ COMPUTER = (
                     sends="requests for packages, to their servers",
                     writes="the Debian root",
                 ),
-            ),
+            )
         },
     ),
     Verb(

@@ -78,25 +78,25 @@ DRIVING = (
                 examples=(
                     ("ur mcp grant", "Let the assistant drive as it asks to."),
                     ("ur mcp grant --minutes 30 --speed 0.2", "For half an hour, and slowly."),
-                ),
+                )
             ),
             "end": Below(
                 examples=(
                     ("ur mcp end", "Revoke all grants: the robot stops."),
                     ("ur mcp end --of 1f2e3d4c", "Revoke that of one assistant."),
-                ),
+                )
             ),
             "list": Below(
                 examples=(
                     ("ur mcp list", "List the assistants that are served, and their grants."),
                     ("ur help mcp grant", "Describe how to let one drive."),
-                ),
+                )
             ),
             "log": Below(
                 examples=(
                     ("ur mcp log", "Print the requests of assistants."),
                     ("ur help mcp", "List the other commands."),
-                ),
+                )
             ),
         },
     ),

@@ -138,10 +138,7 @@ ROBOTS = (
             ("ur devices", "List what is plugged into this computer."),
             ("ur devices --robot bob", "List the robot's, and what its base lacks."),
         ),
-        trust=Trust(
-            "`/sys` and `/dev`",
-            sends=f"with `--robot`, a script, to {SSH}",
-        ),
+        trust=Trust("`/sys` and `/dev`", sends=f"with `--robot`, a script, to {SSH}"),
     ),
     Verb(
         "shell",

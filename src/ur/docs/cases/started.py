@@ -99,12 +99,7 @@ class Starter:
         return known
 
     def _start(
-        self,
-        path: str,
-        arguments: Mapping[str, str],
-        passes_all: bool,
-        world: CachedWorld,
-        above: tuple[_Key, ...],
+        self, path: str, arguments: Mapping[str, str], passes_all: bool, world: CachedWorld, above: tuple[_Key, ...]
     ) -> StartedFile | None:
         # None: the file is being read above, with the same arguments.
         if not passes_all:

@@ -30,12 +30,7 @@ class Interface:
 
 
 def make_interface(
-    publishes: str = "",
-    subscribes: str = "",
-    services: str = "",
-    calls: str = "",
-    actions: str = "",
-    uses: str = "",
+    publishes: str = "", subscribes: str = "", services: str = "", calls: str = "", actions: str = "", uses: str = ""
 ) -> Interface:
     """Make an interface of names that are separated by blanks."""
     parts = (publishes, subscribes, services, calls, actions, uses)

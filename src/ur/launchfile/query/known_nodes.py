@@ -24,9 +24,7 @@ KNOWN_NODES: dict[str, Interface] = {
         uses="move_base",
     ),
     "fiducial_slam": make_interface(
-        "fiducials fiducial_map fiducial_pose tf",
-        "fiducial_vertices camera_info tf initialpose",
-        "clear_map save_map",
+        "fiducials fiducial_map fiducial_pose tf", "fiducial_vertices camera_info tf initialpose", "clear_map save_map"
     ),
     "gmapping": make_interface("map map_metadata ~entropy tf", "scan tf", "dynamic_map"),
     "slam_gmapping": make_interface("map map_metadata ~entropy tf", "scan tf", "dynamic_map ~save"),

@@ -98,10 +98,7 @@ _CLASSES = {
         "OnProcessStart": "| target_action on_start! handle_once",
         "OnShutdown": "| on_shutdown! handle_once",
     },
-    "launch.events": {
-        "Shutdown": "| reason due_to_sigint",
-        "TimerEvent": "| timer_action!",
-    },
+    "launch.events": {"Shutdown": "| reason due_to_sigint", "TimerEvent": "| timer_action!"},
     "launch.events.process": {
         "ProcessExited": "",
         "ProcessStarted": "",
@@ -168,7 +165,7 @@ _CLASSES = {
         "ParameterValue": "value! | value_type",
     },
     "launch_ros.event_handlers": {
-        "OnStateTransition": "| entities! target_lifecycle_node transition start_state goal_state handle_once",
+        "OnStateTransition": "| entities! target_lifecycle_node transition start_state goal_state handle_once"
     },
     "launch_ros.events.lifecycle": {"ChangeState": "| lifecycle_node_matcher! transition_id!"},
     "launch_ros.substitutions": {

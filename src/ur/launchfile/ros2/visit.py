@@ -11,11 +11,7 @@ from typing import Any, cast
 
 from ur.launchfile.plan.draft import Draft, TooMuch
 from ur.launchfile.plan.problems import TOLERATED
-from ur.launchfile.plan.specs import (
-    IncludeSpec,
-    ParameterValues,
-    Plan,
-)
+from ur.launchfile.plan.specs import IncludeSpec, ParameterValues, Plan
 from ur.launchfile.plan.values.budget import TooLong
 from ur.launchfile.ros2.collector import find_declared, find_written
 from ur.launchfile.ros2.context import ANY_NAME, DEEPEST, MOST_INCLUDES, Context

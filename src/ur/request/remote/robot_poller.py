@@ -92,11 +92,7 @@ class RobotPoller:
         names = dict.fromkeys((one.name, one.host, *self._former(one.address)))
         answer = ask_robot(login, [*names], max(self._seconds, SSH_SECONDS), time.time, self._over)
         self._note(
-            one,
-            services=answer.services,
-            offset=answer.offset,
-            refused=answer.refused,
-            known_as=answer.known_as,
+            one, services=answer.services, offset=answer.offset, refused=answer.refused, known_as=answer.known_as
         )
         settled = is_settled(self.answers[one.host])
         self._next[one.host] = time.monotonic() + (PERIOD if settled else STARTING_PERIOD)

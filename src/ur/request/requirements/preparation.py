@@ -92,13 +92,7 @@ def list_missing(names: Sequence[str]) -> list[str]:
     return [name for name in names if name not in installed]
 
 
-def _root_prefix(
-    missing: Sequence[str],
-    command: str,
-    *,
-    ask: bool,
-    account: Account = _ACCOUNT,
-) -> list[str]:
+def _root_prefix(missing: Sequence[str], command: str, *, ask: bool, account: Account = _ACCOUNT) -> list[str]:
     """Return the arguments in front of a command that needs root. Raises UserError if the user cannot become root."""
     import subprocess
 

@@ -34,10 +34,7 @@ Extension = tuple[str, Element]  # the link that it is about ('' for the whole r
 
 _FIGURES = {
     "rate": ("update_rate",),
-    "samples": (
-        "ray/scan/horizontal/samples",
-        "lidar/scan/horizontal/samples",
-    ),
+    "samples": ("ray/scan/horizontal/samples", "lidar/scan/horizontal/samples"),
     "angle_min": ("ray/scan/horizontal/min_angle", "lidar/scan/horizontal/min_angle"),
     "angle_max": ("ray/scan/horizontal/max_angle", "lidar/scan/horizontal/max_angle"),
     "range_min": ("ray/range/min", "lidar/range/min"),

@@ -120,7 +120,7 @@ def read_partitions(read: Read, size: int) -> tuple[Partition, ...]:
         if partition.start + partition.size > size:
             raise _bad(
                 f"it ends ({size} bytes) before its partition {partition.number} does "
-                f"({partition.start + partition.size} bytes), expected a whole image",
+                f"({partition.start + partition.size} bytes), expected a whole image"
             )
     return tuple(sorted(found, key=lambda partition: partition.number))
 

@@ -176,10 +176,7 @@ def boot_master(user: str, home: str) -> list[Wanted]:
     unit = master_unit(user, home)
     service = f"{unit.service}.service"
     reload = f"systemctl daemon-reload; systemctl try-restart {service}"
-    return [
-        WantedFile("ROS master at boot", unit.path, unit.text, then=reload),
-        WantedService("ROS master", service),
-    ]
+    return [WantedFile("ROS master at boot", unit.path, unit.text, then=reload), WantedService("ROS master", service)]
 
 
 def robot_file(robot: WantedRobot, present: str | None = None) -> str:

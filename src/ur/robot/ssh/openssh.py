@@ -10,13 +10,7 @@ from pathlib import Path
 
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.askpass import answer_password
-from ur.robot.ssh.failures import (
-    NOT_STARTED,
-    expired_password,
-    explain_failure,
-    is_expired,
-    lost_connection,
-)
+from ur.robot.ssh.failures import NOT_STARTED, expired_password, explain_failure, is_expired, lost_connection
 from ur.robot.ssh.guard import private_folder, run_guarded
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import ShellResult, quote, run_process

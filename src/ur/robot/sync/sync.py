@@ -265,10 +265,7 @@ def _run_rsync(
     host = f"[{shell.address.host}]" if ":" in shell.address.host else shell.address.host
     command = rsync_command(shell.words, f"{shell.address.user}@{host}", to, roots, arriving, progress=progress)
     with subprocess.Popen(
-        command,
-        stdin=subprocess.PIPE,
-        stdout=None if progress else subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
+        command, stdin=subprocess.PIPE, stdout=None if progress else subprocess.DEVNULL, stderr=subprocess.PIPE
     ) as process:
         try:
             _, reported = process.communicate("\0".join(paths).encode(errors="surrogateescape"))

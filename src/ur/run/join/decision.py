@@ -44,9 +44,7 @@ def make_claims(nodes: Iterable[NodeSpec], params: Iterable[ParamSpec], joined: 
     """Return the claims of a run that starts these nodes."""
     chosen = tuple(nodes)
     return Claims(
-        define_nodes(chosen, params),
-        tuple(node.full_name for node in chosen if is_base(node)),
-        tuple(joined),
+        define_nodes(chosen, params), tuple(node.full_name for node in chosen if is_base(node)), tuple(joined)
     )
 
 

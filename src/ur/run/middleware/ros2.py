@@ -82,8 +82,7 @@ class DomainMiddleware:
             )
             if self.own:
                 write_facts(
-                    self.facts,
-                    {"run_id": Path(folder).name, "base_name": options.base, "variant": options.variant},
+                    self.facts, {"run_id": Path(folder).name, "base_name": options.base, "variant": options.variant}
                 )
         except UserError as problem:
             return SetupFailed(str(problem))

@@ -15,10 +15,7 @@ _TRIES = 9
 
 
 def find_taken(
-    names: Collection[str],
-    master: Master,
-    is_local: Callable[[str], bool],
-    probe: Callable[[str], Sign] = probe_node,
+    names: Collection[str], master: Master, is_local: Callable[[str], bool], probe: Callable[[str], Sign] = probe_node
 ) -> frozenset[str]:
     """Return the nodes, of these, that run on another computer. Empty if the master does not answer."""
     try:

@@ -97,10 +97,7 @@ class ReadinessProbe:
     """Checks in a separate thread until every node is ready; calls `report(name, pid, missing)` on changes."""
 
     def __init__(
-        self,
-        make_view: Callable[[], GraphView],
-        conditions: Mapping[str, Sequence[ReadyCondition]],
-        report: Report,
+        self, make_view: Callable[[], GraphView], conditions: Mapping[str, Sequence[ReadyCondition]], report: Report
     ) -> None:
         self._make_view = make_view
         self._conditions = conditions

@@ -28,11 +28,7 @@ _FEWEST_READS, _BYTES_A_READ = 20_000, 1000  # a picture in blocks of 8 kB takes
 
 @contextmanager
 def open_picture(
-    source: str | Path | IO[bytes],
-    formats: Sequence[str],
-    largest: int = MAX_PIXELS,
-    *,
-    inside: Path | None = None,
+    source: str | Path | IO[bytes], formats: Sequence[str], largest: int = MAX_PIXELS, *, inside: Path | None = None
 ) -> Iterator[Image.Image]:
     """Open a picture in one of these formats without decoding it; with `inside`, only below that folder.
 

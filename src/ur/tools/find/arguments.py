@@ -21,12 +21,7 @@ _NAME = re.compile(r"[A-Za-z_]\w*\Z")
 
 
 def rename_argument(
-    path: str,
-    old: str,
-    new: str,
-    views: Mapping[str, LaunchView],
-    world: World,
-    programs: Iterable[SourceFile] = (),
+    path: str, old: str, new: str, views: Mapping[str, LaunchView], world: World, programs: Iterable[SourceFile] = ()
 ) -> tuple[Span, ...]:
     """Return the spans that `new` has to replace. Raises UserError if that would change the meaning of a file.
 

@@ -52,11 +52,7 @@ _FILE_ATTRIBUTES = ("file", "textfile", "binfile")
 
 
 def find_name(
-    name: str,
-    paths: Sequence[str],
-    world: World,
-    kinds: Iterable[Kind] = KINDS,
-    progress: Progress = no_progress,
+    name: str, paths: Sequence[str], world: World, kinds: Iterable[Kind] = KINDS, progress: Progress = no_progress
 ) -> tuple[Occurrence, ...]:
     """Return every definition and use of a name, sorted by kind, name and position, definitions first.
 

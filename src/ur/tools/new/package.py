@@ -56,10 +56,7 @@ Nodes and programs of this package, each executable (`chmod +x`).
 def plan_package(name: str, summary: str, maintainer: str, email: str) -> tuple[NewFile, ...]:
     """Plan an empty package, ready for `ur new node`."""
     text = _PACKAGE.format(
-        name=name,
-        summary=escape_text(summary),
-        maintainer=escape_text(maintainer),
-        email=escape_text(email),
+        name=name, summary=escape_text(summary), maintainer=escape_text(maintainer), email=escape_text(email)
     )
     return (
         NewFile("package.xml", text),

@@ -13,7 +13,7 @@ class FullScreenApp(App[Result], Generic[Result]):
 
     ENABLE_COMMAND_PALETTE = False
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("ctrl+z", "explain_suspension", "Suspend", priority=True, show=False),
+        Binding("ctrl+z", "explain_suspension", "Suspend", priority=True, show=False)
     ]
 
     def action_explain_suspension(self) -> None:

@@ -67,10 +67,7 @@ class CommandQueue:
             assert process.stdout is not None
             assert process.stderr is not None
             out, err = bytearray(), bytearray()
-            reading = [
-                asyncio.create_task(_read(process.stdout, out)),
-                asyncio.create_task(_read(process.stderr, err)),
-            ]
+            reading = [asyncio.create_task(_read(process.stdout, out)), asyncio.create_task(_read(process.stderr, err))]
             late = False
             try:
                 await asyncio.wait_for(process.wait(), limit)

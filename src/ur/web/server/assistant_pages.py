@@ -33,10 +33,7 @@ class AssistantPages:
     """The routes. `log` is called with a line about each action of a client."""
 
     def __init__(
-        self,
-        environment: Mapping[str, str],
-        log: Callable[[str], None],
-        files: GrantFiles | None = None,
+        self, environment: Mapping[str, str], log: Callable[[str], None], files: GrantFiles | None = None
     ) -> None:
         self._log = log
         self._files = files or grant_files(environment)
@@ -44,10 +41,7 @@ class AssistantPages:
 
     def routes(self) -> list[web.RouteDef]:
         """Return the routes."""
-        return [
-            web.post("/api/assistants/grant", self._grant),
-            web.post("/api/assistants/end", self._end),
-        ]
+        return [web.post("/api/assistants/grant", self._grant), web.post("/api/assistants/end", self._end)]
 
     def describe(self) -> list[dict[str, object]]:
         """Return the assistants of this computer, what they ask for, and their grants, for all pages."""

@@ -26,7 +26,7 @@ SERVICES = {
         lambda request: UseCalibration(calibration_of(request.camera_info)),
         lambda result: _Response(success=result.success, status_message=result.text),
         lambda response: Result(bool(response.success), str(response.status_message)),
-    ),
+    )
 }
 
 

@@ -163,12 +163,7 @@ class SerialLine:
     """See DeviceLine. A guard process with the same device stops the motors when this process dies or stalls."""
 
     def __init__(
-        self,
-        node: Node,
-        path: str,
-        user: LineUser,
-        settings: LineSettings,
-        guard: StartGuard = start_guard,
+        self, node: Node, path: str, user: LineUser, settings: LineSettings, guard: StartGuard = start_guard
     ) -> None:
         """Begin to open it; `guard` starts its guard: see `start_guard`."""
         self.name = path

@@ -8,14 +8,7 @@ from contextlib import suppress
 from functools import partial
 
 from ur.devices.driver_health import RefusedCommands, health_file, write_health
-from ur_nodes.motion.admission.admission import (
-    Admission,
-    Refusal,
-    admit_plain,
-    admit_request,
-    admit_stamped,
-    challenge,
-)
+from ur_nodes.motion.admission.admission import Admission, Refusal, admit_plain, admit_request, admit_stamped, challenge
 from ur_nodes.motion.admission.probation import LockRelease, describe_slow, rate_needed, step_lock_release
 from ur_nodes.motion.challenge.freshness import IssuedChallenges
 from ur_nodes.motion.lease.record import LeaseRecord, start_lease

@@ -14,12 +14,7 @@ from ur_nodes.navigation.goals.attendance import (
     refuse_goal,
     step_attendance,
 )
-from ur_nodes.navigation.goals.goal_claim import (
-    REMEMBERED,
-    ReceivedChallenges,
-    note_challenge,
-    read_claim,
-)
+from ur_nodes.navigation.goals.goal_claim import REMEMBERED, ReceivedChallenges, note_challenge, read_claim
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality

@@ -111,11 +111,7 @@ def _goal_cell(
 
 
 def _with_room(
-    costmap: Costmap,
-    weights: Weights,
-    cell: tuple[int, int],
-    goal: tuple[float, float],
-    settings: PlanSettings,
+    costmap: Costmap, weights: Weights, cell: tuple[int, int], goal: tuple[float, float], settings: PlanSettings
 ) -> tuple[tuple[int, int], tuple[float, float]]:
     """The goal, or a place at most `nudge` from it with more room, where the goal has less than `room`."""
     around = math.ceil((settings.room + settings.nudge) / costmap.resolution) + 1

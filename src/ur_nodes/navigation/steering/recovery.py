@@ -33,13 +33,7 @@ class Behaviour(Enum):
     CLEAR_ALL = "forget all obstacles"
 
 
-SEQUENCE = (
-    Behaviour.CLEAR_FAR,
-    Behaviour.ROTATE,
-    Behaviour.BACK_OFF,
-    Behaviour.CLEAR_ALL,
-    Behaviour.ROTATE,
-)
+SEQUENCE = (Behaviour.CLEAR_FAR, Behaviour.ROTATE, Behaviour.BACK_OFF, Behaviour.CLEAR_ALL, Behaviour.ROTATE)
 
 
 @dataclass(frozen=True, slots=True)

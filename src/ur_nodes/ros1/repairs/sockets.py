@@ -27,14 +27,7 @@ CONNECT_LIMIT = 1.0  # s for a connection to be made
 Address = tuple[str | int, ...]
 
 _LINK_TROUBLE = frozenset(
-    {
-        errno.ETIMEDOUT,
-        errno.EHOSTUNREACH,
-        errno.EHOSTDOWN,
-        errno.ENETUNREACH,
-        errno.ENETDOWN,
-        errno.ENETRESET,
-    }
+    {errno.ETIMEDOUT, errno.EHOSTUNREACH, errno.EHOSTDOWN, errno.ENETUNREACH, errno.ENETDOWN, errno.ENETRESET}
 )
 
 

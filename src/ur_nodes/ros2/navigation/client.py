@@ -204,11 +204,7 @@ class ActionGoalClient:
 
 
 def follow_actions(
-    node: Node,
-    post: Callable[[Callable[[], None]], None],
-    name: str,
-    topics: TopicGoalClient,
-    follower: GoalFollower,
+    node: Node, post: Callable[[Callable[[], None]], None], name: str, topics: TopicGoalClient, follower: GoalFollower
 ) -> ActionGoalClient | None:
     """Make a client that also finds Nav2's action of that full name; None if its messages are not installed."""
     action = find_action("NavigateToPose")

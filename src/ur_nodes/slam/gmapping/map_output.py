@@ -129,7 +129,7 @@ class SlamReports:
             self._slip_due = now + round(SLIP_SILENCE * SECOND)
             self._log.warn(
                 "the wheels slip, or the robot is pushed: odometry reports {:.2f} m and {:.0f} degrees, the scans "
-                "{:.2f} m and {:.0f} degrees; the map follows the scans".format(*_sizes(slip.reported, slip.shown)),
+                "{:.2f} m and {:.0f} degrees; the map follows the scans".format(*_sizes(slip.reported, slip.shown))
             )
 
 

@@ -62,11 +62,7 @@ def _step(count: int) -> int:
 
 
 def make_scan(
-    ranges: NDArray[np.floating],
-    directions: Floats,
-    limits: tuple[float, float],
-    mount: SensorMount,
-    free: float = 0.0,
+    ranges: NDArray[np.floating], directions: Floats, limits: tuple[float, float], mount: SensorMount, free: float = 0.0
 ) -> MapScan:
     """Make a scan from ranges (n) in m along `directions` (n, 2) in the lidar's plane.
 

@@ -100,11 +100,7 @@ def draw_map_lines(
     Without `colour` walls are `#`.
     """
     picture = draw_overlay(draw_map(growing.index if growing else None, view, DARK), snapshot, view, DARK)
-    glyphs = [
-        *draw_marks(marks, view, DARK),
-        *draw_glyphs(snapshot, {}, None, view, DARK),
-        *scale_bar(view, DARK),
-    ]
+    glyphs = [*draw_marks(marks, view, DARK), *draw_glyphs(snapshot, {}, None, view, DARK), *scale_bar(view, DARK)]
     return draw_half_blocks(picture, "palette" if colour else "letters", glyphs)
 
 

@@ -53,9 +53,7 @@ class NavigateView(FullScreenApp[None]):
     #driver { color: $warning; display: none; }
     CommandLine { height: 1; border: none; padding: 0 1; background: $background; }
     """
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("ctrl+c,ctrl+q", "quit", "Quit", priority=True, show=False),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("ctrl+c,ctrl+q", "quit", "Quit", priority=True, show=False)]
 
     def __init__(
         self,

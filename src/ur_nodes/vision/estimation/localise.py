@@ -120,11 +120,7 @@ class FiducialLocaliser:
     """
 
     def __init__(
-        self,
-        known: Iterable[MapEntry],
-        *,
-        start: Pose2 | None = None,
-        spread_limit: float = math.inf,
+        self, known: Iterable[MapEntry], *, start: Pose2 | None = None, spread_limit: float = math.inf
     ) -> None:
         """`start` is the robot's initial pose; None: it is found from the first sightings.
 

@@ -89,12 +89,7 @@ class FiducialMapper:
     two of that number) is ignored, and stays in the map unchanged.
     """
 
-    def __init__(
-        self,
-        known: Iterable[MapEntry] = (),
-        *,
-        start: Pose2 | None = _ORIGIN,
-    ) -> None:
+    def __init__(self, known: Iterable[MapEntry] = (), *, start: Pose2 | None = _ORIGIN) -> None:
         """`start` is the first pose of the robot; None: estimated from the first `known` fiducial that is seen."""
         self._start = start
         self._isam = gtsam.ISAM2()
@@ -216,11 +211,7 @@ class FiducialMapper:
         return None
 
     def _add_sightings(
-        self,
-        factors: gtsam.NonlinearFactorGraph,
-        values: gtsam.Values,
-        guess: Floats,
-        seen: Iterable[Observation],
+        self, factors: gtsam.NonlinearFactorGraph, values: gtsam.Values, guess: Floats, seen: Iterable[Observation]
     ) -> None:
         used: list[tuple[int, int, Sighting]] = []
         for observation in (each for each in seen if each.sightings):

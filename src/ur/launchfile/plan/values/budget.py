@@ -29,14 +29,7 @@ class ExpressionProblem(Exception):  # noqa: N818 - carries a finding to where i
     """
 
     def __init__(
-        self,
-        message: str,
-        start: int = 0,
-        end: int = 0,
-        help: str | None = None,
-        *,
-        subject: str = "",
-        kind: str = "",
+        self, message: str, start: int = 0, end: int = 0, help: str | None = None, *, subject: str = "", kind: str = ""
     ) -> None:
         super().__init__(message)
         self.start = start

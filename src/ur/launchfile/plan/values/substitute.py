@@ -14,13 +14,7 @@ from ur.launchfile.plan.problems import TagRefused
 from ur.launchfile.plan.scope import Scope
 from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.plan.values.convert import guess_value
-from ur.launchfile.syntax.substitution import (
-    COMMANDS,
-    Substitution,
-    SubstitutionProblem,
-    is_eval,
-    parse_substitutions,
-)
+from ur.launchfile.syntax.substitution import COMMANDS, Substitution, SubstitutionProblem, is_eval, parse_substitutions
 from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.source.suggest import did_you_mean, get_command
 

@@ -73,11 +73,7 @@ class Library:
             "typing": lambda: Module("typing", _TYPES | {"TYPE_CHECKING": False}),
             "pathlib": lambda: Module("pathlib", {"Path": make_path, "PurePath": make_path}),
             "xacro": lambda: Module(
-                "xacro",
-                {
-                    "process_file": taking_unknown(self._expand),
-                    "process": taking_unknown(self._expand_text),
-                },
+                "xacro", {"process_file": taking_unknown(self._expand), "process": taking_unknown(self._expand_text)}
             ),
             "ament_index_python": self._index,
             "ament_index_python.packages": self._index,

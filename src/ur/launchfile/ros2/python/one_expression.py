@@ -27,10 +27,7 @@ def perform_expression(made: Made, context: Context) -> str | Unknown:
         return evaluate(text, [name for name in modules if isinstance(name, str)], context)
     except ExpressionProblem as problem:
         raise DescriptionProblem(
-            f"the expression {text!r} cannot be computed: {problem}",
-            "bad-eval",
-            made.place("expression"),
-            problem.help,
+            f"the expression {text!r} cannot be computed: {problem}", "bad-eval", made.place("expression"), problem.help
         ) from None
     except TooLong as problem:
         raise DescriptionProblem(f"the expression {problem}", "bad-eval", made.place("expression")) from None

@@ -210,12 +210,7 @@ def _expand(path: Path, around: Surroundings, computer: ExpansionComputer, argum
     if library is None:
         outcome = _run_program(path, around, computer, arguments)
     else:
-        order = {
-            "library": library,
-            "file": str(around.file),
-            "folder": str(Path.cwd()),
-            "arguments": list(arguments),
-        }
+        order = {"library": library, "file": str(around.file), "folder": str(Path.cwd()), "arguments": list(arguments)}
         answers = _list_answers(around, computer)
         outcome = expand(order, answers, bounds=computer.bounds)
         if outcome.unconfined:
@@ -297,12 +292,7 @@ def _list_answers(around: Surroundings, computer: ExpansionComputer) -> Mapping[
     def find(pattern: str) -> list[str]:
         return list(islice(_match(pattern, around, packages), _MOST_FILES))
 
-    return {
-        "file": read,
-        "files": find,
-        "package": packages.get,
-        "variable": computer.environment.get,
-    }
+    return {"file": read, "files": find, "package": packages.get, "variable": computer.environment.get}
 
 
 def _match(pattern: str, around: Surroundings, packages: Mapping[str, str]) -> Iterator[str]:

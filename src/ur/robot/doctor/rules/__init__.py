@@ -1,17 +1,7 @@
 """Rules of the doctor by subject: problems of one computer, or between two. Pure functions of what was observed."""
 
 from ur.robot.doctor.findings import ComputerPair, Finding
-from ur.robot.doctor.rules import (
-    devices,
-    drivers,
-    environment,
-    login,
-    machine,
-    names,
-    network,
-    packages,
-    ros2,
-)
+from ur.robot.doctor.rules import devices, drivers, environment, login, machine, names, network, packages, ros2
 from ur.robot.doctor.rules.registry import Rule, SideRule
 from ur.robot.doctor.side import Side
 

@@ -96,9 +96,7 @@ def check_keys(pair: ComputerPair) -> Iterator[Finding]:
         commands = (
             FixCommand("remote", NEW_KEY, safe=True),
             FixCommand(
-                "local",
-                f"ssh -- {quote(pair.login)} cat .ssh/id_ed25519.pub {_ONE_KEY} {_ALLOW}",
-                safe=pair.known,
+                "local", f"ssh -- {quote(pair.login)} cat .ssh/id_ed25519.pub {_ONE_KEY} {_ALLOW}", safe=pair.known
             ),
         )
     yield Finding(
