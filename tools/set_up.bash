@@ -288,7 +288,7 @@ install_python() {
     for name in dev vision robot web foxglove three lsp recordings mcp; do locks+=(-r "$root/requirements/$name.lock"); done
   fi
   # What was fetched before an interruption is kept until the end; a user of pip has a cache of his own.
-  [[ -d ${XDG_CACHE_HOME:-$HOME/.cache}/pip ]] || kept=(--cache-dir "$PWD/.cache/pip")
+  [[ -d ${XDG_CACHE_HOME:-${HOME-}/.cache}/pip ]] || kept=(--cache-dir "$PWD/.cache/pip")
   for name in "${locks[@]}"; do [[ $name == -r ]] || asked=$((asked + $(grep -c '^[^ #].*==' "$name"))); done
   # PYTHONPATH of a shell that sourced another ROS would make pip think that its packages are ours.
   run_step "Python packages" env -u PYTHONPATH .venv/bin/python -m pip install --progress-bar off --no-compile \
@@ -329,7 +329,7 @@ install_ros2() {
   rm -rf .ros2
   asked=$(grep -c '^[^ #].*==' "$lock")
   "$python" -m venv --without-pip .ros2 || die "the virtual environment .ros2 could not be made" "look at $log, then run this again"
-  [[ -d ${XDG_CACHE_HOME:-$HOME/.cache}/pip ]] || kept=(--cache-dir "$PWD/.cache/pip")
+  [[ -d ${XDG_CACHE_HOME:-${HOME-}/.cache}/pip ]] || kept=(--cache-dir "$PWD/.cache/pip")
   # With pip of .venv, which leaves out what is there already.
   run_step "$ros2_wheels" env PYTHONPATH="$packages" .ros2/bin/python -m pip install --progress-bar off --no-compile \
     --disable-pip-version-check --require-hashes --only-binary :all: --no-deps "${kept[@]}" -r "$lock" ||

@@ -78,6 +78,11 @@ def stamp_of(time: Stamp | Span) -> int:
     return int(time.sec) * _SECOND + int(time.nanosec) if ROS_2 else int(time.secs) * _SECOND + int(time.nsecs)
 
 
+def seconds_of(span: Span) -> float:
+    """Convert a message's duration to s."""
+    return stamp_of(span) / 1e9
+
+
 def number_of(message: Headed) -> int:
     """Return the sequence number of a message; 0 on ROS 2, whose headers have none."""
     return 0 if ROS_2 else int(message.header.seq)
