@@ -10,7 +10,7 @@ from __future__ import annotations
 import ast
 import builtins
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -133,11 +133,11 @@ class Expressions(Evaluator):
         functions.size_of(self.yields)
 
     def visit_YieldFrom(self, node: ast.YieldFrom) -> None:
-        values: Any = self.visit(node.value)
+        values = self.visit(node.value)
         if isinstance(values, Unknown):
             raise NotRead(values.reason, values.span or self.span(node))
         self.budget.weigh(values)
-        self.yields.extend(values)
+        self.yields += values if isinstance(values, Iterable) else iter(values)  # type: ignore[call-overload]
         functions.size_of(self.yields)
 
     def visit_Lambda(self, node: ast.Lambda) -> object:
