@@ -1,6 +1,8 @@
 """The share of the motion that wheels claim which two scans confirm.
 
-Each beam whose range that motion would have changed is a witness: near 0 the wheels slip, near 1 the robot moves.
+Each direction in which that motion would have changed the ranges is a witness: near 0 the wheels slip, near 1 the robot
+moves. Ranges are averaged in it, and directions left out in which a small error of the claimed turn changes them as much:
+along the walls of a corridor without a feature, noise looks like either.
 """
 
 import math
@@ -12,7 +14,9 @@ from ur_nodes.geometry.pose import Pose2
 
 _STEP = (0.06, 0.12)  # m, rad of claimed motion between two scans that are compared
 _GAP, _EDGE = 0.06, 0.5  # rad, and share of the range: neighbouring beams with more between them meet different things
-_CHANGE = 0.4  # of the claimed motion: beams whose range changes by less do not matter
+_CHANGE = 0.4  # of the claimed motion: sectors whose ranges change by less do not matter
+_CERTAIN = 3.0  # standard errors of that change
+_TURN = 0.01  # rad: an error of the claimed turn that must change less
 _SECTORS, _BEAMS, _FEWEST = 12, 3, 3  # of the turn; beams in one that counts; such sectors: a person fills two at most
 _SLIP, _MOVES = 0.3, 0.6  # less of the claimed motion is none; more is all of it
 
@@ -30,13 +34,20 @@ def confirmed_share(
     bearings, ranges = _polar(after, sensor)
     still, near_still = _ranges_at(bearings, *_polar(before, sensor))
     driven, near_driven = _ranges_at(bearings, *_polar(moved.inverse().transform_points(before), sensor))
-    change = driven - still
+    askew = moved.compose(Pose2(0.0, 0.0, _TURN)).inverse().transform_points(before)
+    seen, change, doubt = ranges - still, driven - still, _ranges_at(bearings, *_polar(askew, sensor))[0] - driven
     reach = max(math.hypot(moved.x, moved.y), 0.5 * abs(moved.yaw))
-    counts = near_still & near_driven & (np.abs(change) > _CHANGE * reach) & (np.abs(change) < 3.0 * reach)
-    shares = (ranges[counts] - still[counts]) / change[counts]
-    sectors = (bearings[counts] // (math.tau / _SECTORS)).astype(np.intp)
-    each = [float(np.median(shares[sectors == one])) for one in np.unique(sectors) if (sectors == one).sum() >= _BEAMS]
-    return float(np.median(each)) if len(each) >= _FEWEST else None
+    counts = near_still & near_driven & (np.maximum(np.abs(change), np.abs(seen)) < 3.0 * reach)
+    sectors = np.where(counts, bearings // (math.tau / _SECTORS), -1.0)
+    shares = []
+    for sector in range(_SECTORS):
+        here = sectors == sector
+        if (count := int(here.sum())) < _BEAMS:
+            continue
+        expected, unsure = float(change[here].mean()), _CERTAIN * float(change[here].std()) / math.sqrt(count)
+        if abs(expected) > max(_CHANGE * reach, unsure, abs(float(doubt[here].mean()))):
+            shares.append(float(seen[here].mean()) / expected)
+    return float(np.median(shares)) if len(shares) >= _FEWEST else None
 
 
 def _polar(points: NDArray[np.float64], sensor: tuple[float, float]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
