@@ -1,8 +1,8 @@
 """The share of the motion that wheels claim which two scans confirm.
 
-Each direction in which that motion would have changed the ranges is a witness: near 0 the wheels slip, near 1 the robot
-moves. Ranges are averaged in it, and directions left out in which a small error of the claimed turn changes them as much:
-along the walls of a corridor without a feature, noise looks like either.
+Each direction in which that motion would have changed the ranges is a witness: near 0 the wheels slip, near 1 the
+robot moves. Ranges are averaged in it, and directions left out in which a small error of the claimed turn changes
+them as much: along the walls of a corridor without a feature, noise looks like either.
 """
 
 import math

@@ -49,7 +49,8 @@ class ScanFeed:
         self._asked: dict[str, int] = {}  # when a mount was first asked for (ns), by frame
         self._scans: deque[Scan] = deque(maxlen=LONGEST_QUEUE)
         self._quiet_since = node.now()
-        node.transforms.watch(self._try)
+        self._beside: list[ScanFeed] = []
+        node.transforms.watch(self.pass_on)
         node.subscribe(topic, Scan, self._add)
         if reports:
             node.every(1.0, self._explain_silence)
@@ -58,7 +59,8 @@ class ScanFeed:
 
     def beside(self, topic: str, use: Callable[[Scan], None]) -> None:
         """Feed the scans of another lidar of the robot, too."""
-        ScanFeed(self._node, self.odom_frame, self.base_frame, lambda scan, _: use(scan), topic=topic, reports=False)
+        frames = self.odom_frame, self.base_frame
+        self._beside.append(ScanFeed(self._node, *frames, lambda scan, _: use(scan), topic=topic, reports=False))
 
     def odometry(self, stamp: int = 0) -> Pose2 | None:
         """Return the pose of the base in the odometry's frame at a time (0: the newest); None if unknown."""
@@ -87,7 +89,7 @@ class ScanFeed:
     def release(self) -> None:
         """Pass on scans again."""
         self._held = False
-        self._try()
+        self.pass_on()
 
     def _add(self, scan: Scan) -> None:
         """Add a scan; of more than LONGEST_QUEUE the oldest is dropped."""
@@ -95,9 +97,12 @@ class ScanFeed:
         self.newest = scan
         if self._count % self._throttle == 0:
             self._scans.append(at_its_middle(scan))
-            self._try()
+            self.pass_on()
 
-    def _try(self) -> None:
+    def pass_on(self) -> None:
+        """Use the newest scan whose odometry is known by now."""
+        for feed in self._beside:  # a scan is used with those of its time
+            feed.pass_on()
         if self._held:
             return
         for index in range(len(self._scans) - 1, -1, -1):
