@@ -1,6 +1,7 @@
 """Programs in Python that tests start often: one interpreter imports their modules, and forks for each run."""
 
 import atexit
+import contextlib
 import functools
 import json
 import os
@@ -54,7 +55,8 @@ class ForkedProcess:
     def send_signal(self, number: int) -> None:
         """Send a signal where it runs."""
         if self.poll() is None:
-            os.kill(self.pid, number)
+            with contextlib.suppress(ProcessLookupError):  # it has ended since
+                os.kill(self.pid, number)
 
     def terminate(self) -> None:
         """Send SIGTERM."""

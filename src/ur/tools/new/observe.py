@@ -21,7 +21,7 @@ NAME = "/observed"
 _ASKED = frozenset({"getParam", "hasParam", "subscribeParam", "searchParam"})
 _COMMON = frozenset({"/rosout", "/clock", "/tf", "/tf_static"})
 _COMMON_PARAMETERS = ("/use_sim_time", "/tcp_keepalive", "/rosversion", "/rosdistro", "/run_id", "/roslaunch", "/ur")
-_SETTLED = 1.5  # s without anything new
+_SETTLED, _BEGUN = 1.5, 6.0  # s without anything new, and that after which a node has no topics of its own
 
 
 def observe_node(
@@ -40,7 +40,7 @@ def observe_node(
         try:
             deadline = time.monotonic() + seconds
             while time.monotonic() < deadline and node.poll() is None:
-                if listener.registered and time.monotonic() - listener.latest > _SETTLED:
+                if listener.registered and time.monotonic() - listener.latest > listener.patience:
                     break
                 time.sleep(0.05)
             if not listener.registered:
@@ -71,6 +71,11 @@ class _Listener:
         self._topics: dict[tuple[str, bool], str] = {}
         self._services: dict[str, None] = {}
         self._asked: dict[str, None] = {}
+
+    @property
+    def patience(self) -> float:
+        """The time (s) without anything new after which all is known; longer while only what every node has is."""
+        return _SETTLED if any(_counts(name) for name, _ in self._topics) else _BEGUN
 
     def _dispatch(self, method: str, parameters: tuple[Any, ...]) -> Any:
         with self._lock:
