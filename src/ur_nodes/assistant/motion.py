@@ -296,7 +296,7 @@ class AssistedDriving:
         elif isinstance(call, ExploreCall):
             self._explore(motion, answer)
         elif goal.state is LastGoalState.REACHED:
-            self._finish("reached", done=True)
+            self._finish(f"reached{goal.text and f': {goal.text}'}", done=True)
         elif goal.over:
             self._finish(f"refused: {goal.text or goal.state.value}")
 

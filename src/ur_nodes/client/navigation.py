@@ -21,7 +21,7 @@ from ur_nodes.client.goal_tracker import (
     track_sent,
     track_status,
 )
-from ur_nodes.client.snapshot import GoalReport, RobotSnapshot
+from ur_nodes.client.snapshot import GoalReport, LastGoalState, RobotSnapshot, describe_doubt
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.scan import points_of_scan
 from ur_nodes.ports.actions import Goal, GoalState
@@ -173,6 +173,7 @@ class NavigationTopics:
         self._seen = RobotSnapshot()
         self._tracker = GoalTracker()
         self._sent: Goal | None = None  # that may have to be sent again
+        self._doubt = (-1, "")  # number of a goal that was reached, and what is doubtful about its place
         self._status_at = -math.inf
         self._driven_to = False  # a goal that is not the followed one is open
         self._kept = True  # the next goal of navigation may be one that it had before and has kept
@@ -214,7 +215,12 @@ class NavigationTopics:
 
     def goal(self) -> GoalReport:
         """Return the last goal."""
-        return report_at(self._tracker, self._node.steady())
+        report = report_at(self._tracker, self._node.steady())
+        if report.state is not LastGoalState.REACHED:
+            return report
+        if self._doubt[0] != report.number:  # later poses are not about this goal
+            self._doubt = report.number, describe_doubt(self._seen.spread)
+        return replace(report, text=self._doubt[1])
 
     def status_age(self) -> float:
         """Seconds since navigation's last list of goals; infinite before the first."""

@@ -17,6 +17,7 @@ from ur_nodes.motion.lease.view import Conduct, LeaseView
 
 ROBOT = "the robot"
 """The name of what is silent when the whole robot is."""
+_LITTLE = 0.3  # m: a deviation of the pose that is not worth a word
 
 
 class LastGoalState(Enum):
@@ -36,6 +37,7 @@ class LastGoalState(Enum):
 class GoalReport:
     """The last goal, its number (0: none was sent yet), its state, and why when it failed, is held or has stopped.
 
+    Of a goal that was reached, `text` says how far off the robot may be, where that is much.
     `any_heading`: the sender has asked for no heading, so that of `pose` means nothing.
     `recoveries`: how often navigation has freed the robot on the way, where it reports that.
     `UNKNOWN`: the robot is silent; the goal is neither over nor known to be driven to.
@@ -58,6 +60,11 @@ def describe_recoveries(report: GoalReport) -> str:
     """Describe the recoveries of an active goal; '' for none."""
     count = 0 if report.over else report.recoveries
     return f"{count} {'recovery' if count == 1 else 'recoveries'}" if count else ""
+
+
+def describe_doubt(spread: float | None) -> str:
+    """Describe how far a robot may be from where it thinks it is, from the deviation (m); '' where that is little."""
+    return f"up to {2.0 * spread:.1f} m off, the map shows no place nearer" if spread and spread > _LITTLE else ""
 
 
 @dataclass(frozen=True, slots=True)

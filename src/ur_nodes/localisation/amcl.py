@@ -1,6 +1,10 @@
 """The work of the node `amcl`: its map, its localiser, and its log lines."""
 
+import math
+from dataclasses import replace
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ur_nodes.geometry.calibration import MotionCalibration
 from ur_nodes.geometry.difference import describe_poses
@@ -17,7 +21,48 @@ from ur_nodes.ports.log import Log
 from ur_nodes.ports.values import Map, PoseEstimate, Result, Scan
 
 _CERTAIN = 0.03  # m: of a place that a scan shows
+_BLIND = 0.2  # m: a place whose standard deviation is larger is not shown
+_DRIFT = 0.03  # of the way: wheels are rarely further off
+_LEAST = 3.0  # m without a place, before which a pose is hardly off
+_AT_A_PLACE = np.diag((0.1, 0.1, 0.03)) ** 2  # m^2, m^2, rad^2: of the pose where a blind way ends
 _AFTER_SLIP = np.diag((0.1, 0.1, 0.1)) ** 2  # m^2, m^2, rad^2: of the pose after wheels have slipped
+
+
+class BlindWay:
+    """Adds up the way since scans last showed where along it the robot is, as in a long corridor without a door."""
+
+    def __init__(self) -> None:
+        self.axis: NDArray[np.float64] = np.array((1.0, 0.0))
+        """The direction (2) in the map in which no place is shown."""
+        self._length = 0.0
+        self._last: Pose2 | None = None
+
+    @property
+    def spread(self) -> float:
+        """The standard deviation (m) of the place along the axis, from the wheels; 0 where scans show it."""
+        return _DRIFT * self._length if self._length > _LEAST else 0.0
+
+    def update(self, odometry: Pose2, match: RefinedPose) -> None:
+        """Take the odometry, and the match of a scan without it, which determines where the robot is if it can."""
+        way = math.dist(self._last[:2], odometry[:2]) if self._last else 0.0
+        self._last = odometry
+        variances, axes = np.linalg.eigh(match.covariance[:2, :2])
+        if match.agreement < LITTLE:
+            self._length += way if self._length else 0.0
+        elif variances[1] < _BLIND**2:
+            self._length = 0.0
+        else:
+            self._length, self.axis = self._length + way, axes[:, 1]
+
+    def widen(self, estimate: ClusterEstimate) -> ClusterEstimate:
+        """Return an estimate with the uncertainty along the axis."""
+        covariance = estimate.covariance.copy()
+        covariance[:2, :2] += self.spread**2 * np.outer(self.axis, self.axis)
+        return replace(estimate, covariance=covariance)
+
+    def restart(self) -> None:
+        """Begin anew: the place is known."""
+        self._length, self._last = 0.0, None
 
 
 class Amcl:
@@ -39,6 +84,7 @@ class Amcl:
         self._slip = Pose2(0.0, 0.0, 0.0)  # of odometry without what wheels turned in vain, from odometry
         self._shown: tuple[Pose2, Pose2] | None = None  # odometry and the pose by the scan alone, at the last update
         self.calibration = MotionCalibration()
+        self._blind = BlindWay()
         self.last: ClusterEstimate | None = None
         self.correction: Pose2 | None = None
 
@@ -96,6 +142,7 @@ class Amcl:
             self._log.warn(f"initialpose at x {pose.x:g} m, y {pose.y:g} m ignored, expected a place on the map")
         else:
             self._localiser.set_pose(pose, given.covariance)
+            self._blind.restart()
             self._log.info(f"placed at x {pose.x:.2f} m, y {pose.y:.2f} m, yaw {pose.yaw:.2f} rad")
 
     def scatter(self) -> Result:
@@ -137,7 +184,15 @@ class Amcl:
         self._report_poses(localiser.poses, self._grid)
         if localiser.lost:
             return None
-        self._calibrate(odometry, localiser.match_alone(estimate.pose, points))
+        match = localiser.match_alone(estimate.pose, points)
+        self._calibrate(odometry, match)
+        self._blind.update(odometry, match)
+        if place := localiser.find_along(estimate.pose, self._blind.axis, 2.0 * self._blind.spread, points):
+            self._log.info(f"a place after a way without one: {math.dist(place[:2], estimate.pose[:2]):.2f} m on")
+            localiser.set_pose(place, _AT_A_PLACE)
+            estimate, self._shown = replace(estimate, pose=place, covariance=_AT_A_PLACE), None
+            self._blind.restart()
+        estimate = self._blind.widen(estimate)
         self.last = estimate
         self.correction = estimate.pose.compose(odometry.inverse())
         return estimate

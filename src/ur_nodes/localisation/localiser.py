@@ -166,6 +166,8 @@ LEAST_SHARE = 0.3  # of the particles must keep an effective weight in one updat
 LEAST_LOST = 0.1  # the averages differ as much when a person walks by
 LEAST_BEAMS = 8  # fewer determine a pose too poorly
 FOUND = 5  # updates in a row in which the scan fits in one place: a robot that was lost is there
+_ALONG = 0.05  # m between two poses along a way without a place
+_CLEARLY = 0.08  # mean log likelihood of a beam: 2 % of the beams meet a wall in place of nothing
 _UNKNOWN = np.diag(np.square((0.3, 0.3, 0.15)))  # m, m, rad
 FARTHEST_MATCH = 0.4  # m, rad: a refined pose farther from its cluster has slipped to other walls
 
@@ -259,6 +261,19 @@ class ParticleLocaliser:
     def match_alone(self, pose: Pose2, points: NDArray[np.float64]) -> RefinedPose:
         """Match a scan near a pose, as if next to nothing was known of that: odometry has no influence."""
         return match_scan(self._field, pose, _UNKNOWN, points, self._match)
+
+    def find_along(
+        self, pose: Pose2, axis: NDArray[np.float64], reach: float, points: NDArray[np.float64]
+    ) -> Pose2 | None:
+        """Return the pose at most `reach` (m) away along an axis (2) that a scan fits clearly better; None for none."""
+        if not reach or len(points) < LEAST_BEAMS:
+            return None
+        steps = np.arange(-reach, reach + _ALONG, _ALONG)
+        steps = np.concatenate(((0.0,), steps))
+        poses = np.array(pose) + np.outer(steps, (*axis, 0.0))
+        scores = score_poses(self._field, poses, points)
+        best = int(np.argmax(scores))
+        return Pose2(*map(float, poses[best])) if scores[best] - scores[0] > _CLEARLY else None
 
     def update(self, odometry: Pose2, points: NDArray[np.float64]) -> ClusterEstimate | None:
         """Update with a scan: the ends (m, 2) of its beams in the robot's frame, and the odometry's pose at its stamp.

@@ -9,7 +9,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.actions import Goal, GoalState, GoalStates
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Path
+from ur_nodes.ports.values import Path, PoseEstimate
 
 THERE, ELSEWHERE = Pose2(1.0, 0.0, 0.0), Pose2(3.0, 1.0, 0.5)
 
@@ -24,6 +24,7 @@ class Navigation:
         self._states = robot.publish("move_base/state", GoalState, Quality.EVERY)
         self._status = robot.publish("move_base/status", GoalStates)
         self._plan = robot.publish("move_base/NavfnROS/plan", Path)
+        self._pose = robot.publish("amcl_pose", PoseEstimate, Quality.LATCHED)
         self.received: list[str] = []
         robot.subscribe("move_base/goal", Goal, lambda goal: self.received.append(goal.id), Quality.EVERY)
         self.bus.run(0.1)
@@ -39,6 +40,22 @@ class Navigation:
     def plan(self, *poses: Pose2) -> None:
         self._plan.send(Path(self.bus.now, "map", np.array(poses)))
         self.bus.run(0.1)
+
+    def localise(self, deviation: float) -> None:
+        self._pose.send(PoseEstimate(self.bus.now, "map", THERE, np.diag((deviation**2, 0.0, 0.0))))
+        self.bus.run(0.1)
+
+
+def test_goal_that_is_reached_says_how_far_off_the_robot_may_be() -> None:
+    navigation = Navigation()
+    for deviation, text in ((0.1, ""), (0.5, "up to 1.0 m off, the map shows no place nearer")):
+        navigation.client.send_goal(f"ours {deviation}", THERE)
+        navigation.list_goals(GoalState(f"ours {deviation}", "active", ""))
+        navigation.localise(deviation)
+        navigation.end_goal(GoalState(f"ours {deviation}", "succeeded", "goal reached"))
+        assert navigation.client.goal().text == text
+        navigation.localise(2.0)
+        assert navigation.client.goal().text == text, "that was not known then"
 
 
 def test_path_that_arrives_after_the_goal_was_reached_is_no_goal_of_another() -> None:

@@ -33,7 +33,8 @@ def result_line(text: str, report: GoalReport, snapshot: RobotSnapshot, seconds:
         off = math.hypot(goal.x - pose.x, goal.y - pose.y)
         turned = math.degrees(abs(wrap_angle(goal.yaw - pose.yaw)))
         angle = "" if report.any_heading else f" and {turned:.1f} degrees"
-        return f"{text}: reached, {off:.2f} m{angle} off, {seconds:.1f} s"
+        doubt = f"; {report.text}" if report.text else ""
+        return f"{text}: reached, {off:.2f} m{angle} off, {seconds:.1f} s{doubt}"
     why = f": {report.text}" if report.text else ""
     return f"{text}: {report.state.value} after {seconds:.1f} s{why}"
 

@@ -38,7 +38,7 @@ def announce_goal(snapshot: RobotSnapshot) -> tuple[str, str]:
     where = format_pose(report.pose, any_heading=report.any_heading)
     if report.state is LastGoalState.REACHED and snapshot.pose is not None:
         off = math.hypot(report.pose.x - snapshot.pose.x, report.pose.y - snapshot.pose.y)
-        return f"reached {where}, {off:.2f} m off", "green"
+        return f"reached {where}, {report.text or f'{off:.2f} m off'}", "yellow" if report.text else "green"
     if report.state is LastGoalState.FAILED:
         return f"{where}: failed: {report.text}", "bold red"
     if report.state is LastGoalState.STOPPED:
