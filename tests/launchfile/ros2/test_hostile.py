@@ -39,6 +39,9 @@ HOSTILE = {
     "huge shift": "x = 1 << 10 ** 12",
     "huge factorial": "import math\nx = math.factorial(10 ** 9)",
     "deep recursion": "def f(n):\n    return f(n + 1)\nx = f(0)",
+    "long function that is called for ever": "def f():\n    return 1\n"
+    + "    a = [1, 2, 3, 4]\n" * 5000
+    + "while True:\n    f()",
     "recursion of two": "def f():\n    return g() + g()\ndef g():\n    return f() + f()\nx = f()",
     "fans of calls": "def f(n):\n    return f(n - 1) + f(n - 1) if n else 1\nx = f(50)",
     "recursion of a class": "class A:\n    def __init__(self):\n        self.a = A()\nx = A()",

@@ -31,6 +31,7 @@ from ur.launchfile.ros2.python.objects import (
     attribute_of,
     make_path,
 )
+from ur.launchfile.ros2.python.statements import is_generator
 from ur.source.file import SourceFile, Span
 from ur.source.suggest import did_you_mean
 
@@ -49,6 +50,7 @@ class Expressions(Evaluator):
         self.function: Function | None = None  # that is being called
         self.tries = 0  # how many `try` of the file are around this place
         self.yields: list[object] = []  # what the function has yielded that is being called
+        self._generators: dict[ast.AST, bool] = {}  # of the functions that were called
         self.call_function: CallFunction = _not_called
         self.find_method: Callable[[object, str], object] = lambda *_: None
         """Return a method that needs the computer, of a value; None if it is none of those."""
@@ -127,6 +129,12 @@ class Expressions(Evaluator):
             raise ValueError(f"expected a text of at most {MAX_LENGTH:,} characters")
         self.budget.spend(_PER_EVAL + PER_YAML_CHARACTER * len(text))
         return self.visit(ast.parse(text.strip(), mode="eval").body)
+
+    def yields_in(self, function: ast.FunctionDef | ast.Lambda) -> bool:
+        """Return whether a function yields; its body is looked at once, however often it is called."""
+        if function not in self._generators:
+            self._generators[function] = is_generator(function)
+        return self._generators[function]
 
     def visit_Yield(self, node: ast.Yield) -> None:
         self.yields.append(None if node.value is None else self.visit(node.value))

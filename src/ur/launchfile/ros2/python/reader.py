@@ -38,7 +38,6 @@ from ur.launchfile.ros2.python.statements import (
     assigns_names,
     decorator_name,
     extended_names,
-    is_generator,
     parse_text,
     reading_of,
     walk_here,
@@ -317,7 +316,7 @@ class _Reader(Imports):
             here.frame, here.variables, here.function, here.tries = outer, variables, caller, tries
             self._depth, self._loops = self._depth - 1, loops
             self._tries_around -= tries
-        is_known = is_generator(function.node) and not isinstance(result, Unknown)
+        is_known = here.yields_in(function.node) and not isinstance(result, Unknown)
         return iter(generated) if is_known else result  # all at once, as expressions are computed
 
     def _run_Return(self, node: ast.Return) -> None:  # noqa: N802
