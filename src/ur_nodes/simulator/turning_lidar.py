@@ -12,7 +12,7 @@ from ur_nodes.simulator.mujoco_model import TIME_STEP
 from ur_nodes.simulator.simulation import Simulation
 
 _PLACED = 0.5  # rad between two ticks: the robot was put there by hand
-_WITHOUT = 1.5  # turns: nobody wanted the last scans
+_WITHOUT = 1.5  # turns: the last scans had no subscriber
 
 
 def direction_of(base: Base) -> int:

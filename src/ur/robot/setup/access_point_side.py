@@ -233,7 +233,7 @@ def main(seek: float = SEEK, look: float = LOOK) -> None:
             if usage is None:
                 policy.close(time.monotonic(), look)
         elif ended or action == "close":
-            sys.stdout.write("something else has ended it\n" if ended else "nobody uses it: looking for a network\n")
+            sys.stdout.write("another program has ended it\n" if ended else "no client uses it: looking for networks\n")
             close_point(radio)
             policy.close(time.monotonic())
             radio = usage = None
