@@ -92,7 +92,7 @@ def make_exploration(node: Node) -> AssistedExploration:
 
 _SOURCE = "key_vel"
 _STILL = Twist(0.0, 0.0)
-_PATIENCE = 2.0  # s: for the lease
+_PATIENCE = 2.0  # s: for the lease and the pose
 _SILENCE = 1.0  # s without a beat after which the motion is given up; the robot is at rest long before
 _POSE_AGE = 0.5  # s
 
@@ -238,12 +238,17 @@ class AssistedDriving:
             return "refused: no word from the robot's mux"
         if view.other or view.lost_by_other:
             return f"refused: {describe_lost(view) if view.lost_by_other else name_holder(view) + ' drives'}"
-        pose, robot = self._topics.robot.pose(), self._topics.robot
-        if pose is None or robot.age() > _POSE_AGE:
-            return "refused: the pose of the robot is not known"
-        if not grant.allows(pose.x, pose.y, *robot.velocity()[:2]):
+        pose = self._fresh_pose()
+        if pose is None:
+            waits = motion.driving_since is None and now - motion.began <= _PATIENCE
+            return "" if waits else "refused: the pose of the robot is not known"
+        if not grant.allows(pose.x, pose.y, *self._topics.robot.velocity()[:2]):
             return "stopped: the robot is at the border of the area of the grant"
         return self._find_delay(motion, now)
+
+    def _fresh_pose(self) -> Pose2 | None:
+        robot = self._topics.robot
+        return robot.pose() if robot.age() <= _POSE_AGE else None
 
     def _find_delay(self, motion: AssistedMotion, now: float) -> str:
         if motion.driving_since is None:
@@ -263,7 +268,7 @@ class AssistedDriving:
 
     def _go_on(self, motion: AssistedMotion, answer: int) -> None:
         grant = self.grant
-        if grant is None:
+        if grant is None or self._fresh_pose() is None:
             return
         lease, terms = self.lease, Terms(grant.speed, FRESHNESS)
         mine = lease is not None and lease.client == self._identity.client and lease.state == "held"
