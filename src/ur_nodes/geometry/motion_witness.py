@@ -38,16 +38,15 @@ def confirmed_share(
     seen, change, doubt = ranges - still, driven - still, _ranges_at(bearings, *_polar(askew, sensor))[0] - driven
     reach = max(math.hypot(moved.x, moved.y), 0.5 * abs(moved.yaw))
     counts = near_still & near_driven & (np.maximum(np.abs(change), np.abs(seen)) < 3.0 * reach)
-    sectors = np.where(counts, bearings // (math.tau / _SECTORS), -1.0)
-    shares = []
-    for sector in range(_SECTORS):
-        here = sectors == sector
-        if (count := int(here.sum())) < _BEAMS:
-            continue
-        expected, unsure = float(change[here].mean()), _CERTAIN * float(change[here].std()) / math.sqrt(count)
-        if abs(expected) > max(_CHANGE * reach, unsure, abs(float(doubt[here].mean()))):
-            shares.append(float(seen[here].mean()) / expected)
-    return float(np.median(shares)) if len(shares) >= _FEWEST else None
+    bearings, change, seen, doubt = (each[counts] for each in (bearings, change, seen, doubt))
+    sectors = np.minimum(bearings // (math.tau / _SECTORS), _SECTORS - 1).astype(np.intp)  # -1e-20 % tau is tau
+    beams = np.bincount(sectors, minlength=_SECTORS)
+    some = np.maximum(beams, 1)
+    expected, shown, unsure = (np.bincount(sectors, each, _SECTORS) / some for each in (change, seen, doubt))
+    spread = np.sqrt(np.bincount(sectors, (change - expected[sectors]) ** 2, _SECTORS)) / some
+    least = np.maximum(np.maximum(_CHANGE * reach, _CERTAIN * spread), np.abs(unsure))
+    clear = (beams >= _BEAMS) & (np.abs(expected) > least)
+    return float(np.median(shown[clear] / expected[clear])) if clear.sum() >= _FEWEST else None
 
 
 def _polar(points: NDArray[np.float64], sensor: tuple[float, float]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -35,6 +35,13 @@ def test_scans_without_a_feature_along_the_way_cannot_tell() -> None:
     assert confirmed_share(scan, np.empty((0, 2)), Pose2(0.1, 0.0, 0.0), SENSOR) is None
 
 
+def test_beam_an_almost_full_turn_away_counts_as_any_other() -> None:
+    angles = np.linspace(-0.3, 0.3, 41)
+    angles[20] = -1e-20  # plus a full turn, that is a full turn
+    wall = np.column_stack((2.0 * np.cos(angles), 2.0 * np.sin(angles)))
+    assert confirmed_share(wall, wall - (0.1, 0.0), Pose2(0.1, 0.0, 0.0), (0.0, 0.0)) is None  # two sectors only
+
+
 def test_person_who_walks_ahead_is_no_witness() -> None:
     angles = np.linspace(-0.3, 0.3, 40)
     person = np.column_stack((np.cos(angles), np.sin(angles)))

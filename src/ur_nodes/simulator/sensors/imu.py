@@ -17,7 +17,7 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Imu as Message
 from ur_nodes.simulator.mujoco_model import GRAVITY
 from ur_nodes.simulator.physics import BodyMotion
-from ur_nodes.simulator.sensors.sense import Send, Sense, Site, draw_noise
+from ur_nodes.simulator.sensors.sense import Noise, Send, Sense, Site
 
 Floats = npt.NDArray[np.float64]
 
@@ -85,7 +85,8 @@ def with_positive_w(rotation: Quaternion) -> Quaternion:
 
 
 def _velocity_at(motion: BodyMotion, point: Floats) -> Floats:
-    return motion.velocity + rotate(motion.attitude, np.cross(motion.turning, point).tolist())
+    (a, b, c), (x, y, z) = motion.turning.tolist(), point.tolist()
+    return motion.velocity + rotate(motion.attitude, (b * z - c * y, c * x - a * z, a * y - b * x))
 
 
 def _turn_back(rotation: Quaternion, vector: Floats) -> Floats:
@@ -99,6 +100,7 @@ class ImuSense(Sense):
 
     def __init__(self, imu: ImuErrors, site: Site) -> None:
         self._imu, self._site, self.rate = imu, site, imu.rate
+        self._noise = Noise(site.key)
         self.begin()
 
     def begin(self) -> None:
@@ -118,7 +120,7 @@ class ImuSense(Sense):
 
     def read(self) -> ImuReading:
         """Return the newest reading."""
-        return self._unit.read(draw_noise(self._site.key, self._count, 6))
+        return self._unit.read(self._noise.draw(self._count, 6))
 
     def advertise(self, node: Node, prefix: str, quality: Quality) -> Send:
         """Open its topic."""

@@ -12,7 +12,7 @@ from ur_nodes.ports.values import Range
 from ur_nodes.simulator.mujoco_model import SONAR_GROUPS
 from ur_nodes.simulator.scenery import rotation_axes
 from ur_nodes.simulator.sensors.flat_rays import Floats, RayCaster, measured_ranges
-from ur_nodes.simulator.sensors.sense import Send, Sense, Site, draw_noise
+from ur_nodes.simulator.sensors.sense import Noise, Send, Sense, Site
 
 ROW_RAYS = 17  # side by side: walls and obstacles are upright
 CONE_RAYS = 32  # over the whole cone: table tops
@@ -72,6 +72,7 @@ class SonarSense(Sense):
     def __init__(self, sonars: Sonars, site: Site) -> None:
         self._sonars, self._site, self.rate = sonars, site, sonars.rate
         self._ring = SonarRing(site.physics.model, sonars, site.robot)
+        self._noise = Noise(site.key)
         self.begin()
 
     def begin(self) -> None:
@@ -84,8 +85,7 @@ class SonarSense(Sense):
 
     def ranges(self) -> Floats:
         """Return the ranges (m), in the order of the base's file; see SonarRing.listen."""
-        noise = draw_noise(self._site.key, self._count, len(self._sonars.at))
-        return self._ring.listen(self._site.physics.data, noise)
+        return self._ring.listen(self._site.physics.data, self._noise.draw(self._count, len(self._sonars.at)))
 
     def advertise(self, node: Node, prefix: str, quality: Quality) -> Send:
         """Open their one topic."""
