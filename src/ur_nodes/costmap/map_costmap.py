@@ -108,6 +108,8 @@ class MapCostmap:
 
     def touch(self, points: NDArray[np.float64]) -> None:
         """Mark points (n, 2) in the map, in place of those of before, as obstacles that no ray clears."""
+        if not len(points) and not len(self._touched):
+            return
         cells = self._plain.cells_of_points(points)
         before, self._touched = self._touched, np.unique(cells[self._plain.contains(cells)], axis=0)
         if not np.array_equal(before, self._touched):
