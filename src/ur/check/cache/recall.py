@@ -10,6 +10,9 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+import msgspec
 
 from ur.check.findings.merge import Hit
 from ur.check.findings.suppress import Suppression, read_line_suppressions, read_xml_suppressions
@@ -18,7 +21,6 @@ from ur.check.rule import LaunchView, Package
 from ur.check.worlds import QUESTIONS, CachedWorld, Question
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.syntax.parse import decode_text
-from ur.source.diagnostic import Diagnostic, Note, Severity
 from ur.source.file import SourceFile, Span
 from ur.source.foreign.json_values import Count, ForeignValue
 
@@ -32,23 +34,12 @@ class IncludeOutline:
     comments: tuple[Suppression, ...]
 
 
-class KeptComment(ForeignValue, frozen=True, array_like=True):
-    """A suppression; `place` is its span."""
-
-    place: tuple[Count, Count]
-    rules: tuple[str, ...]
-    start: Count | None
-    end: Count
-    reason: str
-    problem: str | None
-
-
 class KeptOutline(ForeignValue, frozen=True, array_like=True):
-    """An outline; `digest` is that of the file's content."""
+    """An encoded outline; `digest` is that of the file's content."""
 
     digest: str
     includes: tuple[IncludeTag, ...]
-    comments: tuple[KeptComment, ...]
+    comments: list[Any]
 
 
 def outline_of(view: LaunchView) -> IncludeOutline:
@@ -59,25 +50,21 @@ def outline_of(view: LaunchView) -> IncludeOutline:
     return IncludeOutline(tree.source, tuple(tags), comments)
 
 
-def encode_outline(outline: IncludeOutline, digest: str) -> KeptOutline:
-    """Encode an outline for storage."""
-    comments = (
-        KeptComment((each.span.start, each.span.end), each.rules, each.start, each.end, each.reason, each.problem)
-        for each in outline.comments
-    )
-    return KeptOutline(digest, outline.includes, tuple(comments))
+Kind = TypeVar("Kind")
 
 
-def decode_outline(kept: KeptOutline, source: SourceFile) -> IncludeOutline:
-    """Decode the outline that `encode_outline` has encoded. Raises ValueError for positions outside of the text."""
-    places = [*((tag.start, tag.end) for tag in kept.includes), *(each.place for each in kept.comments)]
-    if not all(start <= end <= len(source.text) for start, end in places):
-        raise ValueError("a place outside of its text")
-    comments = (
-        Suppression(Span(source, *each.place), each.rules, each.start, each.end, each.reason, each.problem)
-        for each in kept.comments
-    )
-    return IncludeOutline(source, kept.includes, tuple(comments))
+def _encode(value: object, texts: dict[SourceFile, int]) -> Any:
+    """Encode a value, with an index for each text, which is added to `texts`."""
+    return msgspec.to_builtins(value, enc_hook=lambda text: texts.setdefault(text, len(texts)), order="deterministic")
+
+
+def _decode(value: object, kind: type[Kind], texts: Sequence[SourceFile]) -> Kind:
+    """Decode what `_encode` has encoded. Raises ValueError for another shape."""
+    numbered = dict(enumerate(texts))
+    try:
+        return msgspec.convert(value, kind, dec_hook=lambda _kind, number: numbered[number])
+    except (msgspec.ValidationError, LookupError) as problem:
+        raise ValueError("not what was stored") from problem
 
 
 MAX_TEXT = 100_000  # characters of texts that are in no file
@@ -88,57 +75,29 @@ class TooLargeError(ValueError):
     """Findings refer to more text outside of files than is worth storing."""
 
 
-class KeptSpan(ForeignValue, frozen=True, array_like=True):
-    """A span in the text with the index `source` in `KeptHits.sources`."""
-
-    source: Count
-    start: Count
-    end: Count
-
-
-class KeptNote(ForeignValue, frozen=True, array_like=True):
-    """A note."""
-
-    message: str
-    span: KeptSpan | None
-
-
-class KeptDiagnostic(ForeignValue, frozen=True, array_like=True):
-    """The fields of a diagnostic, in its order."""
-
-    severity: Severity
-    message: str
-    rule: str
-    span: KeptSpan | None
-    notes: tuple[KeptNote, ...]
-    help: str | None
-    subject: str
-    kind: str
-    expected: tuple[str, ...]
-    reason: str
-
-
-class KeptHit(ForeignValue, frozen=True, array_like=True):
-    """A hit."""
-
-    found: KeptDiagnostic
-    root: str
-    label: str
-    plain: tuple[str, ...]
-
-
 class KeptHits(ForeignValue, frozen=True, array_like=True):
-    """The hits of a file. `sources` are paths, each with its text if that is in no file."""
+    """The encoded hits of a file. `sources` are paths, each with its text if that is in no file."""
 
     sources: tuple[tuple[str, str | None], ...]
-    hits: tuple[KeptHit, ...]
+    hits: list[Any]
 
 
-def encode_hits(hits: Iterable[Hit], read: ReadText) -> tuple[KeptHits, set[str]]:
+def encode_hits(hits: Sequence[Hit], read: ReadText) -> tuple[KeptHits, set[str]]:
     """Encode hits, and return the paths of the files that their spans refer to. Raises TooLargeError."""
-    encoder = _Encoder(read)
-    kept = [KeptHit(encoder.diagnostic(hit.found), hit.root, hit.label, tuple(sorted(hit.plain))) for hit in hits]
-    return KeptHits(tuple(encoder.sources), tuple(kept)), encoder.files
+    texts: dict[SourceFile, int] = {}
+    encoded = _encode(hits, texts)
+    stored = {text for text in texts if text.text and _is_in_file(text, read)}
+    if sum(len(text.text) for text in texts.keys() - stored) > MAX_TEXT:
+        raise TooLargeError
+    sources = tuple((text.path, None if text in stored else text.text) for text in texts)
+    return KeptHits(sources, encoded), {text.path for text in stored}
+
+
+def _is_in_file(text: SourceFile, read: ReadText) -> bool:
+    try:
+        return read(text.path).text == text.text
+    except OSError:
+        return False
 
 
 def decode_hits(kept: KeptHits, read: ReadText) -> list[Hit]:
@@ -146,78 +105,16 @@ def decode_hits(kept: KeptHits, read: ReadText) -> list[Hit]:
 
     Raises ValueError for spans outside of their texts, and OSError.
     """
-    texts = [read(path) if text is None else SourceFile(path, text) for path, text in kept.sources]
-    return [Hit(_diagnostic(each.found, texts), each.root, each.label, frozenset(each.plain)) for each in kept.hits]
-
-
-class _Encoder:
-    def __init__(self, read: ReadText) -> None:
-        self._read = read
-        self._numbers: dict[int, int] = {}
-        self._kept: list[SourceFile] = []  # so that no other object gets the identity of one of them
-        self._room = MAX_TEXT
-        self.sources: list[tuple[str, str | None]] = []
-        self.files: set[str] = set()
-
-    def diagnostic(self, found: Diagnostic) -> KeptDiagnostic:
-        return KeptDiagnostic(
-            found.severity,
-            found.message,
-            found.rule,
-            self.span(found.span),
-            tuple(KeptNote(note.message, self.span(note.span)) for note in found.notes),
-            found.help,
-            found.subject,
-            found.kind,
-            tuple(found.expected),
-            found.reason,
-        )
-
-    def span(self, span: Span | None) -> KeptSpan | None:
-        return None if span is None else KeptSpan(self.number_of(span.file), span.start, span.end)
-
-    def number_of(self, source: SourceFile) -> int:
-        if id(source) not in self._numbers:
-            self._numbers[id(source)] = len(self.sources)
-            self._kept.append(source)
-            self.sources.append((source.path, self.text_of(source)))
-        return self._numbers[id(source)]
-
-    def text_of(self, source: SourceFile) -> str | None:
-        if source.text:
-            try:
-                if self._read(source.path).text == source.text:
-                    self.files.add(source.path)
-                    return None
-            except OSError:
-                pass
-        self._room -= len(source.text)
-        if self._room < 0:
-            raise TooLargeError
-        return source.text
-
-
-def _diagnostic(kept: KeptDiagnostic, texts: Sequence[SourceFile]) -> Diagnostic:
-    return Diagnostic(
-        kept.severity,
-        kept.message,
-        kept.rule,
-        _span(kept.span, texts),
-        tuple(Note(each.message, _span(each.span, texts)) for each in kept.notes),
-        kept.help,
-        kept.subject,
-        kept.kind,
-        kept.expected,
-        kept.reason,
+    hits = _decode(
+        kept.hits, list[Hit], [read(path) if text is None else SourceFile(path, text) for path, text in kept.sources]
     )
+    _check_spans(span for hit in hits for span in (hit.found.span, *(note.span for note in hit.found.notes)))
+    return hits
 
 
-def _span(kept: KeptSpan | None, texts: Sequence[SourceFile]) -> Span | None:
-    if kept is None:
-        return None
-    if kept.source >= len(texts) or not kept.start <= kept.end <= len(texts[kept.source].text):
+def _check_spans(spans: Iterable[Span | None]) -> None:
+    if not all(span is None or 0 <= span.start <= span.end <= len(span.file.text) for span in spans):
         raise ValueError("a span outside of its text")
-    return Span(texts[kept.source], kept.start, kept.end)
 
 
 CHECKED = "checked"  # PATH: whether it is among the checked files, and as what; answered by the check itself
@@ -315,7 +212,10 @@ class Recall:
         if kept is None or kept.digest != world.answers.digest_of(("read_bytes", path)):
             return None
         try:
-            outline = decode_outline(kept, world.read_text(path))
+            source = world.read_text(path)
+            outline = IncludeOutline(source, kept.includes, _decode(kept.comments, tuple[Suppression, ...], (source,)))
+            _check_spans(Span(source, tag.start, tag.end) for tag in kept.includes)
+            _check_spans(each.span for each in outline.comments)
         except (ValueError, OSError):
             return None  # damaged: found again
         self._outlines[path] = kept
@@ -325,7 +225,8 @@ class Recall:
         """Store the outline of a launch file for the next check."""
         if path not in self._outlines:
             self.changed = True
-            self._outlines[path] = encode_outline(outline, world.answers.digest_of(("read_bytes", path)))
+            digest = world.answers.digest_of(("read_bytes", path))
+            self._outlines[path] = KeptOutline(digest, outline.includes, _encode(outline.comments, {}))
 
     def find(self, path: str, inputs: object, world: Asked) -> tuple[list[Hit], set[Question]] | None:
         """Return the valid stored hits of a file, with the queries that they depend on, or None.

@@ -49,7 +49,7 @@ def _sources(folder: str) -> list[str]:
 # ruff: noqa: PTH123, PTH108, PTH120
 
 
-FORMAT = 3
+FORMAT = 4
 _SUFFIX = ".json"
 _HEADER = 1000  # bytes at most
 
