@@ -217,7 +217,13 @@ def _walk(
 
 def _is_launch_file(path: str, asked_for: bool, world: World) -> bool:
     if path.endswith(".py"):
-        return _is_python_launch_file(path, asked_for, world)
+        if "/bin/" in path or not (asked_for or path.endswith("launch.py") or "/launch/" in path):
+            return False
+        try:
+            text = b"\n" + world.read_bytes(path)
+            return asked_for or _ENTRY in text or (path.endswith(".launch.py") and _TEST_ENTRY not in text)
+        except OSError:
+            return True  # reported when it is read
     if is_launch_name(path):
         return True
     if not asked_for and not path.endswith(_LAUNCH_SUFFIXES) and not (path.endswith(".xml") and "/launch/" in path):
@@ -231,16 +237,6 @@ def _is_launch_file(path: str, asked_for: bool, world: World) -> bool:
     if b"<launchConfiguration" in data[:500]:  # Eclipse has files of this name, too
         return False
     return path.endswith((".launch", ".launch.xml")) or b"<launch" in data
-
-
-def _is_python_launch_file(path: str, asked_for: bool, world: World) -> bool:
-    if "/bin/" in path or not (asked_for or path.endswith("launch.py") or "/launch/" in path):
-        return False
-    try:
-        text = b"\n" + world.read_bytes(path)
-        return asked_for or _ENTRY in text or (path.endswith(".launch.py") and _TEST_ENTRY not in text)
-    except OSError:
-        return True  # reported when it is read
 
 
 def _find_enclosing(path: str, world: World, packages: dict[str, Package]) -> None:

@@ -124,7 +124,9 @@ def make_server(assistant: Assistant, *, remote: bool = False) -> Server[object]
 
     async def call_tool(context: CallContext, params: types.CallToolRequestParams) -> types.CallToolResult:
         if context.session.client_params is not None:
-            _note_client(assistant, context.session.client_params.client_info.name)
+            name = context.session.client_params.client_info.name
+            if name != assistant.client:
+                assistant.begin(name)
         done, text = await assistant.call(params.name, params.arguments, lambda: _prove_life(context, remote=remote))
         return types.CallToolResult(content=[types.TextContent(type="text", text=text)], is_error=not done)
 
@@ -177,11 +179,6 @@ async def _prove_life(context: CallContext, *, remote: bool) -> None:
             await anyio.sleep_forever()
         if "closed" in str(problem).lower():
             raise
-
-
-def _note_client(assistant: Assistant, name: str) -> None:
-    if name != assistant.client:
-        assistant.begin(name)
 
 
 async def serve_stdio() -> int:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.world import World
 from ur.request.plan_files import find_node
-from ur.run.debugger.choice import TOOLS, Debugging, Tool, choose_tool, plan_debugging
+from ur.run.debugger.choice import TOOLS, Tool, choose_tool, plan_debugging
 from ur.run.debugger.environment import find_debug_tools, find_free_port, read_target
 from ur.run.process.command import find_executable
 from ur.source.diagnostic import UserError, error
@@ -38,7 +38,15 @@ def debug_nodes(plan: Plan, requests: Sequence[str], world: World, *, terminal: 
         if tool == "debugpy":
             port = find_free_port(port)
         found = plan_debugging(target, tool, tools, port)
-        changed[node.full_name] = _put_in_front(node, found)
+        here = found.terminal == "here"
+        changed[node.full_name] = replace(
+            node,
+            launch_prefix=shlex.join(found.prefix),
+            respawn=False,
+            terminal=here,
+            required=node.required or here,
+            output="screen" if found.terminal == "log" else node.output,
+        )
         lines += found.notes if found.terminal == "log" else found.notes[1:]  # a window is visible
         port += 1
     return replace(plan, nodes=tuple(changed.get(node.full_name, node) for node in plan.nodes)), tuple(lines)
@@ -50,18 +58,6 @@ def has_terminal() -> bool:
         return os.isatty(0) and os.isatty(1) and os.tcgetpgrp(0) == os.getpgrp()
     except OSError:
         return False
-
-
-def _put_in_front(node: NodeSpec, found: Debugging) -> NodeSpec:
-    here = found.terminal == "here"
-    return replace(
-        node,
-        launch_prefix=shlex.join(found.prefix),
-        respawn=False,
-        terminal=here,
-        required=node.required or here,
-        output="screen" if found.terminal == "log" else node.output,
-    )
 
 
 def _parse_tool(request: str, name: str) -> Tool:

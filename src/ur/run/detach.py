@@ -40,20 +40,15 @@ def run_detached(run: Callable[[Detach], int], report: Callable[[str], int]) -> 
     return _exit_code(os.waitpid(pid, 0)[1])
 
 
-def open_run_log(entry: RunEntry) -> int:
-    """Open the log file of a detached run's own messages. Raises UserError."""
-    path = f"{entry.log_folder}/{entry.run}.log"
-    try:
-        return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o600)
-    except OSError as problem:
-        reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error_about(path, f"cannot be written: {reason}", rule="bad-log-folder")) from None
-
-
 def _detach(entry: RunEntry, writer: int) -> None:
     null = os.open(os.devnull, os.O_RDONLY)
     try:
-        log = open_run_log(entry)
+        path = f"{entry.log_folder}/{entry.run}.log"
+        try:
+            log = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o600)
+        except OSError as problem:
+            reason = (problem.strerror or str(problem)).lower()
+            raise UserError(error_about(path, f"cannot be written: {reason}", rule="bad-log-folder")) from None
     except UserError:  # a full disk: the run continues without its log
         log = os.open(os.devnull, os.O_WRONLY)
     for descriptor, number in ((null, 0), (log, 1), (log, 2)):

@@ -85,11 +85,6 @@ class AssistedExploration:
         self._next = NextPlace(out.goal, out.cancel)
 
 
-def make_exploration(node: Node) -> AssistedExploration:
-    """An exploration with the parameters of `explore` and of navigation. Raises UserError, which names a parameter."""
-    return AssistedExploration(node, read_settings(node.parameters))
-
-
 _SOURCE = "key_vel"
 _STILL = Twist(0.0, 0.0)
 _PATIENCE = 2.0  # s: for the lease and the pose
@@ -308,7 +303,9 @@ class AssistedDriving:
     def _begin_exploration(self) -> str:
         """Return why the robot cannot explore, '' where it can."""
         try:
-            self._exploration = self._exploration or make_exploration(self._node)
+            self._exploration = self._exploration or AssistedExploration(
+                self._node, read_settings(self._node.parameters)
+            )
         except UserError as problem:
             return str(problem)
         self._exploration.begin()

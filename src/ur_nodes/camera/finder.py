@@ -186,7 +186,10 @@ class CameraFinder:
         if not choice.path:
             source = self._system.open_libcamera(choice.number, self._settings)
         else:
-            source = self._open_device(choice)
+            try:
+                source = V4l2Camera(self._system.open_device(choice.path), choice.path, self._settings)
+            except OSError as problem:
+                raise explain_failure(self._snapshot, choice.path, problem) from None
         self._own = choice.device
         self.description = describe_choice(choice)
         return source
@@ -202,12 +205,6 @@ class CameraFinder:
             f"the camera {describe_choice(CameraChoice(own.path, 0, own))} was unplugged",
             "plug it in; this node goes on by itself. For another camera start the node again",
         )
-
-    def _open_device(self, choice: CameraChoice) -> PictureSource:
-        try:
-            return V4l2Camera(self._system.open_device(choice.path), choice.path, self._settings)
-        except OSError as problem:
-            raise explain_failure(self._snapshot, choice.path, problem) from None
 
     def _inspect(self) -> None:
         # List the device files of cameras, with attributes that show a new device or changed permissions

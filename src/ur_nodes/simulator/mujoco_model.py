@@ -13,7 +13,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 import numpy.typing as npt
 
-from ur.robot.base import Base, Caster
+from ur.robot.base import Base
 from ur.robot.base.outline import find_centroid
 from ur.worlds.world_file import Box, WorldModel
 from ur_nodes.geometry.pose import Pose2
@@ -98,7 +98,7 @@ def build_model(
     With `scenery` the state means the same.
     """
     scenery = scenery or Scenery()
-    top = _body_top(base)
+    top = max(base.height, base.lidar.pose[2] + _LIDAR_HEAD if base.lidar else 0.0)
     corners = " ".join(f"{x:g} {y:g} {z:g}" for z in (base.ground_clearance, top) for x, y in base.footprint)
     parts = [
         '<mujoco model="world"><compiler angle="radian" autolimits="true"/>',
@@ -126,11 +126,6 @@ def start_pose(base: Base, number: int, start: tuple[float, float, float]) -> Po
     pitch = 0.3 + max(x for x, _ in base.footprint) - min(x for x, _ in base.footprint)
     x, y, yaw = start
     return Pose2(x + math.cos(yaw) * pitch * number, y + math.sin(yaw) * pitch * number, yaw)
-
-
-def _body_top(base: Base) -> float:
-    """Return the height of a robot's solid part: its body, and the lidar on it."""
-    return max(base.height, base.lidar.pose[2] + _LIDAR_HEAD if base.lidar else 0.0)
 
 
 def _walls(world: WorldModel) -> Iterable[str]:
@@ -205,7 +200,11 @@ def _robot(base: Base, number: int, pose: tuple[float, float, float], scenery: S
         f' conaffinity="{_WALL | _BODY | _OBSTACLE | _PERSON}" friction="{_SCRAPE} 0.005 0.0001" group="2"/>'
         f'<site name="lidar_{number}" pos="{" ".join(map(repr, lidar[:3]))}" euler="{" ".join(map(repr, lidar[3:]))}"/>'
         + "".join(scenery.robot[number : number + 1])
-        + "".join(_caster(caster) for caster in base.casters)
+        + "".join(
+            f'<geom type="sphere" pos="{caster.x!r} {caster.y!r} {caster.radius!r}" size="{caster.radius!r}"'
+            f' condim="1" priority="2" contype="{_ROLLING}" conaffinity="0" group="3"/>'
+            for caster in base.casters
+        )
         + _wheel(base, f"left_{number}", base.wheels.separation / 2.0)
         + _wheel(base, f"right_{number}", -base.wheels.separation / 2.0)
         + _sideways(base, number)
@@ -224,14 +223,6 @@ def _sideways(base: Base, number: int) -> str:
     return (
         f'<site name="drive_{number}"/><body><joint name="aside_{number}" axis="0 0 1" armature="1"/>'
         '<inertial pos="0 0 0" mass="1e-6" diaginertia="1e-9 1e-9 1e-9"/></body>'
-    )
-
-
-def _caster(caster: Caster) -> str:
-    """Return a caster as a ball without friction (condim 1; its priority is above the floor's)."""
-    return (
-        f'<geom type="sphere" pos="{caster.x!r} {caster.y!r} {caster.radius!r}" size="{caster.radius!r}"'
-        f' condim="1" priority="2" contype="{_ROLLING}" conaffinity="0" group="3"/>'
     )
 
 

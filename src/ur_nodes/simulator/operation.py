@@ -150,7 +150,8 @@ class Operation:
             self._transforms.send(tuple(robot.transform(stamp) for robot in self._robots))
         self._send_robots(tick, stamp, joints=joints)
         if tick.odometry:
-            self._send_people(stamp)
+            if self._people and self._people.subscribers():
+                self._people.send(Poses(stamp, self._settings.frames.map, self._simulation.people))
             if self._camera:
                 self._watch(self._camera)
         for sensors in self._sensors:
@@ -167,10 +168,6 @@ class Operation:
             if joints:
                 robot.send_joints(stamp)
             robot.send_collisions(collisions, strikes)
-
-    def _send_people(self, stamp: int) -> None:
-        if self._people and self._people.subscribers():
-            self._people.send(Poses(stamp, self._settings.frames.map, self._simulation.people))
 
     def _watch(self, camera: SimulatedCameraTopics) -> None:
         """Schedule pictures only while their topics have subscribers."""

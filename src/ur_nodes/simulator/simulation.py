@@ -128,7 +128,10 @@ class Simulation:
             for senses in self.senses:
                 senses.sample(sensed, self._step * TIME_STEP)
         if "control" in now:
-            self._update_drives()
+            for robot, drive in enumerate(self._drives):
+                if robot in self._taken:
+                    continue
+                self._turn_wheels(robot, *drive.update(self.time))
             self._move_people(1.0 / CONTROL_RATE)
         return SimulationTick(self.time, frozenset(now), placed)
 
@@ -249,12 +252,6 @@ class Simulation:
         for robot, odometry in enumerate(self._odometry):
             angles, aside = self._physics.wheel_angles(robot), self._physics.rolled_aside(robot)
             odometry.update(*angles, self.time, aside)
-
-    def _update_drives(self) -> None:
-        for robot, drive in enumerate(self._drives):
-            if robot in self._taken:
-                continue
-            self._turn_wheels(robot, *drive.update(self.time))
 
     def _turn_wheels(self, robot: int, left: float, right: float) -> None:
         self._physics.set_wheel_speeds(robot, left, right)

@@ -31,7 +31,17 @@ def command(as_json: bool) -> int:
     index = index_programs(PACKAGE, add_own_package(os.environ))
     if index.problem:
         sys.stderr.write(f"warning: only the programs of {PACKAGE.name} are listed: {printable(index.problem)}\n")
-    base = _selected_base()
+    from ur.request.bases.robot_facts import know_base
+    from ur.robot.base import load_base
+    from ur.robot.base.files import find_base_package
+
+    try:
+        selection = know_base(current_selection(os.environ), os.environ)
+        package = find_base_package(PACKAGE, selection.base, os.environ)
+        base = load_base(package, selection.base, selection.variant) if selection.base else None
+    except UserError as problem:
+        sys.stderr.write(f"what the base lacks is not known: {problem}\n")
+        base = None
     if as_json:
         lack = (lambda program: _lack(program, base)) if base else (lambda _: "")
         described = describe_programs(index.programs, os.environ, lack)
@@ -64,21 +74,6 @@ def render_list(programs: Sequence[Program], base: Base | None, *, colour: bool)
         title = package if len(packages) > 1 else "other programs"
         groups.append(f"{title}:\n" + lines([each for each in others if each.package == package], "  "))
     return "\n".join(groups)
-
-
-def _selected_base() -> Base | None:
-    """Return the base of the selected robot; None if it is unknown."""
-    from ur.request.bases.robot_facts import know_base
-    from ur.robot.base import load_base
-    from ur.robot.base.files import find_base_package
-
-    try:
-        selection = know_base(current_selection(os.environ), os.environ)
-        package = find_base_package(PACKAGE, selection.base, os.environ)
-        return load_base(package, selection.base, selection.variant) if selection.base else None
-    except UserError as problem:
-        sys.stderr.write(f"what the base lacks is not known: {problem}\n")
-        return None
 
 
 def _lack(program: Program, base: Base) -> str:

@@ -1,6 +1,6 @@
 """A launch file and all facts on its page, with the bases that it supports."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 from ur.check.cases import resolve_cases
 from ur.check.rule import LaunchView
@@ -102,15 +102,6 @@ def describe_finding(found: Diagnostic, words: Words) -> str:
         return message
     line = found.span.position.line
     return f"{message} ({words.show(found.span.file.path)}, line {line})"
-
-
-def list_unreadable(findings: Iterable[Diagnostic], path: str, words: Words) -> tuple[str, ...]:
-    """Return the errors that made it impossible to read a file."""
-    return tuple(
-        describe_finding(found, words)
-        for found in findings
-        if found.span is not None and found.span.file.path == path and found.severity is Severity.ERROR
-    )
 
 
 class PlannedFile:
@@ -325,7 +316,11 @@ class LaunchDescriber:
         support, problems = describe_support(
             outcomes, needs, self.bases, words, has_variant="robot_variant" in view.declared
         )
-        unreadable = list_unreadable(view.tree.diagnostics, view.path, words)
+        unreadable = tuple(
+            describe_finding(found, words)
+            for found in view.tree.diagnostics
+            if found.span is not None and found.span.file.path == view.path and found.severity is Severity.ERROR
+        )
         trees = self.trees.make_trees(view.path, outcomes, words)
         path = self.show_path(view.path)
         folder = path.rpartition("/")[0]

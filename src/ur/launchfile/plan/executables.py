@@ -21,17 +21,13 @@ def check_executables(plan: Plan, world: World) -> tuple[Diagnostic, ...]:
             continue
         key = (node.package, node.type)
         if key not in found:
-            found[key] = _exists(node, world)
+            try:
+                found[key] = bool(world.find_executables(node.package, node.type))
+            except (PackageNotFound, OSError, ValueError):
+                found[key] = False
         if not found[key]:
             diagnostics.append(_explain(node, world))
     return tuple(diagnostics)
-
-
-def _exists(node: NodeSpec, world: World) -> bool:
-    try:
-        return bool(world.find_executables(node.package, node.type))
-    except (PackageNotFound, OSError, ValueError):
-        return False
 
 
 def _explain(node: NodeSpec, world: World) -> Diagnostic:

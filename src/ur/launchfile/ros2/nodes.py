@@ -256,23 +256,20 @@ class Nodes(Collector):
         if node.kind == "program":
             return
         for source in node.sources:
-            self._add_params(node, source)
+            params, full = self._draft.params, node.full_name
+            values: Iterable[tuple[str, object]] = ()
+            if isinstance(source, ParameterValues):
+                values = source.values
+            elif (sections := self._read_sections(source)) is not None:
+                values = sections.matching(full)
+            for name, given in values:
+                value = list(given) if isinstance(given, TypedList) else given
+                param = params[f"{full}/{name}"] = ParamSpec(f"{full}/{name}", cast("ParamValue", value), source.origin)
+                self._trace(param)
 
     def _trace(self, step: TraceStep) -> None:
         if self._draft.trace is not None:
             self._draft.trace.append(step)
-
-    def _add_params(self, node: NodeSpec, source: ParameterFile | ParameterValues) -> None:
-        params, full = self._draft.params, node.full_name
-        values: Iterable[tuple[str, object]] = ()
-        if isinstance(source, ParameterValues):
-            values = source.values
-        elif (sections := self._read_sections(source)) is not None:
-            values = sections.matching(full)
-        for name, given in values:
-            value = list(given) if isinstance(given, TypedList) else given
-            param = params[f"{full}/{name}"] = ParamSpec(f"{full}/{name}", cast("ParamValue", value), source.origin)
-            self._trace(param)
 
     def _read_sections(self, source: ParameterFile) -> ParameterSections | None:
         if source.path not in self._sections:

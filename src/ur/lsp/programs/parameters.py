@@ -12,7 +12,7 @@ from ur.launchfile.plan.specs import ParamSpec, ParamValue
 from ur.lsp.documents import document_of
 from ur.lsp.programs.starts import find_starters
 from ur.lsp.workspace import Workspace
-from ur.source.file import SourceFile, Span
+from ur.source.file import Span
 from ur.tools.find.programs import NodeProgram, read_program, source_files
 from ur.tools.new.node_defaults import read_defaults
 
@@ -52,7 +52,11 @@ def know_parameters(programs: Iterable[NodeProgram], workspace: Workspace) -> di
         for path in source_files(program, workspace.world):
             source = read_program(path, workspace.world)
             if source is not None:
-                _note_source(source, known)
+                for name, value in _read_defaults(source.text).items():
+                    known.setdefault(name, KnownParameter(name)).note_value(write_value(value), "its source")
+                for match in _READ.finditer(source.text):
+                    if match[1] in known:
+                        known[match[1]].reads.append(Span(source, *match.span(1)))
     return known
 
 
@@ -73,14 +77,6 @@ def _document(span: Span, view: LaunchView) -> str:
             after = _AFTER_TAG.match(span.file.text, element.tag_span.end - 1)
             return (document_of(argument[1], view) if argument else "") or (after[1] if after else "")
     return ""
-
-
-def _note_source(source: SourceFile, known: dict[str, KnownParameter]) -> None:
-    for name, value in _read_defaults(source.text).items():
-        known.setdefault(name, KnownParameter(name)).note_value(write_value(value), "its source")
-    for match in _READ.finditer(source.text):
-        if match[1] in known:
-            known[match[1]].reads.append(Span(source, *match.span(1)))
 
 
 def write_value(value: ParamValue | object) -> str:

@@ -106,11 +106,6 @@ def choose_terminal(tools: DebugTools) -> DebugTerminal:
     return "here" if tools.terminal else "log"
 
 
-def gdb_prefix(target: DebugTarget) -> tuple[str, ...]:
-    """Return the arguments before a program that run it in gdb."""
-    return ("gdb", *_RUN, *((target.interpreter,) if target.kind == "python" else ()))
-
-
 def python_prefix(target: DebugTarget, options: tuple[str, ...]) -> tuple[str, ...]:
     """Return the arguments before a Python program that set these options of its interpreter."""
     if target.kind == "module":
@@ -123,7 +118,9 @@ def _plan_gdb(target: DebugTarget, tools: DebugTools, terminal: DebugTerminal) -
         notes = (f"{target.name} runs in gdb; where it crashes, the log will have a backtrace of every thread",)
         program = (target.interpreter,) if target.kind == "python" else ()
         return Debugging(("gdb", *_TRACE, *program), terminal, notes)
-    return _run_in_terminal(target.name, gdb_prefix(target), terminal, tools)
+    return _run_in_terminal(
+        target.name, ("gdb", *_RUN, *((target.interpreter,) if target.kind == "python" else ())), terminal, tools
+    )
 
 
 def _run_in_terminal(name: str, argv: tuple[str, ...], terminal: DebugTerminal, tools: DebugTools) -> Debugging:

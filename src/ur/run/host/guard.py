@@ -23,7 +23,13 @@ def run_guarded(descriptor: int) -> NoReturn:
     reader, writer = os.pipe2(os.O_CLOEXEC)
     host = os.fork()
     if host == 0:
-        _run_host(descriptor, writer)
+        from ur.run.host.server import serve  # unused by the guard
+
+        try:
+            serve(descriptor)
+            os.write(writer, ALL_ENDED)
+        finally:
+            os._exit(0)
     if cgroup is not None:
         cgroup.add(host)  # s for its start, which may take as long
     for signum in IGNORED:
@@ -31,13 +37,3 @@ def run_guarded(descriptor: int) -> NoReturn:
     os.close(descriptor)
     os.dup2(reader, 0)
     os.execv("/bin/sh", ["ur-guard", SCRIPT, "" if cgroup is None else cgroup.path])  # noqa: S606 - see above
-
-
-def _run_host(descriptor: int, writer: int) -> NoReturn:
-    from ur.run.host.server import serve  # unused by the guard
-
-    try:
-        serve(descriptor)
-        os.write(writer, ALL_ENDED)
-    finally:
-        os._exit(0)

@@ -29,7 +29,11 @@ def advise(crash: Crash) -> str:
     if crash.fault:
         return crash.fault
     if crash.reason:
-        return _advise_unstarted(crash)
+        if "permission denied" in crash.reason:
+            return f"chmod +x {crash.reason.partition(':')[0]}"
+        if "no such file" in crash.reason:
+            return "does the program exist, and the interpreter that its first line (#!) names?"
+        return ""
     text = "\n".join(re.sub("\x1b\\[[0-9;]*m", "", line) for line in crash.lines)
     syntax = _SYNTAX_ERROR.search(text)
     if syntax and is_python_two(syntax[4], syntax[3]):
@@ -44,14 +48,6 @@ def advise(crash: Crash) -> str:
     if "Traceback (most recent call last)" in text:
         return f"ur launch --debug {crash.name}=pudb ... steps through it"
     return _BY_CODE.get(crash.status.code or 0, "").format(name=crash.name)
-
-
-def _advise_unstarted(crash: Crash) -> str:
-    if "permission denied" in crash.reason:
-        return f"chmod +x {crash.reason.partition(':')[0]}"
-    if "no such file" in crash.reason:
-        return "does the program exist, and the interpreter that its first line (#!) names?"
-    return ""
 
 
 _SYNTAX_ERROR = re.compile(

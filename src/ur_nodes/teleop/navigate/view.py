@@ -14,7 +14,7 @@ from textual.widgets import Static
 from ur.source.diagnostic import UserError
 from ur.tui.screen.app import FullScreenApp
 from ur.tui.screen.query import measure_terminal
-from ur_nodes.client.patrol_text import PatrolStatus, describe_patrol
+from ur_nodes.client.patrol_text import describe_patrol
 from ur_nodes.client.saving import MapSaving, Saving
 from ur_nodes.client.snapshot import GoalReport, LastGoalState, NavigationClient, RobotSnapshot, format_number
 from ur_nodes.client.waypoints import WaypointStore
@@ -121,7 +121,12 @@ class NavigateView(FullScreenApp[None]):
         for saving in (self._saving, self._recording):
             if saving and (news := saving.pop_news()):
                 self._show_message(news)
-        self._announce_patrol(snapshot.patrol)
+        patrol = snapshot.patrol
+        if self._asked and patrol and patrol.answer and patrol.answer.id == self._asked:
+            problem, self._asked = patrol.answer.problem, ""
+            self._show_message(
+                f"refused: {problem}" if problem else describe_patrol(patrol), "bold red" if problem else ""
+            )
         key = (*visible_state(snapshot, self._places, self.size), self._result_shown)
         if key == self._shown_key:
             return
@@ -173,14 +178,6 @@ class NavigateView(FullScreenApp[None]):
         if report.pose is not None:
             self._show_message(*announce_goal(snapshot))
             self._result_shown = True
-
-    def _announce_patrol(self, patrol: PatrolStatus | None) -> None:
-        """Show the answer to a request for a patrol."""
-        if self._asked and patrol and patrol.answer and patrol.answer.id == self._asked:
-            problem, self._asked = patrol.answer.problem, ""
-            self._show_message(
-                f"refused: {problem}" if problem else describe_patrol(patrol), "bold red" if problem else ""
-            )
 
     def _show_message(self, text: str, style: str = "") -> None:
         self._result_shown = self._result_shown and not text  # a result leaves with its message

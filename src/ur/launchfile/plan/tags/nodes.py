@@ -103,7 +103,13 @@ def resolve_test(element: Element, draft: Draft, scope: Scope, default_machine: 
             )
     test_name = read_required(element, "test-name", draft, scope)
     time_limit = _time_limit(element, draft, scope)
-    retry = _retry(element, draft, scope)
+    text = read_optional(element, "retry", draft, scope)
+    try:
+        retry = int(text) if text else 0
+    except ValueError:
+        raise refuse(
+            f"'retry' of <test> is '{text}', expected a whole number", element.value_span("retry"), "bad-number"
+        ) from None
     node = _resolve(element, name or test_name, draft, scope, default_machine, is_test=True)
     draft.tests.append(TestSpec(node, test_name, time_limit, retry))
 
@@ -116,16 +122,6 @@ def _time_limit(element: Element, draft: Draft, scope: Scope) -> float:
     if seconds <= 0:
         raise refuse(f"'time-limit' is {text}, expected more than 0", element.value_span("time-limit"), "bad-number")
     return seconds
-
-
-def _retry(element: Element, draft: Draft, scope: Scope) -> int:
-    text = read_optional(element, "retry", draft, scope)
-    try:
-        return int(text) if text else 0
-    except ValueError:
-        raise refuse(
-            f"'retry' of <test> is '{text}', expected a whole number", element.value_span("retry"), "bad-number"
-        ) from None
 
 
 def _resolve(
