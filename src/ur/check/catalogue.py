@@ -7,8 +7,8 @@ from pkgutil import walk_packages
 
 from ur.check import rules
 from ur.check.rule import Rule, RuleGroup
-from ur.source.diagnostic import UserError, error
-from ur.source.suggest import did_you_mean
+from ur.source.diagnostic import UserError, user_error
+from ur.source.suggest import suggest
 
 
 @cache
@@ -55,13 +55,10 @@ def _ids(word: str, every: dict[str, Rule], option: str) -> list[str]:
 
 
 def _unknown(word: str, every: dict[str, Rule], option: str, groups: tuple[str, ...]) -> UserError:
-    near = did_you_mean(word, [*every, *groups])
     kinds = f" or a group ({', '.join(groups)})" if groups else ""
-    return UserError(
-        error(
-            f"{option} {word}: no such rule, expected an id{kinds}",
-            rule="unknown-rule",
-            help=f"did you mean {near}?" if near else "'ur check --explain' lists the rules",
-            subject=option,
-        )
+    return user_error(
+        f"{option} {word}: no such rule, expected an id{kinds}",
+        rule="unknown-rule",
+        help=suggest(word, [*every, *groups]) or "'ur check --explain' lists the rules",
+        subject=option,
     )

@@ -11,7 +11,7 @@ from ur.launchfile.address import join_addresses
 from ur.launchfile.load import is_launch_name
 from ur.launchfile.world import World
 from ur.launchfile.world.protocol import PackageNotFound
-from ur.source.diagnostic import Diagnostic, UserError, error, error_about
+from ur.source.diagnostic import Diagnostic, UserError, error, error_about, user_error_about
 from ur.source.file import SourceFile
 from ur.source.section import parse_section
 from ur.source.suggest import did_you_mean
@@ -80,13 +80,11 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
         yaml.update(file for file in files if file.endswith(_YAML_SUFFIXES) and not is_launch_name(file))
         folders = {f"{folder}/bin" for folder in packages}
         if world.is_file(path) and not _can_be_checked(path, launch, yaml, folders, world):
-            raise UserError(
-                error_about(
-                    word,
-                    "not a launch file, YAML file or program of a package",
-                    rule="unknown-file",
-                    help="a program is a file in the folder bin of a package, a launch file contains <launch>",
-                )
+            raise user_error_about(
+                word,
+                "not a launch file, YAML file or program of a package",
+                rule="unknown-file",
+                help="a program is a file in the folder bin of a package, a launch file contains <launch>",
             )
         programs.update(file for file in files if file.rpartition("/")[0] in folders and is_script(file, world))
     programs = _without_twins(programs, world)

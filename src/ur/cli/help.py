@@ -12,7 +12,7 @@ from rich_click.utils import OptionGroupDict
 
 from ur.cli.verbs import HELP, VERBS, list_sections, load_verb
 from ur.cli.verbs.verb import PLUMBING, Below, Verb
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.render import shows_colour
 from ur.source.suggest import did_you_mean
 
@@ -74,13 +74,11 @@ def _show_program(name: str, *, known_verb: bool) -> None:
         click.echo(describe_program(choose_program(index.programs, name, index.problem), os.environ), nl=False)
         return
     near = did_you_mean(name, (*VERBS, *names))
-    raise UserError(
-        error(
-            f"unknown command {name!r}, expected a command of ur or a program",
-            rule="unknown-verb",
-            help=f"did you mean 'ur help {near}'?" if near else "'ur help' lists the verbs, 'ur list' the programs",
-            subject=name,
-        )
+    raise user_error(
+        f"unknown command {name!r}, expected a command of ur or a program",
+        rule="unknown-verb",
+        help=f"did you mean 'ur help {near}'?" if near else "'ur help' lists the verbs, 'ur list' the programs",
+        subject=name,
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import UserError, user_error, user_error_about
 from ur.source.printable import printable
 
 
@@ -20,8 +20,8 @@ def read_lines(descriptor: int | None, option: str, count: int, *, close: bool =
         with open(descriptor, encoding="utf-8", closefd=close) as stream:
             return [*stream.read().split("\n"), *[""] * count][:count]
     except (OSError, UnicodeDecodeError) as problem:
-        raise UserError(
-            error(f"{option} {descriptor}: cannot be read: {problem}", rule="bad-descriptor", subject=option)
+        raise user_error(
+            f"{option} {descriptor}: cannot be read: {problem}", rule="bad-descriptor", subject=option
         ) from None
 
 
@@ -43,12 +43,10 @@ def check_name(name: str) -> None:
     from ur.robot.setup.robot_states import is_robot_name
 
     if not is_robot_name(name):
-        raise UserError(
-            error(
-                f"{name!r} is not a valid host name, expected up to 63 lower-case letters, digits and -",
-                rule="bad-name",
-                subject=name,
-            )
+        raise user_error(
+            f"{name!r} is not a valid host name, expected up to 63 lower-case letters, digits and -",
+            rule="bad-name",
+            subject=name,
         )
     if name in (socket.gethostname().split(".")[0], "localhost", "sim"):
         raise taken_error(name)
@@ -56,7 +54,7 @@ def check_name(name: str) -> None:
 
 def taken_error(name: str) -> UserError:
     """Return the error about a name that another computer has."""
-    return UserError(error(f"name {name!r} is taken, expected a name of its own for each computer", rule="taken-name"))
+    return user_error(f"name {name!r} is taken, expected a name of its own for each computer", rule="taken-name")
 
 
 if TYPE_CHECKING:
@@ -90,4 +88,4 @@ def replace_file(path: str | Path, text: str, doing: str = "written", **options:
         replace(path, text, **options)  # type: ignore[arg-type]  # one of them is a function
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error_about(path, f"cannot be {doing}: {reason}", rule="unwritable-file")) from None
+        raise user_error_about(path, f"cannot be {doing}: {reason}", rule="unwritable-file") from None

@@ -12,7 +12,7 @@ from typing import Protocol
 from ur.get.index import MAX_INDEX, NEWEST, ROS2, Index, load_sources, merge_indexes, parse_index
 from ur.get.plan import Tables, make_plan
 from ur.get.steps import DebianPackage, Missing, all_names, parse_candidates, parse_table
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.foreign.files import read_text
 from ur.source.replace import replace_file
 from ur.source.user_folders import user_folder
@@ -180,8 +180,7 @@ def _read_given(name: str) -> str:
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         message = f"index {name!r} cannot be read: {reason}, expected a distribution.yaml"
-        help_ = f"get it from {INDEX.format(DISTRIBUTIONS[0])}"
-        raise UserError(error(message, rule="no-index", help=help_)) from None
+        raise user_error(message, rule="no-index", help=f"get it from {INDEX.format(DISTRIBUTIONS[0])}") from None
 
 
 def _download(address: str) -> str:

@@ -14,7 +14,7 @@ from ur.launchfile.syntax.parse import count_unread, describe_unread
 from ur.launchfile.world.system import SystemWorld
 from ur.request.launch_request import make_request
 from ur.source.arguments import split_argv
-from ur.source.diagnostic import Severity, UserError, error
+from ur.source.diagnostic import Severity, UserError, user_error
 from ur.source.foreign.files import read_text
 from ur.source.progress import Progress, no_progress
 
@@ -26,9 +26,7 @@ def find_needs(words: Sequence[str], environment: Mapping[str, str]) -> Needs:
     if any(word.endswith(SUFFIXES) for word in named) or (len(named) == 1 and Path(named[0]).is_file()):
         return _file_needs(words, world)
     if len(named) != len(words):
-        raise UserError(
-            error("NAME:=VALUE is given, expected it after a launch file", rule="usage", help="ur get --help")
-        )
+        raise user_error("NAME:=VALUE is given, expected it after a launch file", rule="usage", help="ur get --help")
     found: dict[str, Missing] = {}
     notes: tuple[str, ...] = ()
     for word in words:
@@ -38,7 +36,7 @@ def find_needs(words: Sequence[str], environment: Mapping[str, str]) -> Needs:
             found.update((each.package, each) for each in needs.missing)
         elif not PACKAGE_NAME.fullmatch(word):
             message = f"{word!r} is neither a launch file nor the name of a package"
-            raise UserError(error(message, rule="unknown-package", help="ur get --help"))
+            raise user_error(message, rule="unknown-package", help="ur get --help")
         elif is_installed(word, world):
             text = text_of(Path(world.find_package(word)) / "package.xml")
             try:
@@ -103,14 +101,14 @@ def folder_needs(
     for folder in folders:
         if not Path(folder).is_dir():
             message = f"folder {folder!r} does not exist, expected one with launch files"
-            raise UserError(error(message, rule="missing-file", help="ur get --missing FOLDER"))
+            raise user_error(message, rule="missing-file", help="ur get --missing FOLDER")
     found, world = _Found(environment, manifests), SystemWorld(with_folders(folders, environment))
     for folder in folders:
         _read_folder(folder, found, progress)
     unread = describe_unread(found.unread)
     if not found.read:
         message = f"no readable launch file, xacro file or package.xml in {', '.join(folders)}, expected one"
-        raise UserError(error(message, rule="no-launch-files", help=unread or "ur get --missing FOLDER"))
+        raise user_error(message, rule="no-launch-files", help=unread or "ur get --missing FOLDER")
     if unread:
         found.notes.append(unread)
     places = {name: _shorten(path, folders) for name, path in found.names.items()}

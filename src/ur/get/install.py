@@ -14,7 +14,7 @@ from ur.get.steps import PACKAGE_NAME, GetPlan
 from ur.request.environment import add_own_package
 from ur.request.requirements.preparation import install_debian
 from ur.request.requirements.python_packages import run_installer
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.project import project_folder, state_folder
 from ur.source.replace import make_folder, replace_file, sync_folder
 from ur.source.suggest import get_command
@@ -65,7 +65,7 @@ def install_xacro(packages: Path, run: Run = run_installer) -> None:
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         message = f"xacro could not be installed in {packages}: {reason}"
-        raise UserError(error(message, rule="no-package", help="make room there, then run this again")) from None
+        raise user_error(message, rule="no-package", help="make room there, then run this again") from None
     finally:
         with suppress(OSError):
             shutil.rmtree(new)

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from ur.launchfile.world.protocol import PackageNotFound, World
-from ur.source.diagnostic import Diagnostic, Note, UserError, error
-from ur.source.suggest import did_you_mean
+from ur.source.diagnostic import Diagnostic, Note, UserError, error, user_error
+from ur.source.suggest import did_you_mean, suggest
 
 _SUFFIXES = (".launch", ".launch.xml", ".test")
 
@@ -36,11 +36,10 @@ def find_launch_file(package: str, name: str, world: World) -> str:
     if found:
         return found
     names = _list_launch_files(world.find_package(package), world)
-    near = did_you_mean(name, names)
     expected = f"expected one of {_shorten(names)}" if names else "which has no launch file"
-    help_ = f"did you mean {near}?" if near else None if names else "write one: ur new multi"
-    raise UserError(
-        error(f"no file '{name}' in package '{package}', {expected}", rule="missing-file", help=help_, subject=name)
+    help_ = suggest(name, names) or (None if names else "write one: ur new multi")
+    raise user_error(
+        f"no file '{name}' in package '{package}', {expected}", rule="missing-file", help=help_, subject=name
     )
 
 
@@ -71,15 +70,13 @@ def _find_in_package(package: str, name: str, world: World) -> str | None:
     except PackageNotFound:
         return None
     except (OSError, ValueError) as problem:
-        raise UserError(error(f"packages cannot be searched: {problem}", rule="broken-package")) from None
+        raise user_error(f"packages cannot be searched: {problem}", rule="broken-package") from None
     if len(found) > 1:
-        raise UserError(
-            error(
-                f"package '{package}' has {len(found)} files named '{name}', expected one",
-                rule="ambiguous-file",
-                notes=tuple(Note(path) for path in found),
-                help=f"give the path: {found[0]}",
-            )
+        raise user_error(
+            f"package '{package}' has {len(found)} files named '{name}', expected one",
+            rule="ambiguous-file",
+            notes=tuple(Note(path) for path in found),
+            help=f"give the path: {found[0]}",
         )
     return found[0] if found else None
 
@@ -117,8 +114,7 @@ def _explain(names: list[str], world: World) -> Diagnostic:
 
 def _near_launch_file(package: str, name: str, world: World) -> str | None:
     folder = world.find_package(package)
-    near = did_you_mean(name, _list_launch_files(folder, world))
-    return f"did you mean {near}?" if near else f"look into {folder}"
+    return suggest(name, _list_launch_files(folder, world)) or f"look into {folder}"
 
 
 def _shorten(names: Sequence[str], most: int = 6) -> str:

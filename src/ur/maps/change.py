@@ -12,7 +12,7 @@ from ur.maps.record import LARGEST, MOST_EDITS, MOST_POINTS, EditKind, MapEdit, 
 from ur.maps.scan_file import encode_graph, read_graph
 from ur.maps.store import MapStore
 from ur.maps.zone_mask import write_masks
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.replace import replace_file
 from ur.worlds.map_file import MapImage, read_map
 
@@ -128,4 +128,4 @@ def next_graph_name(graph: str, scans: tuple[str, ...]) -> str:
 
 
 def _bad(message: str) -> UserError:
-    return UserError(error(message, rule="bad-edit", help="ur maps edit --help"))
+    return user_error(message, rule="bad-edit", help="ur maps edit --help")

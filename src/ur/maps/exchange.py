@@ -10,7 +10,7 @@ from ur.maps.record import read_record
 from ur.maps.scan_file import read_graph, read_scans
 from ur.maps.store import PICTURE, MapStore
 from ur.maps.zones import draw_masks
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.foreign.archives import unpack_archive
 from ur.source.foreign.files import read_file, refuse_file
 from ur.source.foreign.pictures import MAP_FORMATS, open_picture
@@ -36,7 +36,7 @@ def pack_map(folder: Path) -> bytes:
                 archive.add(path, path.name, recursive=False)
     if buffer.tell() > MOST_PACKED:
         message = f"map {folder.name!r} is larger than {MOST_PACKED // 1_000_000} MB, expected a smaller one"
-        raise UserError(error(message, rule="bad-map", help="export its picture: ur maps export"))
+        raise user_error(message, rule="bad-map", help="export its picture: ur maps export")
     return buffer.getvalue()
 
 
@@ -132,4 +132,4 @@ def _read_part(path: Path, folder: Path) -> bytes:
 
 def _not_a_map(place: str, what: str, help_: str = "copy it again") -> UserError:
     message = f"{place} is not a map that can be used: {what}"
-    return UserError(error(message, rule="bad-map", help=help_, subject=place))
+    return user_error(message, rule="bad-map", help=help_, subject=place)

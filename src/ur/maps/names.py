@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.printable import printable
 from ur.source.replace import replace_file
 from ur.source.user_folders import user_folder
@@ -86,7 +86,7 @@ def check_map_name(name: str) -> str:
             f"map name {printable(name[: 2 * LONGEST])!r}, expected a letter, then letters, digits, '-', '_' and '.', "
             f"at most {LONGEST} in all"
         )
-    raise UserError(error(message, rule="bad-name", help=_offer(name) or "for example flat or second-floor"))
+    raise user_error(message, rule="bad-name", help=_offer(name) or "for example flat or second-floor")
 
 
 def _offer(name: str) -> str:

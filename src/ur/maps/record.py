@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from msgspec import Meta
 
 from ur.maps.names import PLACE_NAME, PLACE_RULE
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.foreign.files import read_file
 from ur.source.foreign.json_values import convert_json, read_json
 
@@ -146,6 +146,4 @@ def _check_edit(edit: MapEdit) -> MapEdit:
 
 
 def _bad(path: Path, what: str) -> UserError:
-    return UserError(
-        error(f"'{path}': {what}", rule="bad-map", help="copy the map again, or delete it", subject=str(path))
-    )
+    return user_error(f"'{path}': {what}", rule="bad-map", help="copy the map again, or delete it", subject=str(path))

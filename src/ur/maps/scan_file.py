@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.foreign.files import open_file
 
 CHUNK = 200
@@ -198,6 +198,4 @@ def _require(condition: bool, what: str) -> None:
 
 def _bad(path: Path, what: str) -> UserError:
     message = f"'{path}' cannot be read: {what}"
-    return UserError(
-        error(message, rule="bad-map", help="the map's picture still serves: navigate on it, or map again")
-    )
+    return user_error(message, rule="bad-map", help="the map's picture still serves: navigate on it, or map again")

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ur.maps.names import LATEST, check_map_name, is_map_name
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.replace import make_folder, replace_file, sync_folder
 from ur.source.suggest import did_you_mean
 from ur.source.user_folders import user_folder
@@ -56,7 +56,7 @@ class MapStore:
             found = self.latest()
             if found is None:
                 message = "no map was made with this robot yet, expected one"
-                raise UserError(error(message, rule="unknown-map", help="make one: ur run make_map"))
+                raise user_error(message, rule="unknown-map", help="make one: ur run make_map")
             return found
         if not self.picture(name).is_file():
             names = self.names()
@@ -66,7 +66,7 @@ class MapStore:
             help_ = (
                 f"did you mean {near!r}?" if near else "'ur run make_map' makes a map, 'ur maps import' takes one in"
             )
-            raise UserError(error(message, rule="unknown-map", help=help_))
+            raise user_error(message, rule="unknown-map", help=help_)
         return name
 
     def record(self, name: str) -> MapRecord:
@@ -100,13 +100,11 @@ class MapStore:
         self.resolve(before)
         with self.claim(before):
             if self.path(after).exists():
-                raise UserError(
-                    error(
-                        f"map {after!r} exists, expected a name without a map",
-                        rule="map-exists",
-                        help="ur maps",
-                        subject=after,
-                    )
+                raise user_error(
+                    f"map {after!r} exists, expected a name without a map",
+                    rule="map-exists",
+                    help="ur maps",
+                    subject=after,
                 )
             was_latest = self.latest() == before
             self.path(before).rename(self.path(after))
@@ -142,9 +140,7 @@ class MapStore:
         target = self.path(name)
         if target.exists() and (target / PICTURE).exists():
             help_ = f"choose another name, or delete it: ur maps delete {name}"
-            raise UserError(
-                error(f"map {name!r} exists, expected a new name", rule="map-exists", help=help_, subject=name)
-            )
+            raise user_error(f"map {name!r} exists, expected a new name", rule="map-exists", help=help_, subject=name)
         make_folder(str(self.folder))
         beside = self.folder / f"{_NEW}{os.urandom(4).hex()}"
         beside.mkdir()
@@ -170,8 +166,8 @@ class MapStore:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
                 message = f"map {name!r} is in use, expected one that no program changes"
-                raise UserError(
-                    error(message, rule="map-in-use", help="end make_map, or wait for the other command")
+                raise user_error(
+                    message, rule="map-in-use", help="end make_map, or wait for the other command"
                 ) from None
             yield
 

@@ -8,7 +8,7 @@ from ur.maps.change import add_to_record, write_edits
 from ur.maps.picture_file import write_picture
 from ur.maps.record import MOST_STROKES, MapEdit, MapRecord, render_record
 from ur.maps.store import MapStore
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.foreign.files import read_file
 from ur.source.foreign.json_values import Count, read_json, write_json
 from ur.source.replace import replace_file
@@ -96,4 +96,4 @@ def _fingerprint(record: MapRecord, image: MapImage) -> str:
 
 
 def _refuse(message: str) -> UserError:
-    return UserError(error(message, rule="bad-edit"))
+    return user_error(message, rule="bad-edit")

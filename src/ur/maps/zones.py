@@ -11,7 +11,7 @@ from ur.maps.names import PLACE_NAME, PLACE_RULE, is_map_name
 from ur.maps.record import LEAST_PERCENT, MOST_CORNERS, MOST_ZONES, Zone, ZoneKind, read_record
 from ur.maps.store import PICTURE, MapStore, own_store
 from ur.maps.zone_mask import area_of, write_masks
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.suggest import did_you_mean
 from ur.source.user_folders import user_folder
 from ur.worlds.cells import CellFrame
@@ -82,8 +82,7 @@ def delete_zone(store: MapStore, name: str, zone: str, plan: CellFrame) -> None:
             near = did_you_mean(zone, names)
             known = ", ".join(names) or "none yet"
             help_ = f"did you mean {near!r}?" if near else "ur maps edit --help"
-            message = f"unknown zone {zone[:60]!r}, expected one of: {known}"
-            raise UserError(error(message, rule="unknown-zone", help=help_))
+            raise user_error(f"unknown zone {zone[:60]!r}, expected one of: {known}", rule="unknown-zone", help=help_)
         zones = tuple(each for each in record.zones if each.name != zone)
         store.write_record(name, replace(record, zones=zones))
         write_masks(store.path(name), zones, plan)
@@ -124,4 +123,4 @@ def fresh_zone_name(kind: ZoneKind, zones: Iterable[Zone]) -> str:
 
 
 def _bad(message: str) -> UserError:
-    return UserError(error(message, rule="bad-zone", help="ur maps edit --help"))
+    return user_error(message, rule="bad-zone", help="ur maps edit --help")

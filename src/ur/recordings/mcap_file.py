@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 from ur.recordings.mcap_channels import LATCHED, SENDER
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import UserError, user_error_about
 from ur.source.foreign.files import open_file, refuse_file
 from ur.source.printable import printable
 
@@ -317,8 +317,8 @@ def _reading(path: Path) -> Iterator[IO[bytes]]:
                 program, folder = Path(sys.executable).with_name("rosbags-convert"), path.with_suffix("")
                 command = [str(program), "--src", str(path), "--dst", str(folder)]
                 convert = shlex.join([*command, "--dst-storage", "mcap", "--dst-typestore", "ros2_kilted"])
-                raise UserError(
-                    error_about(str(path), "a bag of ROS 1, expected an MCAP file", rule="bad-recording", help=convert)
+                raise user_error_about(
+                    str(path), "a bag of ROS 1, expected an MCAP file", rule="bad-recording", help=convert
                 )
             if not head.startswith(MAGIC):
                 raise _no_recording(path, "it does not begin as one")
@@ -330,7 +330,7 @@ def _reading(path: Path) -> Iterator[IO[bytes]]:
 
 def _no_recording(path: Path, reason: str) -> UserError:
     message = f"not an MCAP file that can be read ({reason})"
-    return UserError(error_about(str(path), message, rule="bad-recording", help="a recording is a file NAME.mcap"))
+    return user_error_about(str(path), message, rule="bad-recording", help="a recording is a file NAME.mcap")
 
 
 def _topic_of(schema: Schema | None, channel: Channel) -> RecordingTopic:

@@ -11,8 +11,8 @@ from ur.request.plan_files import find_node
 from ur.run.debugger.choice import TOOLS, Tool, choose_tool, plan_debugging
 from ur.run.debugger.environment import find_debug_tools, find_free_port, read_target
 from ur.run.process.command import find_executable
-from ur.source.diagnostic import UserError, error
-from ur.source.suggest import did_you_mean
+from ur.source.diagnostic import user_error
+from ur.source.suggest import suggest
 
 
 def debug_nodes(plan: Plan, requests: Sequence[str], world: World, *, terminal: bool) -> tuple[Plan, tuple[str, ...]]:
@@ -64,12 +64,9 @@ def _parse_tool(request: str, name: str) -> Tool:
     for tool in TOOLS:
         if tool == name:
             return tool
-    near = did_you_mean(name, TOOLS)
-    raise UserError(
-        error(
-            f"--debug {request}: no such debugger, expected one of {', '.join(TOOLS)}",
-            rule="unknown-debugger",
-            help=f"did you mean {near}?" if near else None,
-            subject=request,
-        )
+    raise user_error(
+        f"--debug {request}: no such debugger, expected one of {', '.join(TOOLS)}",
+        rule="unknown-debugger",
+        help=suggest(name, TOOLS),
+        subject=request,
     )

@@ -16,7 +16,7 @@ from ur.launchfile.syntax.parse import parse_launch_file
 from ur.launchfile.world.protocol import World
 from ur.robot.selection import Selection
 from ur.source.arguments import Argument, CommandLine, values_of
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
@@ -109,28 +109,26 @@ def choose_query(queries: Sequence[Query]) -> Query | None:
 def check_options(names: Sequence[str], options: LaunchOptions) -> None:
     """Raise UserError for options and arguments that exclude each other."""
     if options.core and (names or options.wait or options.queries):
-        raise UserError(
-            error("--core starts a master alone, expected no launch file, --wait or question", rule="bad-options")
+        raise user_error(
+            "--core starts a master alone, expected no launch file, --wait or question", rule="bad-options"
         )
     if names.count("-") > 1:
-        raise UserError(error("'-' is standard input, expected it once", rule="bad-options"))
+        raise user_error("'-' is standard input, expected it once", rule="bad-options")
     if options.screen and options.log:
-        raise UserError(error("--screen and --log cannot be used together", rule="bad-options"))
+        raise user_error("--screen and --log cannot be used together", rule="bad-options")
     modes = [name for name in ("watch", "ask", "take_over") if getattr(options, name)]
     if len(modes) > 1:
         text = " and ".join(f"--{name.replace('_', '-')}" for name in modes)
-        raise UserError(error(f"{text} cannot be used together", rule="bad-options"))
+        raise user_error(f"{text} cannot be used together", rule="bad-options")
     if options.detach and options.json:
         help_ = "'ur attach --json' prints the events of a run that is detached"
-        raise UserError(error("--detach and --json cannot be used together", rule="bad-options", help=help_))
+        raise user_error("--detach and --json cannot be used together", rule="bad-options", help=help_)
     if (options.with_origins or options.no_commands) and not any(name == "dump" for name, _ in options.queries):
-        raise UserError(error("--with-origins and --no-commands belong to --dump json", rule="bad-options"))
+        raise user_error("--with-origins and --no-commands belong to --dump json", rule="bad-options")
     _check_seconds(options)
     names = [name for name, _ in options.queries]
     if len([name for name in names if name in _EXCLUSIVE]) > 1 or (len(names) > 1 and set(names) & _OURS):
-        raise UserError(
-            error(f"{' and '.join(f'--{name}' for name in names)} cannot be used together", rule="bad-options")
-        )
+        raise user_error(f"{' and '.join(f'--{name}' for name in names)} cannot be used together", rule="bad-options")
 
 
 def _check_seconds(options: LaunchOptions) -> None:
@@ -139,8 +137,8 @@ def _check_seconds(options: LaunchOptions) -> None:
         value = getattr(options, name)
         if value is not None and value != value:
             option = name.replace("_", "-")
-            raise UserError(
-                error(f"--{option} nan, expected a number of seconds above 0", rule="bad-options", subject=option)
+            raise user_error(
+                f"--{option} nan, expected a number of seconds above 0", rule="bad-options", subject=option
             )
 
 
@@ -323,11 +321,9 @@ def refuse_stray_names(files: LaunchFiles) -> None:
         known = f", expected NAME:=VALUE with NAME one of {', '.join(declared)}"
         if not declared:
             known = ": the launch file declares no arguments"
-        raise UserError(
-            error(
-                f"{name!r} is not an argument{known}",
-                rule="bad-argument",
-                help=f"did you mean {near}?" if near else None if declared else f"leave {name} out",
-                subject=name,
-            )
+        raise user_error(
+            f"{name!r} is not an argument{known}",
+            rule="bad-argument",
+            help=f"did you mean {near}?" if near else None if declared else f"leave {name} out",
+            subject=name,
         )

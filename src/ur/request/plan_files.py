@@ -19,9 +19,9 @@ from ur.request.launch_request import LaunchOptions, LaunchRequest, Report, make
 from ur.request.worlds import check_worlds, resolve_worlds
 from ur.robot.selection import Selection
 from ur.source.arguments import Argument, split_argv, values_of
-from ur.source.diagnostic import Diagnostic, Severity, UserError, error
+from ur.source.diagnostic import Diagnostic, Severity, UserError, error, user_error
 from ur.source.file import SourceFile, Span
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import did_you_mean, suggest
 
 if TYPE_CHECKING:
     from ur.request.bases.base_argument import FileBase
@@ -274,7 +274,7 @@ def apply_options(plan: Plan, options: LaunchOptions, report: Report) -> Plan:
     for node in plan.nodes if options.required else ():
         if node.respawn:
             message = f"--required: {node.full_name} is to be respawned, expected a node that may end"
-            raise UserError(error(message, node.origin.span, rule="required-respawn"))
+            raise user_error(message, node.origin.span, rule="required-respawn")
     if options.verbose:
         report("info", "\n".join(_list_contents(plan)))
     if options.part is not None:
@@ -297,7 +297,7 @@ def choose_nodes(plan: Plan, only: Sequence[str], without: Sequence[str], prefix
     for text in prefixes:
         name, found, prefix = text.partition("=")
         if not found:
-            raise UserError(error(f"--prefix {text!r}, expected NODE=PREFIX", rule="bad-prefix", subject=text))
+            raise user_error(f"--prefix {text!r}, expected NODE=PREFIX", rule="bad-prefix", subject=text)
         before[find_node(plan, name).full_name] = prefix
     nodes = (
         replace(node, launch_prefix=before.get(node.full_name, node.launch_prefix))
@@ -380,14 +380,11 @@ def find_node(plan: Plan, name: str) -> NodeSpec:
     if len(found) == 1:
         return found[0]
     if found:
-        raise UserError(error(f"{len(found)} tests are named {full}, expected names to differ", rule="duplicate-node"))
+        raise user_error(f"{len(found)} tests are named {full}, expected names to differ", rule="duplicate-node")
     names = list_nodes(plan)
-    near = did_you_mean(full, names)
-    raise UserError(
-        error(
-            f"unknown node {name!r}, expected one of {', '.join(names) or '(none)'}",
-            rule="unknown-node",
-            help=f"did you mean {near}?" if near else None,
-            subject=name,
-        )
+    raise user_error(
+        f"unknown node {name!r}, expected one of {', '.join(names) or '(none)'}",
+        rule="unknown-node",
+        help=suggest(full, names),
+        subject=name,
     )

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from ur.request.launch_request import LaunchFiles
 from ur.source.arguments import Argument
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.foreign.files import read_head, read_text
 from ur.source.suggest import did_you_mean
 
@@ -86,13 +86,11 @@ def find_program(library: Path, name: str, environment: Mapping[str, str]) -> Pr
     path = find_unlisted(name)
     if path is not None and not any(each.name == path.name.removeprefix(PREFIX) for each in index.programs):
         package = path.parent.parent
-        raise UserError(
-            error(
-                f"unknown program {name!r}: package {package.name!r} is not on ROS_PACKAGE_PATH",
-                rule="unknown-program",
-                help=f'export ROS_PACKAGE_PATH="{package.parent}:$ROS_PACKAGE_PATH"',
-                subject=name,
-            )
+        raise user_error(
+            f"unknown program {name!r}: package {package.name!r} is not on ROS_PACKAGE_PATH",
+            rule="unknown-program",
+            help=f'export ROS_PACKAGE_PATH="{package.parent}:$ROS_PACKAGE_PATH"',
+            subject=name,
         )
     return choose_program(index.programs, name, index.problem)
 
@@ -118,34 +116,28 @@ def choose_program(programs: Sequence[Program], name: str, problem: str = "") ->
         return found[0]
     if found:
         names = " and ".join(each.package for each in found)
-        raise UserError(
-            error(
-                f"program {name!r} is in {names}, expected PACKAGE/PROGRAM",
-                rule="ambiguous-program",
-                help=" or ".join(f"ur run {each.package}/{each.name}" for each in found),
-                subject=name,
-            )
+        raise user_error(
+            f"program {name!r} is in {names}, expected PACKAGE/PROGRAM",
+            rule="ambiguous-program",
+            help=" or ".join(f"ur run {each.package}/{each.name}" for each in found),
+            subject=name,
         )
     if last.endswith((".launch", ".launch.xml", ".launch.py", ".launch.yaml", ".test")):
-        raise UserError(
-            error(
-                f"{name!r} is the name of a launch file, expected the name of a program",
-                rule="unknown-program",
-                help=f"start a launch file: ur launch {shlex.quote(name)}; 'ur list' lists the programs",
-                subject=name,
-            )
+        raise user_error(
+            f"{name!r} is the name of a launch file, expected the name of a program",
+            rule="unknown-program",
+            help=f"start a launch file: ur launch {shlex.quote(name)}; 'ur list' lists the programs",
+            subject=name,
         )
     near = did_you_mean(bare, {each.name for each in programs})
     help_ = f"did you mean 'ur run {near}'?" if near else "'ur list' describes each"
     if problem:
         help_ = f"packages were not searched ({problem}); {help_}"
-    raise UserError(
-        error(
-            f"unknown program {name!r}, expected one of {_describe(programs) or '(none)'}",
-            rule="unknown-program",
-            help=help_,
-            subject=name,
-        )
+    raise user_error(
+        f"unknown program {name!r}, expected one of {_describe(programs) or '(none)'}",
+        rule="unknown-program",
+        help=help_,
+        subject=name,
     )
 
 
@@ -213,7 +205,7 @@ def refuse_undeclared(program: str, arguments: Sequence[Argument], declared: Seq
             help_ = f"did you mean {near}:=...?" if near else f"'ur run {program} --help' describes its arguments"
             known = ", ".join(declared) or "no arguments"
             message = f"unknown argument {name!r} of program {program!r}, expected one of {known}"
-            raise UserError(error(message, rule="unknown-argument", help=help_))
+            raise user_error(message, rule="unknown-argument", help=help_)
 
 
 def read_program_arguments(path: Path, environment: Mapping[str, str]) -> tuple[ArgumentSpec, ...]:

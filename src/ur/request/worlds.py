@@ -7,7 +7,7 @@ from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.maps.names import check_map_name
 from ur.request.environment import PACKAGE
 from ur.source.arguments import Argument, values_of
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.worlds.choice import (
     PATHS,
     WORLD,
@@ -35,11 +35,11 @@ def resolve_worlds(
         if name in PATHS and name in declared and not value:
             expected = f"one of {', '.join(list_worlds(PACKAGE))}, or " if name == WORLD else ""
             message = f"{name}:= has no value, expected {expected}the path of a YAML file"
-            raise UserError(error(message, rule="bad-argument", help=f"write {name}:=VALUE without a blank"))
+            raise user_error(message, rule="bad-argument", help=f"write {name}:=VALUE without a blank")
         if name == "map_file" and robot and value and not value.startswith("/"):
             message = f"{each} is read on {robot}, expected the absolute path of a file there"
             help_ = f"copy the map to {robot}, for example with 'ur sync {robot}', and give its path there"
-            raise UserError(error(message, rule="bad-argument", help=help_))
+            raise user_error(message, rule="bad-argument", help=help_)
     own = all(Path(path).is_relative_to(PACKAGE) for path in files)
     folder = Path.cwd()
     resolved = [Argument(each.name, resolve_path(each.name, each.value, folder, always=own)) for each in arguments]
@@ -96,12 +96,10 @@ def _check_world(path: str, start: Sequence[float]) -> None:
     wall = plan.wall_at(x, y)
     if wall is not False:
         place = "in a wall of" if wall else "outside"
-        raise UserError(
-            error(
-                f"the robot starts at x = {x:g} m, y = {y:g} m, {place} world {Path(path).name!r}; expected free floor",
-                rule="bad-start",
-                help="choose another place with x:=METRES y:=METRES, or change 'origin' in the file",
-            )
+        raise user_error(
+            f"the robot starts at x = {x:g} m, y = {y:g} m, {place} world {Path(path).name!r}; expected free floor",
+            rule="bad-start",
+            help="choose another place with x:=METRES y:=METRES, or change 'origin' in the file",
         )
 
 
@@ -112,7 +110,7 @@ def _check_fiducials(path: str) -> None:
         name = Path(path).name.removesuffix(".yaml")
         message = f"world {name!r} has no fiducials, expected some for a robot that finds its place by them"
         help_ = "choose a base with a lidar, for example robot_base:=magni robot_variant:=lidar, or add 'fiducials:'"
-        raise UserError(error(message, rule="no-fiducials", help=help_))
+        raise user_error(message, rule="no-fiducials", help=help_)
 
 
 def _check_map(node: NodeSpec) -> None:

@@ -7,7 +7,7 @@ from urllib.parse import urlsplit
 
 from ur.robot.addresses import is_address
 from ur.robot.selection import DEFAULT_BASE, SIMULATION, Selection, parse_selection
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.printable import printable
 
 
@@ -48,7 +48,7 @@ def _unknown(selection: Selection, uri: str) -> UserError:
         f"ROS_MASTER_URI={printable(uri)} was set by hand and is not the master of {selection.robot}, "
         f"expected {selection.master_uri} or the name of a robot"
     )
-    return UserError(error(message, rule="bad-master", help="unset ROS_MASTER_URI, and select with 'ur use ROBOT'"))
+    return user_error(message, rule="bad-master", help="unset ROS_MASTER_URI, and select with 'ur use ROBOT'")
 
 
 def _read_host(uri: str) -> str:

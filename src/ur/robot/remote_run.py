@@ -2,7 +2,7 @@
 
 from ur.robot.boot.units import LIBRARIES
 from ur.robot.ssh.shell import Shell, ShellResult, quote
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 
 MODULE = "ur.run.remote.share"
 NOT_THERE, NOT_READY = 97, 98
@@ -40,4 +40,4 @@ def explain_failure(destination: str, done: ShellResult) -> UserError:
         help_ = f"ur robot setup {name} renews a copy; in a clone: git pull"
     else:
         message, help_ = f"{name}: its nodes cannot be started: {reported}", f"ur doctor {name}"
-    return UserError(error(message, rule="robot-part", help=help_))
+    return user_error(message, rule="robot-part", help=help_)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import user_error_about
 
 if TYPE_CHECKING:
     from ur.robot.base.calibration import Calibration
@@ -131,7 +131,7 @@ def make_ros2(place: str, values: list[str]) -> Ros2Robot | None:
     for (key, shape), value in zip(_TEXTS.items(), values, strict=True):
         if not shape.fullmatch(value):
             message = f"{key} is {value[:60]!r}, expected such as {_EXAMPLES[key]}"
-            raise UserError(error_about(place, message, rule="bad-robot-file", help="ur robot setup writes it again"))
+            raise user_error_about(place, message, rule="bad-robot-file", help="ur robot setup writes it again")
     return Ros2Robot(*values)
 
 

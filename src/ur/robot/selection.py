@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import UserError, user_error, user_error_about
 from ur.source.user_folders import user_folder
 
 SIMULATION = "sim"
@@ -82,12 +82,12 @@ def load_selection(path: Path) -> Selection:
         return Selection()
     except (OSError, UnicodeDecodeError) as problem:
         reason = ((problem.strerror if isinstance(problem, OSError) else None) or "it is no text").lower()
-        raise UserError(error_about(path, f"cannot be read: {reason}", rule="bad-selection", help=_HELP)) from None
+        raise user_error_about(path, f"cannot be read: {reason}", rule="bad-selection", help=_HELP) from None
     try:
         return parse_selection(text)
     except UserError as problem:
         message = problem.diagnostics[0].message
-        raise UserError(error_about(path, f"{message}", rule="bad-selection", help=_HELP)) from None
+        raise user_error_about(path, f"{message}", rule="bad-selection", help=_HELP) from None
 
 
 _HELP = "'ur use sim' selects the simulated robot again"
@@ -104,9 +104,9 @@ def store_selection(path: Path, selection: Selection) -> None:
         replace_file(path, f"{selection}\n", parents=True)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error_about(path, f"cannot be written: {reason}", rule="bad-selection")) from None
+        raise user_error_about(path, f"cannot be written: {reason}", rule="bad-selection") from None
 
 
 def _bad(text: str, reason: str, help: str | None = None) -> UserError:
     message = f"selection {text.strip()!r}: {reason}, expected {_FORM}"
-    return UserError(error(message, rule="bad-selection", help=help))
+    return user_error(message, rule="bad-selection", help=help)

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 
 from ur.run.record.registry import RunEntry
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import UserError, user_error_about
 
 Detach = Callable[[RunEntry], None]
 
@@ -48,7 +48,7 @@ def _detach(entry: RunEntry, writer: int) -> None:
             log = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o600)
         except OSError as problem:
             reason = (problem.strerror or str(problem)).lower()
-            raise UserError(error_about(path, f"cannot be written: {reason}", rule="bad-log-folder")) from None
+            raise user_error_about(path, f"cannot be written: {reason}", rule="bad-log-folder") from None
     except UserError:  # a full disk: the run continues without its log
         log = os.open(os.devnull, os.O_WRONLY)
     for descriptor, number in ((null, 0), (log, 1), (log, 2)):

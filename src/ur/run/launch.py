@@ -29,7 +29,7 @@ from ur.run.run import Run, RunClients
 from ur.run.startup.node_selection import find_remote, find_terminals, force_options, leave_out_viewers
 from ur.run.supervisor.events import Event, SetupFailed, ShareFailed, ShareStarted
 from ur.run.supervisor.state import Planned
-from ur.source.diagnostic import Diagnostic, UserError, error
+from ur.source.diagnostic import Diagnostic, UserError, user_error
 from ur.source.run_users import FOLDER_VARIABLE, note_user, read_birth
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     if not programs and not middleware.core and not planned:
         done = middleware.set_parameters(plan, folder, options, commands)
         if isinstance(done, SetupFailed):
-            raise UserError(error(done.reason, rule="setup-failed"))
+            raise user_error(done.reason, rule="setup-failed")
         console.inform("parameters are set; there is no node to start")
         console.finish(1.0)
         return 0
@@ -106,7 +106,7 @@ def _begin(host: ProcessHost, environment: Mapping[str, str], entry: RunEntry, *
     except HostLost:
         unregister_run(entry)
         message = "the process host was killed before anything was started"
-        raise UserError(error(message, rule="no-process-host", help="start it once more")) from None
+        raise user_error(message, rule="no-process-host", help="start it once more") from None
 
 
 def _find_nodes(
@@ -239,12 +239,10 @@ def register(
         return made
     folders = " or ".join(runs_folders(environment, os.getuid()))
     if detached:
-        raise UserError(
-            error(
-                f"no private folder for the run can be made in {folders}, so it cannot be reached once detached",
-                rule="bad-state-folder",
-                help="they belong to another user or cannot be written: XDG_STATE_HOME chooses another place",
-            )
+        raise user_error(
+            f"no private folder for the run can be made in {folders}, so it cannot be reached once detached",
+            rule="bad-state-folder",
+            help="they belong to another user or cannot be written: XDG_STATE_HOME chooses another place",
         )
     console.warn(
         f"this run is not listed by 'ur ps': no private folder for it can be made in {folders}; "

@@ -78,6 +78,24 @@ def error(
     return Diagnostic(Severity.ERROR, message, rule, span, notes, help, subject, kind, expected, reason)
 
 
+def user_error(
+    message: str,
+    span: Span | None = None,
+    *,
+    rule: str,
+    help: str | None = None,
+    notes: tuple[Note, ...] = (),
+    subject: str = "",
+) -> UserError:
+    """Return a UserError with one error, see `error`."""
+    return UserError(error(message, span, rule=rule, help=help, notes=notes, subject=subject))
+
+
 def error_about(subject: object, reason: str, *, rule: str, help: str | None = None) -> Diagnostic:
     """Return an error without a position, whose message is the subject (a name or a path), a colon and the reason."""
     return error(f"{subject}: {reason}", rule=rule, help=help, subject=str(subject), reason=reason)
+
+
+def user_error_about(subject: object, reason: str, *, rule: str, help: str | None = None) -> UserError:
+    """Return a UserError with one error, see `error_about`."""
+    return UserError(error_about(subject, reason, rule=rule, help=help))

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import user_error_about
 from ur.source.file import SourceFile
 from ur.source.foreign.files import MAX_BYTES, PIPES, read_file, read_pipe, refuse_file
 from ur.source.suggest import did_you_mean
@@ -20,8 +20,8 @@ def read_source(
         data = read_pipe(name, limit) if piped and name.startswith(PIPES) else read_file(name, limit)
         return SourceFile(name, data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").decode("utf-8"))
     except UnicodeDecodeError as problem:
-        raise UserError(
-            error_about(path, f"byte {problem.start} is not UTF-8, expected {expected}", rule="unreadable-file")
+        raise user_error_about(
+            path, f"byte {problem.start} is not UTF-8, expected {expected}", rule="unreadable-file"
         ) from None
     except OSError as problem:
         missing = isinstance(problem, FileNotFoundError)

@@ -124,11 +124,11 @@ def check_output(path: AnyPath, inputs: Iterable[AnyPath] = (), begin: Begin = b
     content that does not begin with `begin`, or with one of several, as what replaces it will: it is of another kind.
     A stream, as a pipe, a terminal or /dev/null, may be written to.
     """
-    from ur.source.diagnostic import UserError, error_about
+    from ur.source.diagnostic import UserError, user_error_about
     from ur.source.foreign.files import open_descriptor
 
     def refuse(message: str) -> UserError:
-        return UserError(error_about(path, message, rule="existing-file", help="give the output another name"))
+        return user_error_about(path, message, rule="existing-file", help="give the output another name")
 
     try:
         found = os.stat(path)
@@ -158,7 +158,7 @@ def output_file(
 
     A stream is written to as it is. Raises UserError.
     """
-    from ur.source.diagnostic import UserError, error_about
+    from ur.source.diagnostic import user_error_about
 
     check_output(path, inputs, begin)
     try:
@@ -167,8 +167,7 @@ def output_file(
             yield file
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        message = f"{reason}, expected a file that can be written"
-        raise UserError(error_about(path, message, rule="unwritable-file")) from None
+        raise user_error_about(path, f"{reason}, expected a file that can be written", rule="unwritable-file") from None
 
 
 def make_folder(folder: str, *, mode: int = 0o775, lasting: bool = True, sync: Sync = os.fsync) -> None:

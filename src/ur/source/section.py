@@ -10,7 +10,7 @@ from typing import NoReturn, TypeGuard
 
 import yaml
 
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import user_error, user_error_about
 from ur.source.file import SourceFile, Span
 from ur.source.foreign.yaml_text import compose_yaml, construct_yaml
 from ur.source.read import read_source
@@ -37,18 +37,14 @@ def parse_section(file: SourceFile, what: str) -> Section:
         mark = problem.problem_mark or problem.context_mark
         start = min(_offset(file, mark), len(file.text))
         text = " ".join(part for part in (problem.context, problem.problem) if part)
-        raise UserError(
-            error(f"not valid YAML, expected {what}: {text}", Span(file, start, start + 1), rule="bad-yaml")
+        raise user_error(
+            f"not valid YAML, expected {what}: {text}", Span(file, start, start + 1), rule="bad-yaml"
         ) from None
     except yaml.YAMLError as problem:
-        raise UserError(
-            error_about(file.path, f"not valid YAML, expected {what}: {problem}", rule="bad-yaml")
-        ) from None
+        raise user_error_about(file.path, f"not valid YAML, expected {what}: {problem}", rule="bad-yaml") from None
     if not isinstance(node, yaml.MappingNode):
         found = "an empty file" if node is None else f"a {_kind(node)}"
-        raise UserError(
-            error(f"{found}, expected {what}: a mapping of names to values", Span(file, 0, 1), rule="bad-yaml")
-        )
+        raise user_error(f"{found}, expected {what}: a mapping of names to values", Span(file, 0, 1), rule="bad-yaml")
     return Section(file, node, what)
 
 
@@ -215,7 +211,7 @@ class Section:
         self._fail(self._items[key][1] if key in self._items else self._node, message, help)
 
     def _fail(self, node: yaml.Node, message: str, help: str | None) -> NoReturn:
-        raise UserError(error(message, _span(self.file, node), rule="bad-value", help=help))
+        raise user_error(message, _span(self.file, node), rule="bad-value", help=help)
 
     def _section(self, node: yaml.Node, name: str) -> Section:
         if not isinstance(node, yaml.MappingNode):

@@ -19,6 +19,12 @@ def did_you_mean(word: str, candidates: Iterable[str]) -> str | None:
     return _index_of(frozenset(candidates), word.startswith("-")).nearest(word)
 
 
+def suggest(word: str, candidates: Iterable[str]) -> str | None:
+    """Return the help 'did you mean NAME?' for a misspelt name, or None, see `did_you_mean`."""
+    near = did_you_mean(word, candidates)
+    return f"did you mean {near}?" if near else None
+
+
 def get_command(package: str) -> str:
     """Return the command that gets a package; with a placeholder for an invalid name that is unsafe in a shell."""
     plain = package.isascii() and package.replace("_", "").replace("-", "").isalnum() and package[0] != "-"

@@ -8,7 +8,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Literal, cast
 
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import user_error_about
 
 _ROBOTS = "Debian 12 or 13, or Raspberry Pi OS 12 or 13 (64 bits)"
 
@@ -128,13 +128,11 @@ def check_robot_system(place: str, system: System) -> None:
     The Debian root, which provides ROS 1 on users' computers, is not for robots.
     """
     if reason := describe_lack(system):
-        raise UserError(
-            error_about(
-                place,
-                f"{reason}, expected {_ROBOTS}",
-                rule="unsupported-release",
-                help="flash an image of one of these",
-            )
+        raise user_error_about(
+            place,
+            f"{reason}, expected {_ROBOTS}",
+            rule="unsupported-release",
+            help="flash an image of one of these",
         )
 
 

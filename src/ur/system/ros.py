@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import user_error, user_error_about
 from ur.source.user_folders import runtime_folder
 
 WHEELS = ".ros2"
@@ -80,7 +80,7 @@ def find_ros(wanted: str, environment: Mapping[str, str], state: str, *, root: s
         if any(os.path.exists(os.path.join(root, each)) for each in _MASTERS):
             return Ros(1, "noetic", "", python)
         if wanted == "1":
-            raise UserError(error("ROS 1 is not installed on this computer", rule="no-ros", help="ur use sim --ros 1"))
+            raise user_error("ROS 1 is not installed on this computer", rule="no-ros", help="ur use sim --ros 1")
     if found := _find_users(environment, python, root):
         return found
     wheels = os.path.join(state, WHEELS)
@@ -88,7 +88,7 @@ def find_ros(wanted: str, environment: Mapping[str, str], state: str, *, root: s
         return Ros(2, WHEELS_DISTRO, wheels, os.path.join(wheels, "bin/python"))
     if not wanted and (machine or os.uname().machine) not in _WHEELS_MACHINES:
         return Ros(0, NONE, "", python)
-    raise UserError(error("ROS 2 is not installed on this computer", rule="no-ros", help="ur use sim --ros 2"))
+    raise user_error("ROS 2 is not installed on this computer", rule="no-ros", help="ur use sim --ros 2")
 
 
 def choose_domain(environment: Mapping[str, str], uid: int, tables: tuple[str, ...] = _SOCKETS) -> str:
@@ -198,13 +198,11 @@ def _find_users(environment: Mapping[str, str], python: str, root: str) -> Ros |
 def check_distro(distro: str, where: str) -> None:
     """Raise UserError if no node of this project runs on a release of ROS 2; `where` is its folder or computer."""
     if distro not in SUPPORTED_UNTIL and distro < "jazzy":  # names of releases follow the alphabet
-        raise UserError(
-            error(
-                f"{where}: ROS 2 {distro.capitalize()} is not supported, expected Humble, Jazzy, Kilted or Lyrical",
-                rule="old-ros",
-                help="install one of these releases",
-                subject=distro,
-            )
+        raise user_error(
+            f"{where}: ROS 2 {distro.capitalize()} is not supported, expected Humble, Jazzy, Kilted or Lyrical",
+            rule="old-ros",
+            help="install one of these releases",
+            subject=distro,
         )
 
 
@@ -222,9 +220,9 @@ def source_ros(prefix: str, environment: Mapping[str, str]) -> dict[str, str]:
     try:
         done = subprocess.run(command, env=environment, capture_output=True, timeout=_LIMIT, check=False)
     except (OSError, subprocess.TimeoutExpired) as problem:
-        raise UserError(error_about(file, f"cannot be run: {problem}", rule="bad-ros")) from None
+        raise user_error_about(file, f"cannot be run: {problem}", rule="bad-ros") from None
     if done.returncode:
         reason = done.stderr.decode("utf-8", "replace").strip().splitlines()[-1:] or ["it fails"]
-        raise UserError(error_about(file, f"cannot be run: {reason[0]}", rule="bad-ros"))
+        raise user_error_about(file, f"cannot be run: {reason[0]}", rule="bad-ros")
     pairs = (each.partition("=") for each in done.stdout.decode("utf-8", "surrogateescape").split("\0") if each)
     return {name: value for name, _, value in pairs if name not in _LEFT_OUT and environment.get(name) != value}

@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.suggest import did_you_mean
 
 WORLD = "world"
@@ -55,7 +55,7 @@ def explain_missing_world(path: str, package: Path) -> UserError:
         message = f"world file {path!r} {problem}, expected the path of a YAML file or one of {', '.join(names)}"
         near = did_you_mean(Path(path).name, _files_beside(path))
         help_ = f"did you mean {near!r}?" if near else _MAKE
-    return UserError(error(message, rule="unknown-world", help=help_))
+    return user_error(message, rule="unknown-world", help=help_)
 
 
 def explain_missing_map(path: str) -> UserError:
@@ -64,7 +64,7 @@ def explain_missing_map(path: str) -> UserError:
     help_ = f"did you mean {near!r}?" if near else "a map is a YAML file in the format of map_server"
     problem = "is a folder" if os.path.isdir(path) else "does not exist"  # noqa: PTH112 - fails nowhere
     message = f"map file {path!r} {problem}, expected the path of a map's YAML file"
-    return UserError(error(message, rule="unknown-map", help=help_))
+    return user_error(message, rule="unknown-map", help=help_)
 
 
 def _files_beside(path: str) -> list[str]:

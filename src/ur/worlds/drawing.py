@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.foreign.pictures import MAP_FORMATS, open_picture
 
 FREE, OCCUPIED, UNKNOWN = 254, 0, 205
@@ -193,8 +193,8 @@ def _check_size(columns: int, rows: int, cell: float) -> None:
             f"the floor plan would have {columns} x {rows} cells of {cell:g} m, "
             f"expected at most {LARGEST} ({LARGEST * cell:g} m) along an edge"
         )
-        raise UserError(error(message, rule="bad-size", help="lengths are in m: are these right?"))
+        raise user_error(message, rule="bad-size", help="lengths are in m: are these right?")
 
 
 def _bad(path: Path, message: str, help: str | None = None) -> UserError:
-    return UserError(error(f"picture {str(path)!r} {message}", rule="bad-image", help=help))
+    return user_error(f"picture {str(path)!r} {message}", rule="bad-image", help=help)

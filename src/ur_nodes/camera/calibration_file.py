@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from urllib.parse import unquote
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.file import SourceFile
 from ur.source.read import read_source
 from ur.source.replace import replace_file
@@ -80,7 +80,7 @@ def write_calibration(path: Path, calibration: Calibration, name: str) -> None:
         replace_file(path, format_calibration(calibration, name), parents=True)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error(f"{path}: {reason}, expected a file that this user can write", rule="bad-file")) from None
+        raise user_error(f"{path}: {reason}, expected a file that this user can write", rule="bad-file") from None
 
 
 def format_calibration(calibration: Calibration, name: str) -> str:
@@ -127,10 +127,8 @@ def resolve_url(url: str, name: str, ros_home: Path, find_package: Callable[[str
         return Path(folder) / path
     if "://" not in text:
         return Path(text).expanduser()
-    raise UserError(
-        error(
-            f"camera_info_url: {url!r}, expected file:///PATH, package://PACKAGE/PATH or a path", rule="bad-parameter"
-        )
+    raise user_error(
+        f"camera_info_url: {url!r}, expected file:///PATH, package://PACKAGE/PATH or a path", rule="bad-parameter"
     )
 
 

@@ -4,7 +4,7 @@ import re
 import sys
 from collections.abc import Callable
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur_nodes.camera.calibration_file import CalibrationStore, find_problem
 from ur_nodes.camera.camera_topics import CameraTopics, Shot
 from ur_nodes.camera.finder import CameraFinder, FinderSystem
@@ -67,7 +67,7 @@ class RaspicamNode:
             first = finder.open()
         except CameraError as problem:
             if not problem.waits:
-                raise UserError(error(problem.reason, rule="no-camera", help=problem.help or None)) from None
+                raise user_error(problem.reason, rule="no-camera", help=problem.help or None) from None
             self._loop.begin(problem)
         else:
             self._loop.begin(first)

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur_nodes.client.driver_text import DriverRequest, describe_silence
 from ur_nodes.client.mux import MuxLink, MuxRequest
 from ur_nodes.client.navigation import Names, NavigationTopics, Wait, call_and_wait, wait_in_real_time
@@ -100,7 +100,7 @@ class RobotNavigator:
         )
         if not self._patrol.served():
             expected = "expected a robot that runs it ('ur run keyboard_navigate' does)"
-            raise UserError(error(f"no node drives patrols, {expected}", rule="no-patrol"))
+            raise user_error(f"no node drives patrols, {expected}", rule="no-patrol")
         self._node.post(lambda: self._ask_patrol(request))
         return request.id
 
@@ -121,9 +121,7 @@ class RobotNavigator:
         result = call_and_wait(self._node, self._wait, "global_localization", Silent())
         if not result.success:
             name = self._node.resolve("global_localization")
-            raise UserError(
-                error(f"service {name}: {result.text}, expected a localiser that offers it", rule="no-service")
-            )
+            raise user_error(f"service {name}: {result.text}, expected a localiser that offers it", rule="no-service")
 
     def _note_graph(self, graph: Graph | None) -> None:
         topic = graph.topics.get(self._lease_topic) if graph else None
@@ -137,7 +135,7 @@ class RobotNavigator:
             return start  # a mux without leases, as upstream's
         answer = self.lease.link.newest(REQUEST_FRESHNESS / 2.0)
         if answer is None:
-            raise UserError(error(describe_silence(ROBOT, view.link_age), rule="no-word"))
+            raise user_error(describe_silence(ROBOT, view.link_age), rule="no-word")
         return write_goal_id(start, self.lease.client, answer)
 
     def _send(self, goal_id: str, pose: Pose2, number: int) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ur.maps.names import read_places, waypoint_path, write_places
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.suggest import did_you_mean
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
@@ -70,12 +70,10 @@ class WaypointStore:
         if name not in places:
             near = did_you_mean(name, places)
             known = ", ".join(places) or "none yet; 'w NAME' saves one"
-            raise UserError(
-                error(
-                    f"unknown waypoint {name!r}, expected one of: {known}",
-                    rule="unknown-waypoint",
-                    help=f"did you mean {near!r}?" if near else None,
-                )
+            raise user_error(
+                f"unknown waypoint {name!r}, expected one of: {known}",
+                rule="unknown-waypoint",
+                help=f"did you mean {near!r}?" if near else None,
             )
         return places[name]
 
@@ -98,6 +96,6 @@ class WaypointStore:
             )
         except OSError as problem:
             reason = (problem.strerror or str(problem)).lower()
-            raise UserError(
-                error(f"{self.path}: {reason}, expected a writable waypoint file", rule="unwritable-file")
+            raise user_error(
+                f"{self.path}: {reason}, expected a writable waypoint file", rule="unwritable-file"
             ) from None

@@ -8,7 +8,7 @@ import numpy as np
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import SetMap
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur_nodes.codecs import poses
 from ur_nodes.codecs.codec import Codec, ServiceCodec, fill_header, frame_of, response_or_fail, value_or_fail
 from ur_nodes.codecs.dialect import ROS_2, array_of, field_of, parts_of, stamp_of, time_of
@@ -54,11 +54,9 @@ def grid_of_message(message: OccupancyGrid) -> Grid:
     info = message.info
     data = message.data
     if info.width * info.height != len(data):
-        raise UserError(
-            error(
-                f"map of {info.width} x {info.height} cells with {len(data)} values, expected one value per cell",
-                rule="bad-map",
-            )
+        raise user_error(
+            f"map of {info.width} x {info.height} cells with {len(data)} values, expected one value per cell",
+            rule="bad-map",
         )
     values = array_of(data, np.int8)
     # The message carries a float32 (0.0500000007...): take the shortest decimal of that value.

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur_nodes.costmap.costmap import Inflation
 from ur_nodes.costmap.footprint import Footprint, footprint_of_outline, footprint_of_radius
 from ur_nodes.costmap.layers import UsedRanges
@@ -19,11 +19,9 @@ def read_footprint(part: Parameters, resolution: float) -> Footprint:
     try:
         return footprint_of_outline(points, resolution, padding)
     except ValueError as problem:
-        raise UserError(
-            error(
-                f"parameter footprint: {problem}, expected at least three corners, in order, round the base's origin",
-                rule="bad-parameter",
-            )
+        raise user_error(
+            f"parameter footprint: {problem}, expected at least three corners, in order, round the base's origin",
+            rule="bad-parameter",
         ) from None
 
 

@@ -4,7 +4,7 @@ import sys
 from dataclasses import replace
 
 from ur.robot.base import Base, Lidar
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur_nodes.drivers.base_states import WHEEL_JOINTS, BumperStates, WheelStates
 from ur_nodes.drivers.registry import read_base
 from ur_nodes.geometry.pose import Pose3
@@ -93,7 +93,7 @@ def start(node: Node) -> None:
             node.parameters.fail("bumper_messages", kind, expected)
         except ValueError:
             text = f"messages {kind} have no name and value, expected those of bumpers"
-            raise UserError(error(text, rule="bad-parameter")) from None
+            raise user_error(text, rule="bad-parameter") from None
 
 
 def read_names(own: Parameters, known: list[str]) -> dict[str, str]:

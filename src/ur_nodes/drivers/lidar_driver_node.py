@@ -2,7 +2,7 @@
 
 import sys
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur_nodes.drivers.health import report_to_file
 from ur_nodes.drivers.lidar_driver import LidarDriver
 from ur_nodes.drivers.registry import LIDARS, connect_serial, find_calibration, read_base
@@ -14,7 +14,7 @@ def start(node: Node) -> None:
     """Read the parameters and open the line. Raises UserError."""
     base = read_base(node.parameters)
     if base.lidar is None:
-        raise UserError(error(f"base {base.name!r} has no lidar, expected one with `sensors: lidar`", rule="no-lidar"))
+        raise user_error(f"base {base.name!r} has no lidar, expected one with `sensors: lidar`", rule="no-lidar")
     driver = next((each for each in base.drivers if each.part == "lidar"), None)
     kind = node.parameters.text("lidar", "") or (driver.protocol if driver else "")
     if kind not in LIDARS:

@@ -8,7 +8,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur_nodes.one_process.bus import LiveBus, LiveNode
 from ur_nodes.ports.node import Node
 
@@ -61,10 +61,8 @@ def current_context(name: str) -> NodeContext:
     try:
         return _CONTEXT.get()
     except LookupError:
-        raise UserError(
-            error(
-                f"{name}: without ROS, all nodes run in the process of 'ur run', and other programs cannot reach them",
-                rule="no-ros",
-                help="ur use sim --ros 2",
-            )
+        raise user_error(
+            f"{name}: without ROS, all nodes run in the process of 'ur run', and other programs cannot reach them",
+            rule="no-ros",
+            help="ur use sim --ros 2",
         ) from None

@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Sequence
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur_nodes.pictures.decode import BadPictureError, decode_picture, make_picture
 from ur_nodes.ports.newest_work import NewestWork
 from ur_nodes.ports.node import Node, Subscription
@@ -53,7 +53,7 @@ def start(node: Node, argv: Sequence[str] | None = None) -> Republisher:
     if given != _EXPECTED:
         help_ = "image_transport's own republish knows other transports: n_image_uncompress, image_uncompress_pkg"
         reason = f"arguments: {' '.join(given) or 'nothing'}, expected {' '.join(_EXPECTED)}"
-        raise UserError(error(reason, rule="bad-argument", help=help_))
+        raise user_error(reason, rule="bad-argument", help=help_)
     return Republisher(node)
 
 

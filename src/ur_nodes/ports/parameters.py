@@ -10,7 +10,7 @@ from functools import partial
 from math import inf
 from typing import NoReturn, Protocol, TypeGuard, TypeVar
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.foreign.yaml_text import load_yaml
 from ur.source.suggest import did_you_mean
 
@@ -197,12 +197,10 @@ class Parameters:
     def fail(self, name: str, value: object, expected: str, choices: Iterable[str] = ()) -> NoReturn:
         """Raise UserError with the parameter, its value and the expected one."""
         near = did_you_mean(str(value), choices)
-        raise UserError(
-            error(
-                f"parameter {self.name(name)}: {value!r}, expected {expected}",
-                rule="bad-parameter",
-                help=f"did you mean {near!r}?" if near else None,
-            )
+        raise user_error(
+            f"parameter {self.name(name)}: {value!r}, expected {expected}",
+            rule="bad-parameter",
+            help=f"did you mean {near!r}?" if near else None,
         )
 
     def _get(self, name: str, default: object, expected: str) -> object:
@@ -216,7 +214,7 @@ class Parameters:
         if given[full] is not _ABSENT:
             return given[full]
         if default is _REQUIRED:
-            raise UserError(error(f"parameter {full} is not set, expected {expected}", rule="missing-parameter"))
+            raise user_error(f"parameter {full} is not set, expected {expected}", rule="missing-parameter")
         return default
 
     def _declare(self, name: str, value: Value, expected: str, limits: Limits = _ANY, live: str = "") -> Value:

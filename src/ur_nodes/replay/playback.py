@@ -18,7 +18,7 @@ from ur.recordings.replays import (
     read_command,
     sockets_folder,
 )
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import user_error_about
 from ur.source.foreign.json_values import write_json
 from ur_nodes.datagram_socket import DatagramSocket
 from ur_nodes.ports.node import Node
@@ -126,7 +126,7 @@ class ReplayNode:
         path = own.text("recording", "")
         if not path:
             message = "without a recording, expected the path of an MCAP file"
-            raise UserError(error_about("replay", message, rule="bad-recording", help="ur replay FILE"))
+            raise user_error_about("replay", message, rule="bad-recording", help="ur replay FILE")
         self._recording = recording = open_recording(Path(path).expanduser())
         speed = own.number("playback_speed", 1.0, minimum=SLOWEST, maximum=FASTEST)
         left_out = _NOT_PLAYED | set(own.texts("left_out", ()))

@@ -10,7 +10,7 @@ from typing import TypeVar
 import rosgraph
 import rospy
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur_nodes.ports.node import Node
 from ur_nodes.ros1.node import RosNode
 from ur_nodes.ros1.repairs.connections import bound_connections
@@ -30,17 +30,15 @@ def attach(name: str, start: Callable[[Node], Wired], end: Callable[[], None]) -
     master.
     """
     if rospy.core.is_initialized():
-        raise UserError(error(f"{name}: a program is one node, expected no other in it", rule="second-node"))
+        raise user_error(f"{name}: a program is one node, expected no other in it", rule="second-node")
     bound_connections()
     send_at_once()
     if not rosgraph.is_master_online():
         uri = os.environ.get("ROS_MASTER_URI", "(ROS_MASTER_URI is not set)")
-        raise UserError(
-            error(
-                f"{name}: no ROS master at {uri}, expected a running one",
-                rule="no-master",
-                help="'ur run' and 'roslaunch' start one, 'roscore' does too",
-            )
+        raise user_error(
+            f"{name}: no ROS master at {uri}, expected a running one",
+            rule="no-master",
+            help="'ur run' and 'roslaunch' start one, 'roscore' does too",
         )
     try:
         rospy.init_node(name, disable_signals=True)

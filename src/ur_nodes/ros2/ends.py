@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from rclpy.node import Node, PublisherEventCallbacks
 from rclpy.qos import QoSProfile
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur_nodes.ros2.messages.bare_type import bare_class, reset_error
 
 if TYPE_CHECKING:
@@ -127,12 +127,10 @@ def _type_of(message_class: Any) -> Iterator[Any]:
         yield bare_class(*message_class.BARE)
     except (OSError, RuntimeError) as problem:
         distro = os.environ.get("ROS_DISTRO", "DISTRO")
-        raise UserError(
-            error(
-                f"ROS 2 {distro.capitalize()} has no {package}, expected it for messages of the type {package}/{name}",
-                rule="missing-messages",
-                help=f"sudo apt install ros-{distro}-{package.replace('_', '-')}",
-            )
+        raise user_error(
+            f"ROS 2 {distro.capitalize()} has no {package}, expected it for messages of the type {package}/{name}",
+            rule="missing-messages",
+            help=f"sudo apt install ros-{distro}-{package.replace('_', '-')}",
         ) from problem
     finally:
         reset_error()

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ur.robot.base import Base
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.suggest import did_you_mean
 from ur.worlds.world_file import WorldModel
 from ur_nodes.geometry.hull import hull_of_outline
@@ -193,15 +193,13 @@ class Simulation:
         name = "robot_0" if name in ("", "robot") else name
         if name not in names:
             near = did_you_mean(name, names)
-            raise UserError(
-                error(
-                    f"{name!r} cannot be placed, expected one of {', '.join(names)}",
-                    rule="unknown-name",
-                    help=f"did you mean {near!r}?" if near else None,
-                )
+            raise user_error(
+                f"{name!r} cannot be placed, expected one of {', '.join(names)}",
+                rule="unknown-name",
+                help=f"did you mean {near!r}?" if near else None,
             )
         if not all(math.isfinite(value) for value in pose):
-            raise UserError(error(f"{name}: a pose of {pose}, expected finite numbers", rule="bad-pose"))
+            raise user_error(f"{name}: a pose of {pose}, expected finite numbers", rule="bad-pose")
         if name.startswith("robot_"):
             robot = int(name[6:])
             blocked = self._outside(pose) or self._physics.move_robot(robot, pose)
@@ -289,4 +287,4 @@ def _refuse(name: str, pose: tuple[float, float, float], blocked: str | None) ->
     """Raise UserError if the pose is blocked."""
     if blocked:
         place = f"x {pose[0]:g}, y {pose[1]:g}"
-        raise UserError(error(f"{name} cannot be at {place}: {blocked}, expected free floor", rule="not-free"))
+        raise user_error(f"{name} cannot be at {place}: {blocked}, expected free floor", rule="not-free")

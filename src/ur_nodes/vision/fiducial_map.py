@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.file import SourceFile, Span
 from ur.source.read import read_source
 from ur.source.replace import replace_file
@@ -63,7 +63,7 @@ def write_map(path: str | Path, entries: Iterable[MapEntry]) -> None:
         replace_file(target, format_map(entries), parents=True)
     except OSError as problem:
         reason = f"{target}: cannot be written: {problem.strerror}, expected a place for the map of fiducials"
-        raise UserError(error(reason, rule="cannot-write")) from None
+        raise user_error(reason, rule="cannot-write") from None
 
 
 def read_map(path: str | Path) -> tuple[MapEntry, ...]:
@@ -102,7 +102,7 @@ def parse_map(file: SourceFile) -> tuple[MapEntry, ...]:
                 entries[entry.id] = entry
         except (ValueError, IndexError) as problem:
             expected = "a number, x y z (m), roll pitch yaw (degrees), a variance, how often it was seen"
-            raise UserError(error(f"{problem}, expected {expected}", span, rule="bad-map")) from None
+            raise user_error(f"{problem}, expected {expected}", span, rule="bad-map") from None
     return tuple(
         MapEntry(e.id, e.pose, covariances.get(e.id, e.covariance), e.observations, e.links) for e in entries.values()
     )

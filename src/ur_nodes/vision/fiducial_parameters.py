@@ -5,7 +5,7 @@ from pathlib import Path
 
 import cv2
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.vision.detect import DICTIONARIES, Sizes
@@ -54,7 +54,7 @@ def make_slam(own: Parameters, settings: SlamSettings, sizes: Sizes) -> Fiducial
     if not settings.read_only:
         return FiducialSlam(settings.map_frame, sizes, FiducialMapper(known, start=None if known else place))
     if not known:
-        raise UserError(error(f"{source}: no fiducials in it, expected a map that was built before", rule="bad-map"))
+        raise user_error(f"{source}: no fiducials in it, expected a map that was built before", rule="bad-map")
     return FiducialSlam(settings.map_frame, sizes, FiducialLocaliser(known, spread_limit=settings.spread_limit), known)
 
 

@@ -8,7 +8,7 @@ from ur.check.findings.suppress import Suppression, Suppressions, read_line_supp
 from ur.check.rule import Rule
 from ur.check.worlds import Question
 from ur.source.diagnostic import Diagnostic
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import suggest
 
 Unit = tuple[int, str]
 """A kind and a path: a file or package that is checked at once."""
@@ -94,8 +94,7 @@ def check_comments(
             yield _finding(rules["bad-suppression"], message, each, "write ur: ignore RULE: REASON", "")
         for rule in each.rules:
             if rule not in rules:
-                near = did_you_mean(rule, rules)
-                help_ = f"did you mean {near}?" if near else "docs/reference/rules/index.md lists the rules"
+                help_ = suggest(rule, rules) or "docs/reference/rules/index.md lists the rules"
                 yield _finding(rules["bad-suppression"], f"there is no rule '{rule}'", each, help_, rule)
     for each, rule in used.unused() if used is not None else ():
         if rule in rules:

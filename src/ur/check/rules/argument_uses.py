@@ -8,7 +8,7 @@ from ur.check.rule import LaunchView, PlanView, Rule, RuleFinding, RuleGroup, la
 from ur.check.survey import walk_elements
 from ur.launchfile.syntax import Element, SubstitutionProblem, is_eval, parse_substitutions
 from ur.source.diagnostic import Severity
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import did_you_mean, suggest
 
 _ARG_CALL = re.compile(r"""(?<![\w.])arg\(\s*(["'])([^"']*)\1\s*\)""")
 
@@ -20,11 +20,8 @@ def _find_undeclared_argument(element: Element, view: LaunchView) -> Iterable[Ru
             continue
         for name, start, end in _arguments_in(value):
             if name not in view.declared and not any("$(" in each for each in view.declared):
-                near = did_you_mean(name, view.declared)
                 help_ = (
-                    f"did you mean {near}?"
-                    if near
-                    else f'declare it before it is used: <arg name="{name}" default="..."/>'
+                    suggest(name, view.declared) or f'declare it before it is used: <arg name="{name}" default="..."/>'
                 )
                 yield RuleFinding(
                     element.piece_span(attribute, start, end),

@@ -19,7 +19,7 @@ from ur.launchfile.world import World
 from ur.source.diagnostic import Severity
 from ur.source.file import SourceFile, Span
 from ur.source.script import find_script_faults
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import did_you_mean, suggest
 
 
 def _look_up(view: LaunchedNode) -> ExecutableLookup:
@@ -35,9 +35,8 @@ def _find_missing_executable(view: LaunchedNode) -> Iterable[RuleFinding]:
     if verdict.kind == "not-executable":
         help_ = f"make it executable: chmod +x {verdict.path}"
     else:
-        near = did_you_mean(name, verdict.near)
         names = ", ".join(sorted(set(verdict.near))[:10]) or "no programs"
-        help_ = f"did you mean {near}?" if near else f"{package} has: {names}"
+        help_ = suggest(name, verdict.near) or f"{package} has: {names}"
     message = f"package {package} has no executable '{name}', expected one for node {view.node.full_name}"
     yield RuleFinding(view.element.value_span("type"), message, help_, subject=name)
 

@@ -10,7 +10,7 @@ import click
 
 from ur.cli.output import write_exactly
 from ur.request.environment import current_selection, environment_changes, render_exports
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 
 if TYPE_CHECKING:
     from ur.robot.robot_file import Ros2Robot
@@ -51,12 +51,12 @@ def guest_changes(
 
     if version != "2":
         message = "--graph is for ROS 2, which this computer does not use"
-        raise UserError(error(message, rule="bad-options", help=f"ur use {selection.robot} --ros 2"))
+        raise user_error(message, rule="bad-options", help=f"ur use {selection.robot} --ros 2")
     robot = (read or _read_robot)(selection.robot)
     if not mixes(distro, robot.distro):
         names = f"ROS 2 {distro.capitalize()}, and {selection.robot} {robot.distro.capitalize()}"
         message = f"this computer has {names}: nodes of the two raise exceptions when they discover one another"
-        raise UserError(error(message, rule="ros2-release-mix", help="the page and the keys need no ROS here: ur web"))
+        raise user_error(message, rule="ros2-release-mix", help="the page and the keys need no ROS here: ur web")
     return robot.guest_variables(f"{selection.robot}.local")
 
 

@@ -18,7 +18,7 @@ from ur.robot.setup.facts import ComputerFacts
 from ur.robot.setup.viewer_states import base_request, wanted_here
 from ur.robot.setup.wanted import Wanted
 from ur.robot.ssh.shell import LocalShell
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.progress_line import show_progress
 from ur.source.project import state_folder
 from ur.system.debian_root import MARK
@@ -93,13 +93,11 @@ def debian(action: str, argv: tuple[str, ...]) -> None:
     if action in ("status", "update", "remove") and argv:
         raise click.UsageError(f"got unexpected extra argument ({argv[0]})")
     if action in ("install", "update", "remove") and os.path.exists(MARK):  # noqa: PTH110 - as in ur.system.debian_root
-        raise UserError(
-            error(
-                f"'ur setup debian {action}' cannot run inside the Debian root, expected a shell of this computer",
-                rule="inside-root",
-                help=f"in another terminal: {REPOSITORY}/ur setup debian {' '.join((action, *argv))}",
-                subject=action,
-            )
+        raise user_error(
+            f"'ur setup debian {action}' cannot run inside the Debian root, expected a shell of this computer",
+            rule="inside-root",
+            help=f"in another terminal: {REPOSITORY}/ur setup debian {' '.join((action, *argv))}",
+            subject=action,
         )
     script = str(REPOSITORY / "tools" / "debian_root.bash")
     os.execv("/bin/bash", ["bash", script, action, *argv])  # noqa: S606 - the script takes the place of this process

@@ -20,7 +20,7 @@ from ur.robot.doctor.wifi import WirelessLink
 from ur.robot.ssh.address import Address
 from ur.robot.wireless.meter import Meter
 from ur.robot.wireless.sample import HEADER, Sample, advise, summarize, write_row
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import UserError, user_error, user_error_about
 from ur.source.progress_line import show_progress
 from ur.source.replace import check_output
 
@@ -38,7 +38,7 @@ def measure_wireless(robot: str | None, watch: bool, seconds: int | None, log: P
             resolve(address)
         except OSError:
             raise _unknown(address) from None
-        raise UserError(error("ping is not installed", rule="no-ping", help="sudo apt-get install iputils-ping"))
+        raise user_error("ping is not installed", rule="no-ping", help="sudo apt-get install iputils-ping")
     names = socket.gethostname().split(".")[0], address.host.removesuffix(".local")
     samples: list[Sample] = []
     with ExitStack() as stack:
@@ -101,14 +101,14 @@ def _open_log(path: Path) -> TextIO:
         file = path.open("x", encoding="utf-8")
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error_about(path, f"cannot be written: {reason}", rule="bad-log")) from None
+        raise user_error_about(path, f"cannot be written: {reason}", rule="bad-log") from None
     file.write(HEADER)
     return file
 
 
 def _unknown(address: Address) -> UserError:
     help = f"is it on, and in the same network? ur doctor {address.host} goes the way step by step"
-    return UserError(error_about(address.host, "no computer answers to this name", rule="unknown-host", help=help))
+    return user_error_about(address.host, "no computer answers to this name", rule="unknown-host", help=help)
 
 
 def describe_sample(sample: Sample, names: Names) -> str:

@@ -141,7 +141,7 @@ def check_package(path: str, fix: bool) -> int:
     from ur.cli.output import replace_file
     from ur.launchfile.syntax.parse import count_unread, describe_unread
     from ur.request.environment import add_own_package
-    from ur.source.diagnostic import UserError, error
+    from ur.source.diagnostic import user_error
     from ur.source.progress_line import show_progress
     from ur.source.read import read_source
     from ur.tools.new.package import CMAKE
@@ -183,7 +183,7 @@ def check_package(path: str, fix: bool) -> int:
     for each in changed:
         if each.is_symlink() and not each.resolve().is_relative_to(folder.resolve()):
             message = f"{os.path.relpath(each)} is a link that leads out of the package, expected a file"
-            raise UserError(error(message, rule="unwritable-file", help="put a file in its place"))
+            raise user_error(message, rule="unwritable-file", help="put a file in its place")
         replace_file(str(each), wanted[each])
         click.echo(f"wrote {os.path.relpath(each)}")
     return 0

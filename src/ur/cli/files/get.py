@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.progress_line import show_progress
 
 if TYPE_CHECKING:
@@ -64,9 +64,7 @@ def command(
     source and the commands that build it. Then it asks. The exit code is 1 if something is still missing.
     """
     if not missing and not words:
-        raise UserError(
-            error("nothing to get, expected a launch file or a package", rule="usage", help="ur get --missing")
-        )
+        raise user_error("nothing to get, expected a launch file or a package", rule="usage", help="ur get --missing")
     if robot is not None:
         flags = [("--missing", missing), ("--yes", yes), ("--dry-run", dry_run), ("--others", others)]
         return _run_on_robot(robot, words, flags)
@@ -144,9 +142,9 @@ def _ask(question: str, *, yes: bool) -> None:
         return
     if not sys.stdin.isatty():
         message = "there is no terminal to ask on, expected --yes or --dry-run"
-        raise UserError(error(message, rule="no-terminal", help="--yes agrees to the plan above"))
+        raise user_error(message, rule="no-terminal", help="--yes agrees to the plan above")
     if not click.confirm(question, default=True):
-        raise UserError(error("cancelled; nothing was changed", rule="refused"))
+        raise user_error("cancelled; nothing was changed", rule="refused")
 
 
 def _run_on_robot(robot: str, words: Sequence[str], flags: Sequence[tuple[str, bool]]) -> int:

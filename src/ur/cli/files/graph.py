@@ -11,6 +11,7 @@ import click
 
 from ur.run.middleware.protocol import GraphView, RunGraph
 from ur.source.ansi import speaks_unicode
+from ur.source.diagnostic import user_error
 from ur.source.printable import printable
 
 if TYPE_CHECKING:
@@ -57,13 +58,10 @@ def command(argv: tuple[str, ...], topics: bool, live: bool, form: str | None, o
     if not argv and not live:
         raise click.UsageError("expected a launch file, or --live, for instance: ur graph robot.launch")
     if form is None and Path(output or "").suffix.lower() in _PICTURES:
-        from ur.source.diagnostic import UserError, error
-
         message = (
             f"{output!r} cannot be written: graphs are drawn as SVG, not as {Path(str(output)).suffix[1:].upper()}"
         )
-        help_ = f"-o {Path(str(output)).with_suffix('.svg')}"
-        raise UserError(error(message, rule="unknown-format", help=help_))
+        raise user_error(message, rule="unknown-format", help=f"-o {Path(str(output)).with_suffix('.svg')}")
     form = form or ("svg" if Path(output or "").suffix == ".svg" else "text")
     if live:
         return _write(_show_live(argv, form), output)
@@ -95,7 +93,6 @@ def _show_live(nodes: Sequence[str], form: str) -> str:
     from ur.request.environment import apply_selection, current_selection
     from ur.run.master.client import parse_master_uri
     from ur.run.master.xml_rpc import Unanswered
-    from ur.source.diagnostic import UserError, error
     from ur.source.progress_line import show_progress
 
     apply_selection(current_selection(os.environ))
@@ -103,14 +100,14 @@ def _show_live(nodes: Sequence[str], form: str) -> str:
         return _show_domain(nodes, form)
     if os.environ.get("ROS_VERSION") == "0":
         message = "--live needs ROS: without it all nodes are in one process, which no other program sees"
-        raise UserError(error(message, rule="no-master", help="ur graph --topics FILE draws what they use"))
+        raise user_error(message, rule="no-master", help="ur graph --topics FILE draws what they use")
     master = parse_master_uri(os.environ["ROS_MASTER_URI"])
     try:
         with show_progress(f"waiting for the master at {master.uri} to answer"):
             state = master.get_system_state()
     except Unanswered:
         message = f"no master answers at {master.uri}, expected one"
-        raise UserError(error(message, rule="no-master", help="start something: ur run keyboard_drive")) from None
+        raise user_error(message, rule="no-master", help="start something: ur run keyboard_drive") from None
     wanted = _find_nodes(nodes, state[:2], f"known to the master at {master.uri}")
     return _render(graph_system(state, wanted), form, f"nodes and topics at {master.uri}")
 
@@ -119,7 +116,6 @@ def _show_domain(nodes: Sequence[str], form: str) -> str:
     from ur.graph.topics import graph_system
     from ur.run.middleware.helper_view import HelperView
     from ur.run.middleware.protocol import NoGraph
-    from ur.source.diagnostic import UserError, error
     from ur.source.progress_line import show_progress
 
     where = f"domain {os.environ.get('ROS_DOMAIN_ID') or '0'}"
@@ -127,11 +123,11 @@ def _show_domain(nodes: Sequence[str], form: str) -> str:
         with show_progress(f"waiting for the nodes of {where} to be discovered"):
             graph = read_settled(HelperView(os.environ))
     except NoGraph as problem:
-        raise UserError(error(str(problem), rule="no-graph", help="ur doctor")) from None
+        raise user_error(str(problem), rule="no-graph", help="ur doctor") from None
     state = (tuple(graph.publishers.items()), tuple(graph.subscribers.items()))
     if not any(state):
         message = f"no node is in {where}, expected one"
-        raise UserError(error(message, rule="no-graph", help="start something: ur run keyboard_drive"))
+        raise user_error(message, rule="no-graph", help="start something: ur run keyboard_drive")
     return _render(graph_system(state, _find_nodes(nodes, state, f"in {where}")), form, f"nodes and topics in {where}")
 
 
@@ -141,12 +137,10 @@ def _find_nodes(nodes: Sequence[str], state: Sequence[Iterable[tuple[str, Sequen
     wanted = [name if name.startswith("/") else f"/{name}" for name in nodes]
     for name in wanted:
         if name not in known:
-            from ur.source.diagnostic import UserError, error
-            from ur.source.suggest import did_you_mean
+            from ur.source.suggest import suggest
 
-            near = did_you_mean(name, known)
             message = f"no node {name} is {where}, expected one of {', '.join(sorted(known))}"
-            raise UserError(error(message, rule="unknown-node", help=f"did you mean {near}?" if near else None))
+            raise user_error(message, rule="unknown-node", help=suggest(name, known))
     return wanted
 
 

@@ -20,7 +20,7 @@ from ur.cli.files.new_things import (
     show_done,
     urdf_files,
 )
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 
 _NAME = r"[a-z][a-z0-9_]*"
 
@@ -212,9 +212,7 @@ def new_script(name: str, summary: str) -> int:
     name = name.removesuffix(".py")
     if not _SCRIPT.fullmatch(name):
         expected = "expected lower-case letters, digits and _, starting with a letter"
-        raise UserError(
-            error(f"script name {name!r}, {expected}", rule="bad-options", help="ur new script look_around")
-        )
+        raise user_error(f"script name {name!r}, {expected}", rule="bad-options", help="ur new script look_around")
     (file,) = plan_script(name, summary)
     write_files(Path.cwd(), [file])
     click.echo(f"wrote {file.path}")
@@ -248,7 +246,7 @@ def new_world(name: str | None, picture: str | None, width: float | None, size: 
     if not picture and not size:
         if not sys.stdin.isatty():
             help_ = f"ur new world {name} --size 8x6, or ur new world {name} --picture plan.png --width 12"
-            raise UserError(error("neither --picture nor --size is given", rule="not-given", help=help_))
+            raise user_error("neither --picture nor --size is given", rule="not-given", help=help_)
         picture = click.prompt("Picture of the floor plan (empty for an empty room)", default="", show_default=False)
         if not picture:
             size = click.prompt("Size of the room in m", default="8x6")
@@ -295,9 +293,7 @@ def _write(name: str, drawing: object, title: str) -> int:
 def _ask_width(name: str, picture: str) -> float:
     if not sys.stdin.isatty():
         help_ = f"ur new world {name} --picture {picture} --width 12"
-        raise UserError(
-            error("--width is not given, expected the width of the picture in m", rule="not-given", help=help_)
-        )
+        raise user_error("--width is not given, expected the width of the picture in m", rule="not-given", help=help_)
     answer: float = click.prompt("How wide is the picture, in m", type=float)
     return answer
 
@@ -318,4 +314,4 @@ def _check_length(option: str, value: float, least: float, most: float) -> None:
 
 
 def _wrong(message: str, help: str | None = None) -> UserError:
-    return UserError(error(message, rule="bad-options", help=help))
+    return user_error(message, rule="bad-options", help=help)

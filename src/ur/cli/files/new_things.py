@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.read import read_source
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import did_you_mean, suggest
 from ur.tools.new import description as files
 from ur.tools.new.description import FIGURES, check_figure
 from ur.tools.new.parts import BaseRequest, IncludedPart, NewFile, NodeRequest, Observed
@@ -31,13 +31,11 @@ def ask(value: str | None, option: str, question: str, default: str | None = Non
     if value:
         return value
     if not sys.stdin.isatty():
-        raise UserError(
-            error(
-                f"{option} is required where there is no terminal to ask on",
-                rule="not-given",
-                help=f"give {option}: {question}",
-                subject=option,
-            )
+        raise user_error(
+            f"{option} is required where there is no terminal to ask on",
+            rule="not-given",
+            help=f"give {option}: {question}",
+            subject=option,
         )
     answer: str = click.prompt(question, default=default or None, type=str)
     return answer.strip()
@@ -94,16 +92,14 @@ def find_program(package: str, kind: str) -> str:
     except PackageNotFound:
         near = did_you_mean(package, world.package_names())
         help_ = f"did you mean {near}?" if near else "install it, or source the setup.bash of its workspace"
-        raise UserError(
-            error(f"unknown package '{package}'", rule="unknown-package", help=help_, subject=package)
-        ) from None
+        raise user_error(f"unknown package '{package}'", rule="unknown-package", help=help_, subject=package) from None
     if found:
         return found[0]
     names = sorted(world.executable_names(package))
     near = did_you_mean(kind, names)
     help_ = f"did you mean {near}?" if near else f"there is {', '.join(names) or 'none'}"
-    raise UserError(
-        error(f"no executable '{kind}' in package '{package}'", rule="missing-executable", help=help_, subject=kind)
+    raise user_error(
+        f"no executable '{kind}' in package '{package}'", rule="missing-executable", help=help_, subject=kind
     )
 
 
@@ -138,9 +134,8 @@ def find_parts(names: Sequence[str], target: TargetPackage) -> list[IncludedPart
                 break
         else:
             folders = {each.name for each in target.folder.glob("[nm]_*")} | _ours(world.find_package)
-            near = did_you_mean(name, folders)
             message = f"{given}: no launch directory of this name, expected n_x, m_x or PACKAGE/n_x"
-            raise UserError(error(message, rule="missing-file", help=f"did you mean {near}?" if near else None))
+            raise user_error(message, rule="missing-file", help=suggest(name, folders))
     return parts
 
 
@@ -173,12 +168,9 @@ def check_like(library: Path, name: str, like: str | None) -> str | None:
         return "stage" if "stage" in known else None
     if like in known:
         return like
-    near = did_you_mean(like, known)
-    help_ = f"did you mean {near}?" if near else None if known else "leave --like out"
+    help_ = suggest(like, known) or (None if known else "leave --like out")
     expected = f"expected one of {', '.join(known)}" if known else f"package '{name}' has no bases yet"
-    raise UserError(
-        error(f"unknown base '{like}' for --like, {expected}", rule="unknown-base", help=help_, subject=like)
-    )
+    raise user_error(f"unknown base '{like}' for --like, {expected}", rule="unknown-base", help=help_, subject=like)
 
 
 def urdf_files(
@@ -257,7 +249,7 @@ class _Done:
         """Return the target of a new package. Raises UserError if the folder exists."""
         folder = Path.cwd() / name
         if folder.exists():
-            raise UserError(error(f"{name} is there already, expected a new name", rule="file-exists", subject=name))
+            raise user_error(f"{name} is there already, expected a new name", rule="file-exists", subject=name)
         return TargetPackage(name, folder)
 
 
@@ -295,7 +287,7 @@ def describe_base(
 
     if raspicam:
         message = "--raspicam has no effect with --from, which reads the camera from the file"
-        raise UserError(error(message, rule="bad-value", help="add it to the base.yaml that is written"))
+        raise user_error(message, rule="bad-value", help="add it to the base.yaml that is written")
     given = {key: files.check_measured(key, value) for key, value in figures.items() if value is not None}
     files.check_arguments(source, arguments)
     around = files.look_around(source)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from ur.request.environment import apply_selection, current_selection
 from ur.request.launch_request import LaunchOptions, StartReporter, check_options, choose_query, follow_file
 from ur.robot.selection import Selection
-from ur.source.diagnostic import Diagnostic, Severity, UserError, error
+from ur.source.diagnostic import Diagnostic, Severity, UserError, user_error
 
 if TYPE_CHECKING:
     from ur.launchfile.plan.specs import Plan
@@ -51,7 +51,7 @@ def launch(argv: Sequence[str]) -> int:
         if command:
             if len(line.names) > 1 or line.arguments or options.queries:
                 help_ = f"write {' '.join(command)} alone"
-                raise UserError(error("'--' has a launch file or a query before it", rule="bad-options", help=help_))
+                raise user_error("'--' has a launch file or a query before it", rule="bad-options", help=help_)
             return launch_other(command, line, options)
         check_options(line.names, options)
         return launch_line(line, options)

@@ -11,7 +11,7 @@ from typing import Any, Literal, NamedTuple
 
 from ur.request.launch_request import LaunchOptions, Query
 from ur.source.arguments import CommandLine, split_argv
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 
 # roslaunch 1.16's own options; there, '--dump-params' may be abbreviated '--dump', which is a different option here.
 ROSLAUNCH = (
@@ -193,8 +193,7 @@ def read_launch(argv: Sequence[str]) -> tuple[CommandLine, LaunchOptions]:
         found = _convert(name, option, value if sign else left.pop())
         if option.refusal:
             short = option.names[0]
-            message = f"{short} is not for ur launch: {option.refusal}"
-            raise UserError(error(message, rule="refused-option", subject=short))
+            raise user_error(f"{short} is not for ur launch: {option.refusal}", rule="refused-option", subject=short)
         values[option.field] = (*values.get(option.field, ()), found) if option.multiple else found
     values.pop("", None)
     answers = [(name.replace("_", "-"), values.pop(name, None)) for name in _QUERIES]

@@ -16,7 +16,7 @@ from ur.request.launch_request import LaunchOptions, check_options
 from ur.request.programs import check_arguments, find_launch_file, find_program, read_launch_argv
 from ur.robot.selection import Selection
 from ur.source.arguments import split_argv
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import UserError, user_error, user_error_about
 from ur.source.project import launch_library
 
 
@@ -43,7 +43,7 @@ def command(program: str, arguments: tuple[str, ...], watch: bool, ask: bool, ta
         return 0
     if any(text.partition("=")[0] == "--ros" for text in arguments):
         message = "ur run: unknown option '--ros', expected a program for the selected ROS"
-        raise UserError(error(message, rule="bad-options", help="select ROS 2 before: ur use sim --ros 2"))
+        raise user_error(message, rule="bad-options", help="select ROS 2 before: ur use sim --ros 2")
     selection = current_selection(os.environ)
     if not selection.simulated:
         from ur.cli.robots.shell import is_over_ssh, run_there
@@ -62,7 +62,7 @@ def command(program: str, arguments: tuple[str, ...], watch: bool, ask: bool, ta
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         help_ = "its first line must name an interpreter, as '#!/bin/bash' does" if problem.errno == ENOEXEC else None
-        raise UserError(error_about(found.path, f"cannot be run: {reason}", rule="bad-program", help=help_)) from None
+        raise user_error_about(found.path, f"cannot be run: {reason}", rule="bad-program", help=help_) from None
 
 
 def _launch(argv: list[str], options: LaunchOptions) -> int:
@@ -100,13 +100,11 @@ def run_script(
         if is_over_ssh(selection):
             there = f"copy {path} to the robot and type there: ur run {Path(path).name}"
             message = f"{selection.robot} runs ROS 2 and is reached by ssh, expected a script on the robot itself"
-            raise UserError(error(message, rule="not-here", help=there))
+            raise user_error(message, rule="not-here", help=there)
     apply(selection)
     if os.environ.get("ROS_VERSION") == "0":
         message = "no ROS on this computer, expected ROS 1 or ROS 2 between a script and the robot"
-        raise UserError(
-            error(message, rule="no-ros", help="install it: ur setup; 'ur use --ros 2' needs no Debian package")
-        )
+        raise user_error(message, rule="no-ros", help="install it: ur setup; 'ur use --ros 2' needs no Debian package")
     sys.stdout.flush()
     node = str(launch_library() / "lib" / "node")
     execute(node, [node, str(Path(path).absolute()), *arguments])

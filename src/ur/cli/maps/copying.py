@@ -8,7 +8,7 @@ from ur.maps.names import check_map_name, is_map_name
 from ur.maps.store import MapStore
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.robot.ssh.shell import quote
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.suggest import did_you_mean
 
 _FOLDER = '"${XDG_DATA_HOME:-$HOME/.local/share}/ubiquity_launches/maps"'
@@ -90,4 +90,4 @@ def _explain(code: int, name: str, place: str, reported: str, names: list[str]) 
 
 
 def _problem(message: str, help: str) -> UserError:
-    return UserError(error(message, rule="no-copy", help=help))
+    return user_error(message, rule="no-copy", help=help)

@@ -18,7 +18,7 @@ from ur.maps.names import read_places, waypoint_path
 from ur.maps.record import EditKind, MapRecord
 from ur.maps.store import MapStore, own_store
 from ur.source.ansi import BOLD, RESET, speaks_unicode, strip_styles
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.printable import printable
 from ur.source.render import shows_colour
 
@@ -155,7 +155,7 @@ def _numbers(values: Sequence[str], form: str, counts: Sequence[int]) -> list[fl
 
 
 def _bad(message: str) -> UserError:
-    return UserError(error(message, rule="bad-edit", help=_HELP))
+    return user_error(message, rule="bad-edit", help=_HELP)
 
 
 Result = TypeVar("Result")
@@ -237,7 +237,7 @@ def delete(names: tuple[str, ...], yes: bool) -> int:
     if not yes:
         if not sys.stdin.isatty():
             message = "there is no terminal to ask on, so nothing was deleted"
-            raise UserError(error(message, rule="not-confirmed", help="--yes deletes without asking"))
+            raise user_error(message, rule="not-confirmed", help="--yes deletes without asking")
         for name in names:
             click.echo(f"{name}: {describe_map(store, name)}")
         if not click.confirm(f"delete {' and '.join(names)}?", default=False):
@@ -337,9 +337,7 @@ def _guard(action: Callable[[], Result]) -> Result:
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         message = f"'{problem.filename or _store().folder}' cannot be used: {reason}"
-        raise UserError(
-            error(message, rule="unusable-file", help="is the disk full, or the folder read-only?")
-        ) from None
+        raise user_error(message, rule="unusable-file", help="is the disk full, or the folder read-only?") from None
 
 
 command.add_command(edit)

@@ -9,7 +9,7 @@ from ur.maps.change import move_places
 from ur.maps.names import check_map_name, read_places, waypoint_path, write_places
 from ur.maps.store import MapStore
 from ur.request.requirements.python_packages import need_all
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.foreign.json_values import read_json
 from ur.source.progress_line import show_progress
 from ur.system.child_processes import end_with_us
@@ -26,8 +26,8 @@ def merge_maps(store: MapStore, first: str, second: str, name: str) -> str:
     first, second = store.resolve(first), store.resolve(second)
     check_map_name(name)
     if first == second:
-        raise UserError(
-            error(f"cannot merge {first!r} with itself", rule="same-map", help="ur maps lists the maps", subject=first)
+        raise user_error(
+            f"cannot merge {first!r} with itself", rule="same-map", help="ur maps lists the maps", subject=first
         )
     need_all(["gtsam"], "vision.lock", "OpenCV and gtsam (100 MB to download)")
     command = [*end_with_us("KILL"), sys.executable, "-I", "-m", "ur_nodes", "ur_nodes.slam.storage.merging"]

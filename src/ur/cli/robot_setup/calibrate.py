@@ -11,7 +11,7 @@ import click
 from ur.cli.changing import DRY_RUN, PASSWORD_FROM, become_root, show_changes
 from ur.cli.output import read_lines
 from ur.robot.robot_file import ROBOT_FILE
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import user_error, user_error_about
 
 if TYPE_CHECKING:
     from ur.robot.base.calibration import Calibration
@@ -46,7 +46,7 @@ def calibrate(robot: str | None, yes: bool, password_from: int | None, dry_run: 
         if used is None:
             text = f"{address.host}: its drivers are not of this project, and use no robot file"
             help_ = "correct the pose of the lidar in its URDF, and the wheels in the settings of their driver"
-            raise UserError(error(text, rule="foreign-drivers", help=help_))
+            raise user_error(text, rule="foreign-drivers", help=help_)
 
         def agree() -> bool:
             if dry_run or not (yes or click.confirm(f"write this into the robot file of {address.host}?")):
@@ -72,7 +72,7 @@ def write_file(
     state = gather(shell, request).file(path)
     if state.text is None:
         help_ = "set the robot up: ur robot setup"
-        raise UserError(error_about(shell.destination, f"there is no {path}", rule="no-robot-file", help=help_))
+        raise user_error_about(shell.destination, f"there is no {path}", rule="no-robot-file", help=help_)
     wanted = WantedFile("calibration", path, write_calibration(state.text, calibration), state.mode)
     show_changes(plan_changes([wanted], gather(shell, request | wanted.request(user))))
     if not agree():
@@ -95,16 +95,15 @@ def read_figures(observed: str, name: str) -> tuple[Calibration | None, Calibrat
         help_ = (
             "drive 10 m with turns, with 'ur run keyboard_navigate' or 'ur run make_map', and run this while that runs"
         )
-        raise UserError(error(f"{name}: nothing is known of its lidar and wheels yet", rule="no-figures", help=help_))
+        raise user_error(f"{name}: nothing is known of its lidar and wheels yet", rule="no-figures", help=help_)
     record = max(records, key=lambda each: each.metres)
     if not (text := describe_errors(record)):
         text = f"{name}: after {record.metres:.0f} m, lidar and wheels are as described"
-        raise UserError(error(text, rule="calibrated", help="nothing is to be done"))
+        raise user_error(text, rule="calibrated", help="nothing is to be done")
     text = f"{name}: after {record.metres:.0f} m: {text}"
     found = Calibration(record.yaw, 1.0 + record.radius, 1.0 + record.separation)
     if found == Calibration():
-        help_ = "measure it, and correct its pose in the base file"
-        raise UserError(error(text, rule="wrong-place", help=help_))
+        raise user_error(text, rule="wrong-place", help="measure it, and correct its pose in the base file")
     click.echo(text)
     used = [parse_calibration(each.calibration, name) for each in parse_drivers(observed) if each.calibration]
     return (used[0] if used else None), found

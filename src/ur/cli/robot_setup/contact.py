@@ -12,7 +12,7 @@ from ur.robot.discovery.record import load_records, records_folder
 from ur.robot.setup.contact import COMPARE, OfferedHostKey, meet, needs_answer
 from ur.robot.setup.login import Task
 from ur.robot.ssh.host_key import parse_fingerprint
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import user_error_about
 
 
 class SetupTerminal(Protocol):
@@ -50,9 +50,7 @@ def read_fingerprint(text: str) -> str:
     try:
         return parse_fingerprint(text)
     except ValueError as problem:
-        raise UserError(
-            error_about("--host-key", f"{problem}", rule="bad-value", help=f"to see it, {COMPARE}")
-        ) from None
+        raise user_error_about("--host-key", f"{problem}", rule="bad-value", help=f"to see it, {COMPARE}") from None
 
 
 def confirm_host_key(
@@ -86,14 +84,12 @@ def _ask(task: Task, contact: OfferedHostKey, terminal: SetupTerminal) -> None:
     offered = contact.host_key.fingerprint
     was = "another one was known before" if contact.state == "changed" else "not known to this computer"
     if not terminal.is_there():
-        raise UserError(
-            error_about(
-                task.address,
-                f"its host key is {offered}, {was}, and there is no terminal to ask on",
-                rule="unconfirmed-host-key",
-                help=f"compare with the robot's own, {COMPARE}; then add --host-key {offered}, "
-                "or --yes in a network that you trust",
-            )
+        raise user_error_about(
+            task.address,
+            f"its host key is {offered}, {was}, and there is no terminal to ask on",
+            rule="unconfirmed-host-key",
+            help=f"compare with the robot's own, {COMPARE}; then add --host-key {offered}, "
+            "or --yes in a network that you trust",
         )
     click.echo(
         f"the host key of {task.address} is {was}:\n"
@@ -106,13 +102,11 @@ def _ask(task: Task, contact: OfferedHostKey, terminal: SetupTerminal) -> None:
         if answer.lower() in ("y", "yes") or answer.rstrip("=") == offered:
             return
         if answer.lower() in ("n", "no") or answer.startswith("SHA256:"):
-            raise UserError(
-                error_about(
-                    task.address,
-                    "its host key is not confirmed, and nothing was sent to it",
-                    rule="unconfirmed-host-key",
-                    help="another computer may answer to this name: use the robot's address, or connect it by cable",
-                )
+            raise user_error_about(
+                task.address,
+                "its host key is not confirmed, and nothing was sent to it",
+                rule="unconfirmed-host-key",
+                help="another computer may answer to this name: use the robot's address, or connect it by cable",
             )
 
 

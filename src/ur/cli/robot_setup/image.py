@@ -45,7 +45,7 @@ from ur.robot.setup.change import Change, show_difference
 from ur.robot.setup.robot_states import WantedRobot, is_robot_name
 from ur.robot.ssh.host_key import HostKey
 from ur.robot.ssh.secret import Secret
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import UserError, user_error, user_error_about
 from ur.source.progress_line import show_progress
 from ur.source.replace import check_output, replace_file
 from ur.source.section import read_section
@@ -94,11 +94,11 @@ def read_robots(path: Path, given: Given) -> list[tuple[Given, Path | None]]:
         item.finish()
     top.finish()
     if not found:
-        raise UserError(error_about(path, "no robots, expected a list 'robots'", rule="bad-value"))
+        raise user_error_about(path, "no robots, expected a list 'robots'", rule="bad-value")
     values = [str(each.name) for each, _ in found] + [str(output) for _, output in found]
     twice = next((value for value in values if values.count(value) > 1), None)
     if twice is not None:
-        raise UserError(error_about(path, f"{twice} is there twice, expected once", rule="bad-value"))
+        raise user_error_about(path, f"{twice} is there twice, expected once", rule="bad-value")
     return found
 
 
@@ -175,22 +175,18 @@ def _read_keys(given: str | None) -> tuple[str, ...]:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as problem:
         reason = (getattr(problem, "strerror", "") or "not a text").lower()
-        raise UserError(
-            error_about(path, f"cannot be read: {reason}, expected a key", rule="no-key", help=help)
-        ) from None
+        raise user_error_about(path, f"cannot be read: {reason}, expected a key", rule="no-key", help=help) from None
     keys = tuple(line.strip() for line in lines if line.strip() and not line.startswith("#"))
     if any("PRIVATE KEY" in key for key in keys):
-        raise UserError(
-            error(
-                f"{path} is a private key, expected the public half",
-                rule="no-key",
-                help=f"give --key {path}.pub",
-                subject=str(path),
-            )
+        raise user_error(
+            f"{path} is a private key, expected the public half",
+            rule="no-key",
+            help=f"give --key {path}.pub",
+            subject=str(path),
         )
     if not keys or not all(_KEY.fullmatch(key) for key in keys):
-        raise UserError(
-            error(f"{path} holds no public ssh key, expected one a line", rule="no-key", help=help, subject=str(path))
+        raise user_error(
+            f"{path} holds no public ssh key, expected one a line", rule="no-key", help=help, subject=str(path)
         )
     return keys
 
@@ -203,15 +199,13 @@ def _ask(option: str, what: str) -> str:
 
 
 def _missing(what: str, option: str) -> UserError:
-    return UserError(
-        error(
-            f"{what} is not given, and there is no terminal to ask on", rule="missing-answer", help=f"give --{option}"
-        )
+    return user_error(
+        f"{what} is not given, and there is no terminal to ask on", rule="missing-answer", help=f"give --{option}"
     )
 
 
 def _bad(message: str, expected: str) -> UserError:
-    return UserError(error(f"{message}, {expected}", rule="bad-value"))
+    return user_error(f"{message}, {expected}", rule="bad-value")
 
 
 @click.group("image", invoke_without_command=True)
@@ -271,7 +265,7 @@ def prepare(
         raise click.UsageError("--from FILE names robots and outputs: expected no --output, --name or --base beside it")
     source = Path(image)
     if not source.exists():
-        raise UserError(error_about(image, "not found, expected an image or a device", rule="unreadable-file"))
+        raise user_error_about(image, "not found, expected an image or a device", rule="unreadable-file")
     if undo:
         return _take_back(source, dry_run=dry_run, yes=yes)
     given = Given(**answers)
@@ -361,13 +355,11 @@ def _opened(source: Path, target: Path | None) -> Iterator[tuple[Path, Commit, D
     packing = packing_of(source)
     if packing and target is None:
         plain = source.with_suffix("").name
-        raise UserError(
-            error(
-                f"{source} is compressed ({packing}), expected a place for the unpacked image",
-                rule="packed-image",
-                help=f"add --output {plain if plain.endswith(('.img', '.raw')) else plain + '.img'}",
-                subject=str(source),
-            )
+        raise user_error(
+            f"{source} is compressed ({packing}), expected a place for the unpacked image",
+            rule="packed-image",
+            help=f"add --output {plain if plain.endswith(('.img', '.raw')) else plain + '.img'}",
+            subject=str(source),
         )
     if target:
         check_output(target, [source])
@@ -433,10 +425,8 @@ def _confirm(device: DiskDevice | None, writes: Sequence[Write], *, yes: bool) -
         return
     question = f"write {len(writes)} files onto {device}"
     if not sys.stdin.isatty():
-        raise UserError(
-            error(
-                f"{question}? there is no terminal to ask on", rule="missing-answer", help="look twice, and give --yes"
-            )
+        raise user_error(
+            f"{question}? there is no terminal to ask on", rule="missing-answer", help="look twice, and give --yes"
         )
     if not click.confirm(f"{question}?", default=False):
         raise click.Abort
@@ -449,7 +439,7 @@ def _remember(options: SeedOptions) -> None:
         replace_file(path, render_record(record), parents=True)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error_about(path, f"cannot be written: {reason}", rule="unwritable-file")) from None
+        raise user_error_about(path, f"cannot be written: {reason}", rule="unwritable-file") from None
     if options.host_key:
         know_host_key(options.robot.name, options.host_key)
 

@@ -11,7 +11,7 @@ import click
 
 from ur.cli.changing import DRY_RUN, PASSWORD_FROM, WAIT, become_root, begin, finish, print_line, show_plan
 from ur.cli.output import plain_text, read_lines
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import user_error_about
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -125,14 +125,12 @@ def _find_device(shell: SshShell, networks: Networks, name: str | None) -> Netwo
 
         check_managed(networks, shell.destination, None)
         names = ", ".join(each.name for each in networks.devices if each.kind != "loopback")
-        raise UserError(
-            error_about(
-                shell.destination,
-                f"{f'no network device {name!r}' if name else 'it is not clear which device is meant'}, "
-                f"expected one of {names}",
-                rule="bad-device",
-                help="give --device",
-            )
+        raise user_error_about(
+            shell.destination,
+            f"{f'no network device {name!r}' if name else 'it is not clear which device is meant'}, "
+            f"expected one of {names}",
+            rule="bad-device",
+            help="give --device",
         )
     return found
 

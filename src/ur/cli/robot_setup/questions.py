@@ -18,7 +18,7 @@ from ur.robot.setup.robot_states import WantedRobot
 from ur.robot.ssh.address import parse_address
 from ur.robot.ssh.host_key import parse_fingerprint
 from ur.robot.ssh.secret import Secret
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import user_error, user_error_about
 from ur.source.section import Section, read_section
 
 PLAIN = "plain"
@@ -72,12 +72,10 @@ def _ask_variant(name: str, base: str, known: str, terminal: SetupTerminal) -> s
 def _ask(what: str, default: str | None, terminal: SetupTerminal) -> str:
     if not terminal.is_there():
         option = what.split()[0]
-        raise UserError(
-            error(
-                f"{what} is not given, and there is no terminal to ask on",
-                rule="missing-answer",
-                help=f"give --{option}",
-            )
+        raise user_error(
+            f"{what} is not given, and there is no terminal to ask on",
+            rule="missing-answer",
+            help=f"give --{option}",
         )
     return terminal.ask(what, default)
 
@@ -90,7 +88,7 @@ def read_tasks(path: Path) -> tuple[list[Task], dict[str, str]]:
     tasks = [_read_task(item) for item in items]
     top.finish()
     if not tasks:
-        raise UserError(error_about(path, "no robots, expected a list 'robots'", rule="bad-value"))
+        raise user_error_about(path, "no robots, expected a list 'robots'", rule="bad-value")
     return tasks, fingerprints
 
 

@@ -11,7 +11,7 @@ import click
 
 from ur.cli.changing import DRY_RUN, PASSWORD_FROM, WAIT, become_root, begin, finish, print_line, show_plan
 from ur.cli.output import check_name, read_lines
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import UserError, user_error, user_error_about
 
 if TYPE_CHECKING:
     from ur.robot.commit_confirm.guarded import GuardedChange
@@ -44,7 +44,7 @@ def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run:
     address = robot_address(robot)
     later = Address(address.user, f"{name}.local")
     if later.host == address.host:
-        raise UserError(error(f"the robot is already named '{robot}'", rule="bad-name", subject=robot))
+        raise user_error(f"the robot is already named '{robot}'", rule="bad-name", subject=robot)
     (password,) = read_lines(password_from, "--password-from", 1)
     try:
         with connect_robot(address) as shell:
@@ -106,13 +106,11 @@ def _check_free(there: Shell, here: Shell, name: str, facts: ComputerFacts) -> N
     own = {*facts.addresses, "127.0.1.1"}
     others = {line.split()[0] for answer in answers for line in answer.splitlines() if line.strip()} - own
     if others:
-        raise UserError(
-            error(
-                f"{name}.local is another computer already ({', '.join(sorted(others))}), expected a free name",
-                rule="taken-name",
-                help="choose another name, or rename that one",
-                subject=name,
-            )
+        raise user_error(
+            f"{name}.local is another computer already ({', '.join(sorted(others))}), expected a free name",
+            rule="taken-name",
+            help="choose another name, or rename that one",
+            subject=name,
         )
 
 
@@ -133,13 +131,11 @@ def _is_there(later: Address, before: Address) -> bool:
                 return False
             continue
         if done.code:
-            raise UserError(
-                error_about(
-                    later,
-                    "a change of its name is not finished, expected one at a time",
-                    rule="change-pending",
-                    help="it was not confirmed: the robot reverts it within two minutes; then run this again",
-                )
+            raise user_error_about(
+                later,
+                "a change of its name is not finished, expected one at a time",
+                rule="change-pending",
+                help="it was not confirmed: the robot reverts it within two minutes; then run this again",
             )
         if done.out.strip() == later.host.removesuffix(".local"):
             return True

@@ -36,7 +36,7 @@ from ur.robot.setup.ros2.states import find_robot_ros2
 from ur.robot.setup.verify import Check, verify
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import LocalShell
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.render import render_human, shows_colour
 
 MASTER_SECONDS = 60.0
@@ -325,7 +325,7 @@ def put_mux_between(task: Task, report: ChangeReporter) -> tuple[Task, int]:
     """
     if task.robot.ros2 is None:
         message = f"{task.robot.name} has no ROS 2, expected a robot with ROS 2 and --take-over"
-        raise UserError(error(message, rule="usage", help="leave --take-over out"))
+        raise user_error(message, rule="usage", help="leave --take-over out")
     with open_robot(replace(task, address=task.later, host_key=None, first_contact=False), report) as shell:
         robot, count = take_over(shell, task.robot, report)
     return replace(task, robot=robot), count
@@ -345,7 +345,7 @@ def revert_ros2(task: Task, viewer: ViewerFacts) -> int:
             report("the rest of the set-up stays: docs/how-to/uninstall.md has the steps")
             return 0
         message = f"{task.robot.name} has no ROS 2, or ROS 1 as well, expected a robot with ROS 2 alone"
-        raise UserError(error(message, rule="usage", help="docs/how-to/uninstall.md has the steps"))
+        raise user_error(message, rule="usage", help="docs/how-to/uninstall.md has the steps")
     with open_robot(task, report) as shell:
         count = give_back(shell, report)
     count += undo_ros2(task, viewer, report)

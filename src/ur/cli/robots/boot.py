@@ -15,7 +15,7 @@ from ur.request.requirements.python_packages import need_all
 from ur.robot.boot.units import MASTER, SCRIPT, describe_status, parse_status
 from ur.robot.ssh.openssh import SshShell
 from ur.source.ansi import allows_colour
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 
 _robot = click.option("--robot", help="Which robot. [default: the selected one]")
 _robots = click.option(
@@ -102,13 +102,11 @@ def link(robot: str | None, look: bool) -> int:
     with connect_robot(address) as shell:
         if not has_service(shell, PAGE):
             known_as = address.host.removesuffix(".local")
-            raise UserError(
-                error(
-                    f"{address.host} serves no page at boot",
-                    rule="no-boot-service",
-                    help=f"ur boot install --robot {known_as} web",
-                    subject=address.host,
-                )
+            raise user_error(
+                f"{address.host} serves no page at boot",
+                rule="no-boot-service",
+                help=f"ur boot install --robot {known_as} web",
+                subject=address.host,
             )
         _show_link(shell, address.host, look=look)
     return 0
@@ -172,9 +170,7 @@ def _show_link(shell: SshShell, host: str, *, look: bool = False) -> None:
     done = shell.run(admit_script(token, Role.LOOK if look else Role.DRIVE))
     if done.code:
         reported = (done.err.strip().splitlines() or ["no reason was given"])[-1]
-        raise UserError(
-            error(f"{host}: no link could be made: {reported}", rule="no-boot-service", help="ur boot status")
-        )
+        raise user_error(f"{host}: no link could be made: {reported}", rule="no-boot-service", help="ur boot status")
     address = make_link(host, FIRST_PORT, token)
     click.echo(draw_code(address, colours=sys.stdout.isatty() and allows_colour(os.environ)))
     click.echo(f"open {address}")
@@ -184,4 +180,4 @@ def _show_link(shell: SshShell, host: str, *, look: bool = False) -> None:
 
 def _no_master(robot: str) -> UserError:
     message = f"{robot} has ROS 2, which needs no master; expected a launch file, program or command"
-    return UserError(error(message, rule="no-boot-service", help="ur boot install robot_base"))
+    return user_error(message, rule="no-boot-service", help="ur boot install robot_base")

@@ -22,7 +22,7 @@ from ur.robot.ssh.failures import explain_failure
 from ur.robot.ssh.openssh import STRICT
 from ur.robot.ssh.secret import Secret
 from ur.source.ansi import BOLD, paint
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.foreign.json_values import read_json
 from ur.source.printable import printable_lines
 from ur.source.progress_line import show_progress
@@ -48,7 +48,7 @@ def choose_robots(named: Sequence[str], *, every: bool) -> tuple[str, ...]:
         names = [record.name for record in load_records(records_folder(os.environ))]
         if not names:
             message = "--all: no robot was set up from this computer, expected at least one"
-            raise UserError(error(message, rule="no-robot", help="run: ur robot setup HOST; or name the robots"))
+            raise user_error(message, rule="no-robot", help="run: ur robot setup HOST; or name the robots")
     return tuple({str(robot_address(name)): name for name in reversed(names)}.values())[::-1]
 
 
@@ -170,7 +170,7 @@ def _open_processes(jobs: Sequence[Job], verb: str, *, errors_apart: bool = Fals
         reason = (problem.strerror or str(problem)).lower()
         message = f"{folder}: the output of the robots cannot be kept there: {reason}"
         help = f"is there room, and is it yours? ls -ld {folder}"
-        raise UserError(error(message, rule="unwritable-file", help=help)) from None
+        raise user_error(message, rule="unwritable-file", help=help) from None
 
 
 def _agree(question: str) -> bool:

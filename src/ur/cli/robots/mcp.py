@@ -14,7 +14,7 @@ from ur.mcp.assistant import ActionLog
 from ur.mcp.grants import GrantFiles, grant_files, make_grant
 from ur.request.environment import apply_selection, current_selection
 from ur.request.requirements.python_packages import need_all
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.project import is_installed, project_folder
 
 
@@ -38,7 +38,7 @@ def command(context: click.Context, install: bool) -> int:
         return 0
     if sys.stdin.isatty():
         message = "standard input is a terminal, expected an assistant's program that starts this command"
-        raise UserError(error(message, rule="not-here", help="docs/how-to/assistant.md names its settings"))
+        raise user_error(message, rule="not-here", help="docs/how-to/assistant.md names its settings")
     if not all(map(find_spec, PACKAGES[0])):
         ur = "ur" if is_installed() else shlex.quote(str(project_folder() / "ur"))
         raise click.ClickException(NOT_INSTALLED.format(ur))
@@ -61,7 +61,7 @@ def grant(minutes: float | None, speed: float | None, programs: bool, to: str | 
     """
     if not sys.stdin.isatty():
         message = "standard input is no terminal, expected a person who gives the grant"
-        raise UserError(error(message, rule="not-here", help="type 'ur mcp grant' in a terminal"))
+        raise user_error(message, rule="not-here", help="type 'ur mcp grant' in a terminal")
     files = grant_files()
     id = _choose(files, to)
     server = files.list_servers()[id]
@@ -137,4 +137,4 @@ def _choose(files: GrantFiles, to: str | None) -> str:
     names = ", ".join(f"{id} ({each.client})" for id, each in servers.items())
     message = f"{len(servers)} assistants are served, expected one" if to is None else f"unknown server {to!r}"
     help_ = f"give the ID of one of them: {names}" if servers else "start the assistant first"
-    raise UserError(error(message, rule="no-assistant", help=help_))
+    raise user_error(message, rule="no-assistant", help=help_)

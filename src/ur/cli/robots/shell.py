@@ -24,7 +24,7 @@ from ur.robot.ssh.address import Address
 from ur.robot.ssh.failures import explain_failure
 from ur.robot.ssh.openssh import STRICT
 from ur.robot.ssh.shell import quote, run_process
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import user_error, user_error_about
 from ur.source.printable import printable_lines
 from ur.source.progress_line import show_progress
 
@@ -53,12 +53,10 @@ def command(robot: str | None, argv: tuple[str, ...], windows: bool, check: bool
     if not argv and not check:
         raise click.UsageError("missing argument 'COMMAND'")
     if not os.environ.get("DISPLAY"):
-        raise UserError(
-            error(
-                "there is no display here, expected DISPLAY to be set",
-                rule="no-display",
-                help="run this in a terminal of your desktop",
-            )
+        raise user_error(
+            "there is no display here, expected DISPLAY to be set",
+            rule="no-display",
+            help="run this in a terminal of your desktop",
         )
     address = robot_address(robot)
     return _check_windows(address) if check else run_ssh(address, _FORWARDING, argv)
@@ -80,7 +78,7 @@ def _check_windows(address: Address) -> int:
         help_ = f"ur robot setup {address.host}"
     else:
         help_ = f"is the display here open to you? 'xauth list' and 'echo $DISPLAY'; then ur doctor {address.host}"
-    raise UserError(error_about(address, f"no window opened: {reported}", rule="no-window", help=help_))
+    raise user_error_about(address, f"no window opened: {reported}", rule="no-window", help=help_)
 
 
 def run_ssh(address: Address, options: Sequence[str], argv: Sequence[str], *, escaped: bool = False) -> int:
@@ -131,10 +129,8 @@ def run_in_front(command: Sequence[str], *, escaped: bool = False) -> int:
             print_escaped(running[0].stdout.fileno())
         return running[0].wait()
     except (FileNotFoundError, PermissionError):  # the second where a folder of PATH cannot be read
-        raise UserError(
-            error(
-                f"{command[0]} is not installed here", rule="missing-program", help="run: ur setup", subject=command[0]
-            )
+        raise user_error(
+            f"{command[0]} is not installed here", rule="missing-program", help="run: ur setup", subject=command[0]
         ) from None
     finally:
         for number, handler in zip(numbers, before, strict=True):
@@ -200,6 +196,6 @@ def serve_there(selection: Selection, port: int | None, options: Sequence[str]) 
         script = remote_script(robot.name, ros2, words)
         if not shell.forward(port):
             message = f"port {port} of this computer is in use, or the robot's ssh server forwards none"
-            raise UserError(error(message, rule="no-port", help="choose another one: ur web --port PORT"))
+            raise user_error(message, rule="no-port", help="choose another one: ur web --port PORT")
         sys.stdout.flush()
         return run_in_front([*shell.words, "-t", "--", shell.destination, script])

@@ -10,7 +10,7 @@ import click
 
 from ur.request.environment import PACKAGE, choose_ros, current_selection
 from ur.robot.selection import Selection, load_selection, parse_selection, selection_path, store_selection
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.project import project_file, state_folder
 from ur.source.suggest import did_you_mean
 from ur.system.ros import find_ros, note_support
@@ -34,7 +34,7 @@ def command(selection: str | None, away: bool, ros: str | None) -> int:
         if away or ros:
             option = "--away" if away else f"--ros {ros}"
             wanted = "ROBOT" if away else "sim"
-            raise UserError(error(f"{option} needs a robot", rule="bad-options", help=f"ur use {wanted} {option}"))
+            raise user_error(f"{option} needs a robot", rule="bad-options", help=f"ur use {wanted} {option}")
         _show(current_selection(os.environ))
         return 0
     chosen = choose_version(parse_selection(selection), ros)
@@ -56,7 +56,7 @@ def choose_version(chosen: Selection, ros: str | None) -> Selection:
     if not chosen.simulated:
         if ros is not None:
             message = f"--ros {ros} is for the simulated robot; {chosen.robot} has a ROS of its own"
-            raise UserError(error(message, rule="bad-options", help=f"ur use {chosen}"))
+            raise user_error(message, rule="bad-options", help=f"ur use {chosen}")
         return chosen
     if ros is None and not chosen.ros:
         with suppress(UserError):
@@ -79,7 +79,7 @@ def install_ros(version: str) -> None:
     script = str(project_file("tools/set_up.bash"))
     code = subprocess.run(["bash", script, f"ros{version}", str(state_folder())], check=False).returncode
     if code:
-        raise UserError(error(f"ROS {version} could not be installed", rule="no-ros", help="see the lines above"))
+        raise user_error(f"ROS {version} could not be installed", rule="no-ros", help="see the lines above")
 
 
 def _show(selection: Selection) -> None:
@@ -104,14 +104,12 @@ def check_robot(chosen: Selection, *, away: bool) -> str:
         return ""
     near = did_you_mean(chosen.robot, found.others)
     if found.evidence == "none" and not away:
-        raise UserError(
-            error(
-                f"unknown robot {chosen.robot!r}: it was not set up from this computer, and "
-                f"{chosen.robot}.local does not answer",
-                rule="unknown-robot",
-                help=_advise(chosen, near),
-                subject=chosen.robot,
-            )
+        raise user_error(
+            f"unknown robot {chosen.robot!r}: it was not set up from this computer, and "
+            f"{chosen.robot}.local does not answer",
+            rule="unknown-robot",
+            help=_advise(chosen, near),
+            subject=chosen.robot,
         )
     help_ = f"did you mean 'ur use {near}'?" if near and near != chosen.robot else "'ur robots' lists the robots"
     return f"note: robot {chosen.robot!r} was not set up from this computer\n  help: {help_}\n"

@@ -9,7 +9,7 @@ from ur.cli.robots.shell import is_over_ssh, serve_there
 from ur.request.environment import CHOSEN, apply_selection, current_selection, watch_selection
 from ur.request.requirements.python_packages import need_all
 from ur.robot.selection import Selection, parse_selection
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 
 
 @click.command("web")
@@ -106,5 +106,5 @@ def _read_origin(text: str) -> str:
     if origin is None:
         message = f"invalid --foxglove-origin {text!r}, expected the origin of a page, without a path"
         help_ = "for example --foxglove-origin https://viewer.example"
-        raise UserError(error(message, rule="bad-value", help=help_, subject=text))
+        raise user_error(message, rule="bad-value", help=help_, subject=text)
     return origin

@@ -7,9 +7,9 @@ from ur.run.clients.client import RunClient, RunUnreachable, connect_run
 from ur.run.join.decision import read_claims
 from ur.run.record.registry import EndedRun, RunEntry, find_ended, find_run, list_ended, list_runs, read_computer
 from ur.run.supervisor.events import CTRL_C
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.printable import printable
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import suggest
 
 
 def list_own_runs() -> list[RunEntry]:
@@ -32,12 +32,10 @@ def choose_run(name: str | None) -> RunEntry:
         if ended is None:
             raise
         what = "no run is active" if name is None else f"run {name!r} does not run"
-        raise UserError(
-            error(
-                f"{what}; {describe_end(ended, time.time())}",
-                rule=problem.diagnostics[0].rule,
-                help=f"'ur logs --run {ended.entry.run}' prints its last lines, 'ur ps --ended' lists what has ended",
-            )
+        raise user_error(
+            f"{what}; {describe_end(ended, time.time())}",
+            rule=problem.diagnostics[0].rule,
+            help=f"'ur logs --run {ended.entry.run}' prints its last lines, 'ur ps --ended' lists what has ended",
         ) from None
 
 
@@ -85,8 +83,8 @@ def connect(entry: RunEntry) -> RunClient:
     try:
         return connect_run(entry.folder)
     except RunUnreachable:
-        raise UserError(
-            error(f"run {entry.run} has ended just now", rule="unknown-run", help="ur ps", subject=entry.run)
+        raise user_error(
+            f"run {entry.run} has ended just now", rule="unknown-run", help="ur ps", subject=entry.run
         ) from None
 
 
@@ -95,12 +93,9 @@ def find_node_name(name: str, names: list[str]) -> str:
     full = name if name.startswith("/") or name in names else "/" + name
     if full in names:
         return full
-    near = did_you_mean(full, names)
-    raise UserError(
-        error(
-            f"node {name!r} is not in this run, expected one of {', '.join(names) or '(none)'}",
-            rule="unknown-node",
-            help=f"did you mean {near}?" if near else None,
-            subject=name,
-        )
+    raise user_error(
+        f"node {name!r} is not in this run, expected one of {', '.join(names) or '(none)'}",
+        rule="unknown-node",
+        help=suggest(full, names),
+        subject=name,
     )

@@ -19,7 +19,7 @@ from ur.cli.runs.detached import (
 from ur.run.clients.client import RunClient, iterate_events
 from ur.run.clients.protocol import NodeChanged, Synchronised
 from ur.run.record.registry import EndedRun, RunEntry, find_ended, find_run
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import UserError, user_error, user_error_about
 from ur.source.printable import printable
 
 POLL_PERIOD = 0.1  # s
@@ -46,7 +46,7 @@ def command(node: str | None, run: str | None, follow: bool, lines: int | None, 
         logs = {event.name: event.log for event in _read_state(client)} if node or not Path(path).exists() else {}
         if node is None and logs:
             message = f"{entry.run} writes to its terminal, expected a node: one of {', '.join(logs)}"
-            raise UserError(error(message, rule="no-log", help=f"ur logs {next(iter(logs))}"))
+            raise user_error(message, rule="no-log", help=f"ur logs {next(iter(logs))}")
         if node is not None:
             node = find_node_name(node, list(logs))
             path = logs[node]
@@ -101,10 +101,8 @@ def _show(path: Path, client: RunClient, lines: int | None, silent: str, *, foll
                     time.sleep(POLL_PERIOD)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(
-            error_about(
-                path, f"{reason}, expected a log file", rule="no-log", help="a node that never started has none"
-            )
+        raise user_error_about(
+            path, f"{reason}, expected a log file", rule="no-log", help="a node that never started has none"
         ) from None
 
 
@@ -140,7 +138,7 @@ def show_ended(run: EndedRun, node: str | None, lines: int | None, *, only_path:
     except OSError as problem:
         if node is not None:
             reason = (problem.strerror or str(problem)).lower()
-            raise UserError(error_about(path, f"{reason}, expected a log file", rule="no-log")) from None
+            raise user_error_about(path, f"{reason}, expected a log file", rule="no-log") from None
         found = [f"{printable(line)}\n".encode() for line in run.lines]
     sys.stdout.buffer.write(b"".join(found if lines is None else found[-lines:] if lines else []))
     sys.stdout.buffer.flush()

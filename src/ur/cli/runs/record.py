@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import click
 
 from ur.source.arguments import Argument, CommandLine
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.project import launch_library
 
 _LAUNCH = "n_record/launch/n_record.launch.xml"
@@ -37,7 +37,7 @@ def command(
     for each in topics:
         if " " in each or ":=" in each:
             message = f"{each!r} is no name of a topic, expected one such as '/scan' or '/camera/*'"
-            raise UserError(error(message, rule="bad-name", help="ur record /scan /tf", subject=each))
+            raise user_error(message, rule="bad-name", help="ur record /scan /tf", subject=each)
     selection = current_selection(os.environ)
     here = selection.simulated or os.uname().nodename.partition(".")[0] == selection.robot
     if stop:

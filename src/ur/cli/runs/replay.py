@@ -11,7 +11,7 @@ import click
 from ur.recordings.replays import ReplayCommand, ask_replay, describe_state
 from ur.source.ansi import is_plain
 from ur.source.arguments import Argument, split_argv
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import user_error, user_error_about
 
 
 @click.command("replay", context_settings={"ignore_unknown_options": True})
@@ -37,7 +37,7 @@ def command(
     if recording is None:
         if (state := ask_replay(ReplayCommand("state"), os.environ)) is None:
             message = "no replay runs on this computer, expected the file of a recording"
-            raise UserError(error(message, rule="no-replay", help="ur replay FILE starts one"))
+            raise user_error(message, rule="no-replay", help="ur replay FILE starts one")
         if sys.stdin.isatty() and sys.stdout.isatty() and not is_plain(os.environ):
             from ur.cli.runs.replay_screen import show_replay
 
@@ -76,18 +76,16 @@ def _read_request(recording: str, program: str, arguments: Sequence[str]) -> _Pl
     path = Path(recording)
     if not path.is_file():
         help_ = "'ls ~/.local/state/ur/black_box' lists the recordings of the black box"
-        raise UserError(error_about(recording, "no such file, expected a recording", rule="missing-file", help=help_))
+        raise user_error_about(recording, "no such file, expected a recording", rule="missing-file", help=help_)
     names, given = split_argv(arguments)
     if names:
-        raise UserError(
-            error(f"'{names[0]}' is no argument, expected NAME:=VALUE", rule="bad-argument", subject=names[0])
-        )
+        raise user_error(f"'{names[0]}' is no argument, expected NAME:=VALUE", rule="bad-argument", subject=names[0])
     if not program:
         return _Played(path, "", tuple(given))
     file = find_launch_file(find_program(PACKAGE, program, add_own_package(os.environ)))
     if file is None:
         message = f"program '{program}' starts no launch file of its package, expected one that does"
-        raise UserError(error(message, rule="no-launch-file", help="ur list --launch-files", subject=program))
+        raise user_error(message, rule="no-launch-file", help="ur list --launch-files", subject=program)
     return _Played(path, str(file), tuple(given))
 
 

@@ -13,7 +13,7 @@ from ur.run.clients.protocol import NodeChanged, OutputLine, RunEnded, StopRun, 
 from ur.run.join.owner import describe_joined, list_joined
 from ur.run.remote.local_runs import wait_exit
 from ur.run.supervisor.events import StopNode
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.progress_line import show_progress
 
 JOINED_SECONDS = 10.0  # s for runs that end because they had joined this one
@@ -40,7 +40,7 @@ def stop_run(run: str | None, node: str | None = None, *, every: bool = False, o
     """
     if every:
         if run or node:
-            raise UserError(error("--all cannot be used with RUN or --node", rule="bad-options"))
+            raise user_error("--all cannot be used with RUN or --node", rule="bad-options")
         runs = list_own_runs()
         last = leave_out_joined(runs)
         for entry in [*(each for each in runs if each not in last), *last]:

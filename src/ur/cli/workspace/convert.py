@@ -38,13 +38,13 @@ def command(path: str, output: str | None, prefix: str | None, language: Languag
     """
     from ur.check.worlds import make_world
     from ur.request.environment import add_own_package
-    from ur.source.diagnostic import UserError, error
+    from ur.source.diagnostic import user_error
     from ur.source.progress_line import show_progress
     from ur.source.render import render_human, shows_colour
     from ur.tools.convert.package import convert_all
 
     if output and prefix:
-        raise UserError(error("--output with --prefix, expected one of them", rule="bad-options", help="leave one out"))
+        raise user_error("--output with --prefix, expected one of them", rule="bad-options", help="leave one out")
     world = make_world([path], add_own_package(os.environ))
     with show_progress("converting launch files") as progress:
         whole = prefix is not None
@@ -59,7 +59,7 @@ def command(path: str, output: str | None, prefix: str | None, language: Languag
             click.echo(f"note: it loads files of parameters, which --output converts, too: {names}", err=True)
     else:
         message = f"{len(made.launch_files)} launch files, expected --output or --prefix with a folder for them"
-        raise UserError(error(message, rule="bad-options", help=f"ur convert {path} --output FOLDER"))
+        raise user_error(message, rule="bad-options", help=f"ur convert {path} --output FOLDER")
     return 1 if made.findings else 0
 
 

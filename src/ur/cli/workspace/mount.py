@@ -19,7 +19,7 @@ from ur.robot.mount import (
 )
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.shell import quote, run_process
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.printable import printable
 from ur.source.progress_line import show_progress
 
@@ -136,4 +136,4 @@ def _make_folder(target: Path, *, hide: bool) -> bool:
 
 
 def _problem(message: str, help: str) -> UserError:
-    return UserError(error(message, rule="no-mount", help=help))
+    return user_error(message, rule="no-mount", help=help)

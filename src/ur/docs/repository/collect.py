@@ -14,7 +14,7 @@ from ur.check.worlds import CachedWorld
 from ur.docs.repository.bases import infer_bases
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.world import World
-from ur.source.diagnostic import Diagnostic, UserError, error
+from ur.source.diagnostic import Diagnostic, error, user_error
 from ur.source.file import SourceFile, Span
 from ur.source.progress import Progress, counted, no_progress
 
@@ -132,16 +132,14 @@ def collect_repository(path: str, world: World, progress: Progress = no_progress
     folder = cached.absolute(path)
     if cached.is_file(folder):
         message = f"{path} is a file, expected the folder or the package that it is in"
-        raise UserError(error(message, rule="not-a-folder", help=f"ur docs {shlex.quote(_enclosing(folder, cached))}"))
+        raise user_error(message, rule="not-a-folder", help=f"ur docs {shlex.quote(_enclosing(folder, cached))}")
     root = folder if cached.list_folder(folder) else cached.absolute(cached.find_package(path))
     if not targets.launch_files:
-        raise UserError(
-            error(
-                f"{path} holds no launch file, expected a launch repository: a package or a folder of packages",
-                rule="no-launch-files",
-                help="launch files end in .launch, .launch.xml, .launch.py or .launch.yaml",
-                subject=path,
-            )
+        raise user_error(
+            f"{path} holds no launch file, expected a launch repository: a package or a folder of packages",
+            rule="no-launch-files",
+            help="launch files end in .launch, .launch.xml, .launch.py or .launch.yaml",
+            subject=path,
         )
     packages = _complete(targets, root, cached)
     targets = replace(targets, packages=packages)

@@ -13,7 +13,7 @@ from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.world.protocol import World
 from ur.source.diagnostic import error, error_about
 from ur.source.file import SourceFile, Span
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import did_you_mean, suggest
 
 STANDARD_INPUT = "-"
 
@@ -43,8 +43,7 @@ def load_ros1(
             draft.machines.setdefault(computer.name, computer)
         for name, element, scope in draft.machine_uses:
             if name not in draft.machines:
-                near = did_you_mean(name, draft.machines)
-                help_ = f"did you mean {near}?" if near else f'define it: <machine name="{name}" address="..."/>'
+                help_ = suggest(name, draft.machines) or f'define it: <machine name="{name}" address="..."/>'
                 draft.refuse(
                     refuse(
                         f"machine '{name}' is not defined, expected a <machine> of this name",

@@ -12,7 +12,7 @@ from ur.launchfile.plan.tags.body import resolve_file
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.world.protocol import World
 from ur.source.diagnostic import error, error_about
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import suggest
 
 # A letter that no launch file uses: names that start with it are relative to the including file's namespace.
 HERE = "/ǁ/"
@@ -49,13 +49,12 @@ def _load(path: str, arguments: Mapping[str, str], draft: Draft, passes_all: boo
     if resolve_file(parsed, draft, scope) and not passes_all:
         for name in arguments:
             if name not in scope.declared:
-                near = did_you_mean(name, set(scope.declared) - set(arguments))
                 declared = ", ".join(sorted(scope.declared)) or "none"
                 draft.add_diagnostic(
                     error(
                         f"argument '{name}' is passed, but {path} does not declare it",
                         rule="unknown-argument",
-                        help=f"did you mean {near}?" if near else f"that file declares: {declared}",
+                        help=suggest(name, set(scope.declared) - set(arguments)) or f"that file declares: {declared}",
                         subject=name,
                     ),
                     (),

@@ -13,7 +13,7 @@ from ur.launchfile.plan.tags.arguments import resolve_arg
 from ur.launchfile.plan.tags.attributes import is_wanted
 from ur.launchfile.syntax import Comment, Element, LaunchFile
 from ur.launchfile.world.protocol import World
-from ur.source.diagnostic import Severity, UserError, error_about
+from ur.source.diagnostic import Severity, UserError, user_error_about
 from ur.source.file import Span
 
 
@@ -68,7 +68,7 @@ def read_arguments(
         tree = draft.parse(path)
         scope = Scope(initial_namespace(arguments, world.environment), path, read_assignments(arguments)[0])
     except (OSError, ValueError) as problem:
-        raise UserError(error_about(path, f"{problem}, expected a launch file", rule="missing-file")) from None
+        raise user_error_about(path, f"{problem}, expected a launch file", rule="missing-file") from None
     if tree.launch is None:
         raise UserError(*tree.diagnostics)
     # The comment that follows an element, by the place of the element.

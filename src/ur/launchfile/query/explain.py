@@ -18,10 +18,10 @@ from ur.launchfile.syntax import (
     parse_substitutions,
 )
 from ur.launchfile.world.protocol import World
-from ur.source.diagnostic import Severity, UserError, error
+from ur.source.diagnostic import Severity, UserError, user_error
 from ur.source.file import Span
 from ur.source.printable import printable
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import suggest
 
 
 def list_nodes(plan: Plan) -> list[str]:
@@ -41,14 +41,11 @@ def find_node_file(plan: Plan, name: str) -> str:
         if node.name and node.full_name == full_name:
             return node.origin.span.file.path
     names = list_nodes(plan)
-    near = did_you_mean(full_name, names)
-    raise UserError(
-        error(
-            f"unknown node '{full_name}', expected one of {', '.join(names) or 'none'}",
-            rule="unknown-node",
-            help=f"did you mean {near}?" if near else None,
-            subject=full_name,
-        )
+    raise user_error(
+        f"unknown node '{full_name}', expected one of {', '.join(names) or 'none'}",
+        rule="unknown-node",
+        help=suggest(full_name, names),
+        subject=full_name,
     )
 
 
@@ -94,14 +91,12 @@ def explain_name(
     if errors:
         raise UserError(*errors)
     names = {word for step in trace for word in _names_of(step)} | {node.full_name for node in plan.nodes}
-    near = did_you_mean(name, names | {each.rpartition("/")[2] for each in names})
-    raise UserError(
-        error(
-            f"{name} is no parameter, argument, remap or node of {', '.join(files)}",
-            rule="unknown-name",
-            help=f"did you mean {near}?" if near else "`ur launch --dump json FILE` shows all names",
-            subject=name,
-        )
+    raise user_error(
+        f"{name} is no parameter, argument, remap or node of {', '.join(files)}",
+        rule="unknown-name",
+        help=suggest(name, names | {each.rpartition("/")[2] for each in names})
+        or "`ur launch --dump json FILE` shows all names",
+        subject=name,
     )
 
 

@@ -10,7 +10,7 @@ from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.launchfile.ros2.substitutions import perform
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import did_you_mean, suggest
 
 
 class Declarations(Events):
@@ -98,14 +98,13 @@ class Declarations(Events):
         if isinstance(choices, (list, tuple)) and all(isinstance(each, str) for each in choices):
             self._choices.setdefault(context.file, {})[name] = [str(each) for each in choices]
         if isinstance(choices, (list, tuple)) and isinstance(value, str) and value not in choices:
-            near = did_you_mean(value, [str(each) for each in choices])
             known = ", ".join(map(str, choices))
             message = f"argument '{name}' is '{value}', expected one of {known}"
             is_required = not value  # such a default is a habit: none of the choices is right for all
             if is_required:
                 context.configurations[name] = Unknown(f"argument '{name}' has no value", made.span, "argument")
             place = made.place("choices" if handed_over else "default_value")
-            help_ = f"did you mean {near}?" if near else f"choose one of {known}"
+            help_ = suggest(value, [str(each) for each in choices]) or f"choose one of {known}"
             raise DescriptionProblem(message, "bad-choice", place, help_, name, NOT_GIVEN if is_required else "")
 
     def _trace_argument(self, made: Made, name: str, *, handed_over: bool) -> None:

@@ -12,7 +12,7 @@ from ur.launchfile.plan.written import LOG_FOLDER, run_with_files
 from ur.launchfile.ros2.context import ANY_NAME, PER_SYSTEM_CALL, Context
 from ur.launchfile.ros2.model import DescriptionProblem, Made, Unknown
 from ur.source.arguments import split_words
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import suggest
 
 TRUE, FALSE = ("true", "1"), ("false", "0")
 
@@ -140,12 +140,11 @@ def _configuration(made: Made, context: Context) -> str | Unknown:
         return perform(made.get("default"), context)
     if isinstance(scope := context.configurations.get(ANY_NAME), Unknown):
         return scope
-    near = did_you_mean(name, context.configurations)
     raise DescriptionProblem(
         f"launch configuration '{name}' is used, but no argument of this name is declared before",
         "undeclared-argument",
         made.place("variable_name"),
-        f"did you mean {near}?" if near else f"declare it before: DeclareLaunchArgument('{name}')",
+        suggest(name, context.configurations) or f"declare it before: DeclareLaunchArgument('{name}')",
         name,
         INHERITED,
     )

@@ -21,7 +21,7 @@ from ur.launchfile.ros2.parameters import read_value
 from ur.launchfile.ros2.substitutions import is_wanted, perform
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import suggest
 
 MOST_ROUNDS = 1_000  # of a loop
 ReadFile = Callable[[str, Context], Description]
@@ -46,9 +46,8 @@ class Visitor(Declarations):
         for node, span in self._components:
             if not self._gaps and node.container not in started and node.container in self._literal:
                 self._literal.discard(node.container)
-                near = did_you_mean(node.container, self._names)
                 message = f"component {node.full_name} is loaded by {node.container}, expected a container of this name"
-                help_ = f"did you mean {near}?" if near else "start a ComposableNodeContainer of this name"
+                help_ = suggest(node.container, self._names) or "start a ComposableNodeContainer of this name"
                 self._warn(message, "unknown-container", span, help_, node.container)
 
         self.report_lost()
@@ -226,12 +225,11 @@ class Visitor(Declarations):
         text = description.launch.span.file.text if description.launch is not None else ""
         for name, _ in passed:
             if name not in declared and not re.search(rf"(?<!\w){re.escape(name)}(?!\w)", text):
-                near = did_you_mean(name, declared)
                 known = ", ".join(sorted(declared)) or "none"
                 place = find_written(name, made.place("launch_arguments"), span)
                 outer = self._context.chain[:-1]
                 message = f"argument '{name}' is passed, but {description.path} does not declare it"
-                help_ = f"did you mean {near}?" if near else f"that file declares: {known}"
+                help_ = suggest(name, declared) or f"that file declares: {known}"
                 found = Diagnostic(Severity.WARNING, message, "unknown-argument", place, (), help_, name, TOLERATED)
                 self._draft.add_diagnostic(found, outer)
 

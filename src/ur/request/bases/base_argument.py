@@ -14,7 +14,7 @@ from ur.request.launch_request import LaunchFiles
 from ur.robot.base import SENSORS, Base, UpstreamDriver, list_bases, list_variants, load_base
 from ur.robot.base.files import find_base_package
 from ur.robot.base.own_drivers import NO_WATCHDOG, OWN_DRIVERS
-from ur.source.diagnostic import Diagnostic, UserError, error
+from ur.source.diagnostic import Diagnostic, UserError, error, user_error
 from ur.source.project import launch_library
 
 
@@ -81,7 +81,7 @@ def _lack(path: str, package: Path, base: Base, needs: Sequence[Need], lacks: Se
     else:
         help_ = "the plain base, without a variant, has what is needed"
     message = f"{Path(path).name} needs {wanted}, and base {whole} has none"
-    return UserError(error(message, rule="base-lacks", help=help_))
+    return user_error(message, rule="base-lacks", help=help_)
 
 
 NEEDS = "Needs:"

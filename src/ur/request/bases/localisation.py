@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from ur.source.arguments import Argument
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def choose_localisation(values: Mapping[str, str], find_bases: Callable[[], Sequ
         if method not in METHODS:
             near = did_you_mean(method, METHODS)
             message = f"{ARGUMENT}:={method}, expected one of {', '.join(METHODS)}"
-            raise UserError(error(message, rule="bad-argument", help=f"did you mean {near!r}?" if near else None))
+            raise user_error(message, rule="bad-argument", help=f"did you mean {near!r}?" if near else None)
         return []
     if not values.get("robot_base"):
         return []
@@ -42,11 +42,9 @@ def explain_no_map(problem: UserError, values: Mapping[str, str]) -> UserError:
     if problem.diagnostics[0].rule != "no-file" or not base or values.get(ARGUMENT) != "fiducials":
         return problem
     chosen = " ".join(f"{name}:={values[name]}" for name in ("robot_base", "robot_variant") if values.get(name))
-    return UserError(
-        error(
-            f"base {base!r} has no lidar, and there is no map of fiducials for its camera",
-            rule="no-file",
-            help=f"drive it by hand: ur run keyboard_drive {chosen}; or build such a map where fiducials are: "
-            f"ur run fiducial_slam {chosen} (simulated: with world:=office)",
-        )
+    return user_error(
+        f"base {base!r} has no lidar, and there is no map of fiducials for its camera",
+        rule="no-file",
+        help=f"drive it by hand: ur run keyboard_drive {chosen}; or build such a map where fiducials are: "
+        f"ur run fiducial_slam {chosen} (simulated: with world:=office)",
     )

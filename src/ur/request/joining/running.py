@@ -23,7 +23,7 @@ from ur.run.remote.names import choose_names, describe_names, find_taken, rename
 from ur.run.remote.own_clients import clients_folder, list_clients
 from ur.run.startup.node_selection import may_drive
 from ur.source.arguments import Argument
-from ur.source.diagnostic import Diagnostic, UserError, error
+from ur.source.diagnostic import Diagnostic, UserError, error, user_error
 from ur.system.ros import NONE, graph_address, read_domain
 
 _ANSWERS: Mapping[str, Mode | None] = {"w": "watch", "a": "ask", "t": "take", "q": None}
@@ -95,12 +95,10 @@ def ask_mode(description: str, ask: Callable[[str], str], *, lost: bool = False)
 
 def refuse(lease: RobotLease, robot: str) -> UserError:
     """Return the error that another client drives the robot, or drove it and is out of range."""
-    return UserError(
-        error(
-            f"{describe_lease(lease, robot, time.time())}, expected a robot that no client drives",
-            rule="robot-is-driven",
-            help="add --watch or --take-over" if lease.state == "lost" else "add --watch, --ask or --take-over",
-        )
+    return user_error(
+        f"{describe_lease(lease, robot, time.time())}, expected a robot that no client drives",
+        rule="robot-is-driven",
+        help="add --watch or --take-over" if lease.state == "lost" else "add --watch, --ask or --take-over",
     )
 
 
@@ -157,14 +155,14 @@ def refuse_second_master() -> None:
     from ur.run.master.xml_rpc import Unanswered
 
     if read_domain(uri := graph_address(os.environ)) is not None:
-        raise UserError(error("--core starts a master; ROS 2 has none", rule="bad-options", help="ur run PROGRAM"))
+        raise user_error("--core starts a master; ROS 2 has none", rule="bad-options", help="ur run PROGRAM")
     master = parse_master_uri(uri)
     try:
         master.get_run_id()
     except Unanswered:
         return
-    raise UserError(
-        error(f"--core: a master runs already at {master.uri}", rule="second-master", help="ur ps", subject=master.uri)
+    raise user_error(
+        f"--core: a master runs already at {master.uri}", rule="second-master", help="ur ps", subject=master.uri
     )
 
 
@@ -394,13 +392,11 @@ def _explain_nothing_left(decision: Decision) -> UserError:
     names = ", ".join(each.name for each in decision.joined)
     if not runs:
         message = f"{names} run already, expected a node to start"
-        return UserError(error(message, rule="node-runs-already", help="rosnode list", subject=names))
-    return UserError(
-        error(
-            f"all nodes of this launch file already run in {', '.join(runs)}: {names}",
-            rule="node-runs-already",
-            help=f"'ur attach {runs[0]}' shows it, 'ur stop {runs[0]}' ends it; --replace starts it anew",
-        )
+        return user_error(message, rule="node-runs-already", help="rosnode list", subject=names)
+    return user_error(
+        f"all nodes of this launch file already run in {', '.join(runs)}: {names}",
+        rule="node-runs-already",
+        help=f"'ur attach {runs[0]}' shows it, 'ur stop {runs[0]}' ends it; --replace starts it anew",
     )
 
 
@@ -409,13 +405,11 @@ def _await_owners(owners: Iterable[RunEntry], report: Report) -> None:
 
     for entry in owners:
         if not await_owner(entry, lambda text: report("info", text)):
-            raise UserError(
-                error(
-                    f"{entry.run} has ended, or has not started, while this program was to join it",
-                    rule="run-gone",
-                    help="ur ps --ended; then start this program again",
-                    subject=entry.run,
-                )
+            raise user_error(
+                f"{entry.run} has ended, or has not started, while this program was to join it",
+                rule="run-gone",
+                help="ur ps --ended; then start this program again",
+                subject=entry.run,
             )
 
 

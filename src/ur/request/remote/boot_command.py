@@ -32,7 +32,7 @@ from ur.robot.setup.wanted import Wanted, WantedFile
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.arguments import Argument, split_argv, values_of
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 
 PAGE = "web"
 """The name of the page among programs."""
@@ -175,14 +175,14 @@ def _refuse_terminal(request: BootRequest, arguments: Sequence[str]) -> None:
 
 
 def _problem(message: str, help: str) -> UserError:
-    return UserError(error(message, rule="no-boot-service", help=help))
+    return user_error(message, rule="no-boot-service", help=help)
 
 
 def check_name(name: str, help: str, *, master: bool = False) -> None:
     """Raise UserError, with the advice `help`, for an invalid name of a boot service; `master` permits that name."""
     if not is_unit_name(name) and not (master and name == MASTER):
         message = f"{name!r} is not a name for a boot service, expected lower case letters, digits, - and _"
-        raise UserError(error(message, rule="bad-name", help=help))
+        raise user_error(message, rule="bad-name", help=help)
 
 
 def has_service(shell: Shell, name: str) -> bool:

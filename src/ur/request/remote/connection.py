@@ -12,7 +12,7 @@ from ur.robot.ssh.address import Address, parse_address
 from ur.robot.ssh.openssh import SshShell, connect
 from ur.robot.ssh.secret import Secret
 from ur.run.master.xml_rpc import CallRefused, Unanswered, call_method
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.progress_line import show_progress
 
 
@@ -28,12 +28,10 @@ def robot_address(robot: str | None) -> Address:
     if robot is None:
         selected = current_selection(os.environ)
         if selected.simulated:
-            raise UserError(
-                error(
-                    "no robot given, and the selected robot is simulated, expected a real robot",
-                    rule="no-robot",
-                    help="name a robot, or select one with 'ur use ROBOT'; 'ur robots' lists them",
-                )
+            raise user_error(
+                "no robot given, and the selected robot is simulated, expected a real robot",
+                rule="no-robot",
+                help="name a robot, or select one with 'ur use ROBOT'; 'ur robots' lists them",
             )
         robot = selected.robot
     name = robot.rpartition("@")[2].removesuffix(".local")

@@ -31,7 +31,7 @@ from ur.run.remote.protocol import Client, Problem, ShareAnswer, ShareRequest, d
 from ur.run.remote.share import END_SECONDS
 from ur.run.remote.start import START_SECONDS
 from ur.run.startup.node_selection import keep_nodes
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import UserError, user_error_about
 
 AGAIN_SECONDS = 0.5
 MARGIN = 30.0  # s more than what the robot itself waits for: login and network
@@ -193,13 +193,11 @@ def name_file(request: LaunchRequest, robot: str) -> list[str]:
                 return [found.name, path.name, *names[1:]]
         except (LookupError, OSError, ValueError):
             pass
-    raise UserError(
-        error_about(
-            names[0],
-            f"part of it runs on {robot}, expected a launch file of a package, which {robot} has too",
-            rule="robot-part",
-            help=f"put it into a package in ~/catkin_ws/src; then: ur sync {robot}",
-        )
+    raise user_error_about(
+        names[0],
+        f"part of it runs on {robot}, expected a launch file of a package, which {robot} has too",
+        rule="robot-part",
+        help=f"put it into a package in ~/catkin_ws/src; then: ur sync {robot}",
     )
 
 
@@ -227,10 +225,8 @@ def _ask(address: Address, request: ShareRequest, seconds: float) -> ShareAnswer
     try:
         return parse_answer(text)
     except (ValueError, TypeError):
-        raise UserError(
-            error_about(
-                address.host, f"its answer cannot be read: {text[:80]!r}", rule="robot-part", help="ur boot status"
-            )
+        raise user_error_about(
+            address.host, f"its answer cannot be read: {text[:80]!r}", rule="robot-part", help="ur boot status"
         ) from None
 
 
@@ -312,7 +308,7 @@ def explain_problem(robot: str, problem: Problem) -> UserError:
     if problem.rule in _MISSING and not problem.place:
         help_ = f"is it in the workspace of this computer? then: ur sync {robot}"
     place = f"{problem.place}: " if problem.place else ""
-    return UserError(error_about(robot, f"{place}{problem.message}", rule=problem.rule or "robot-part", help=help_))
+    return user_error_about(robot, f"{place}{problem.message}", rule=problem.rule or "robot-part", help=help_)
 
 
 def _explain_found(clients: Sequence[str]) -> str:

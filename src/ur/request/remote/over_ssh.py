@@ -14,7 +14,7 @@ from ur.robot.robot_file import ROBOT_FILE, RobotFile, Ros2Robot, parse_robot_fi
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.arguments import split_argv
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import user_error_about
 
 _FIND = f"""\
 for d in {" ".join(f'"$HOME"/{place}' for place in LIBRARIES)}; do
@@ -36,7 +36,7 @@ def read_robot(shell: SshShell) -> tuple[RobotFile, Ros2Robot]:
     if found is None or found.ros2 is None:
         name = shell.address.host.removesuffix(".local")
         message = f"{ROBOT_FILE} names no release of ROS 2, expected one"
-        raise UserError(error_about(shell.destination, message, rule="bad-robot-file", help=f"ur robot setup {name}"))
+        raise user_error_about(shell.destination, message, rule="bad-robot-file", help=f"ur robot setup {name}")
     return found, found.ros2
 
 

@@ -32,7 +32,7 @@ from ur.request.programs import read_head_lines
 from ur.request.requirements.python_packages import DiskFullError, need_all, run_installer
 from ur.run.process.command import is_packaged
 from ur.run.startup.node_selection import check_display, has_display, is_view
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.system.debian_root import DebianRoot, find_root, install_command
 
 _APT = ("apt-get", "-q", "-o", "DPkg::Lock::Timeout=300")
@@ -115,7 +115,7 @@ def _root_prefix(missing: Sequence[str], command: str, *, ask: bool, account: Ac
 
 def _refusal(missing: Sequence[str], reason: str, help_: str) -> UserError:
     message = f"Debian packages {' '.join(missing)} are missing and could not be installed: {reason}"
-    return UserError(error(message, rule="no-package", help=help_))
+    return user_error(message, rule="no-package", help=help_)
 
 
 _PYTHON, _DEBIAN, _FILE, _PACKAGE = "##Python:", "##Debian:", "##File:", "##Package:"
@@ -302,5 +302,4 @@ def _local_programs(plan: Plan, world: World, library: Path) -> Iterator[tuple[N
 
 def _check_file(node: NodeSpec, path: str, need: FileNeed) -> None:
     if path and not Path(path).expanduser().is_file():
-        message = f"{node.full_name}: {path} is not there, expected {need.what}"
-        raise UserError(error(message, rule="no-file", help=need.help))
+        raise user_error(f"{node.full_name}: {path} is not there, expected {need.what}", rule="no-file", help=need.help)

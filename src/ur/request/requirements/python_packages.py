@@ -12,7 +12,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.progress_line import show_progress
 from ur.source.project import project_folder, state_folder
 
@@ -106,8 +106,8 @@ def _plain(reason: str) -> str:
 
 
 def _failure(missing: str, reason: str, help_: str, verb: str) -> UserError:
-    return UserError(
-        error(f"{missing} could not be {_STEMS[verb]}ed: {reason}", rule="no-package", help=help_, subject=missing)
+    return user_error(
+        f"{missing} could not be {_STEMS[verb]}ed: {reason}", rule="no-package", help=help_, subject=missing
     )
 
 
@@ -120,7 +120,7 @@ def _turn(path: Path) -> Iterator[None]:
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         message = f"{path}: {reason}, expected a copy of this project that is yours to write to"
-        raise UserError(error(message, rule="no-package", help="git clone it into your home folder")) from None
+        raise user_error(message, rule="no-package", help="git clone it into your home folder") from None
     with file:
         fcntl.flock(file, fcntl.LOCK_EX)
         yield

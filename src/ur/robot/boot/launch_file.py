@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ur.robot.boot.units import own_line
 from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.ssh.shell import Shell, quote
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 
 # Code for roslaunch's own Python; the arguments are PACKAGE FILE.
 _FIND = """\
@@ -120,4 +120,4 @@ def choose_arguments(
 
 
 def _problem(message: str, help: str) -> UserError:
-    return UserError(error(message, rule="no-boot-service", help=help))
+    return user_error(message, rule="no-boot-service", help=help)

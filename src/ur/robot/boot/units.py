@@ -8,7 +8,7 @@ from pathlib import Path
 from ur.robot.base.own_drivers import GUARD_SOCKET
 from ur.robot.robot_file import ROBOT_FILE, Ros2Robot
 from ur.robot.ssh.shell import quote
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.foreign.numbers import parse_integer
 from ur.source.project import STATE_FOLDER
 
@@ -307,12 +307,10 @@ def parse_status(text: str) -> list[ServiceStatus]:
     """Parse the output of SCRIPT; empty where no boot service is installed. Raises UserError for incomplete output."""
     *parts, last = text.split(_MARK)
     if last.strip() != "end" or not parts:
-        raise UserError(
-            error(
-                f"the answer of the robot cannot be read, it ends with {text.strip()[-80:]!r}; expected boot services",
-                rule="no-answer",
-                help="check it with 'ur doctor', then run this again",
-            )
+        raise user_error(
+            f"the answer of the robot cannot be read, it ends with {text.strip()[-80:]!r}; expected boot services",
+            rule="no-answer",
+            help="check it with 'ur doctor', then run this again",
         )
     return [_parse(part) for part in parts[1:]]
 

@@ -17,7 +17,7 @@ from ur.robot.commit_confirm.network import (
 )
 from ur.robot.commit_confirm.network_facts import NETWORK_MANAGER
 from ur.robot.ssh.secret import Secret
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import user_error_about
 from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
@@ -41,13 +41,11 @@ def choose_network(
     if seen is None and not hidden:
         near = did_you_mean(ssid, [each.ssid for each in networks.seen])
         reach = ", ".join(each.ssid for each in networks.seen[:8]) or "none"
-        raise UserError(
-            error_about(
-                ssid,
-                f"the robot sees no network of this name, expected one in reach: {reach}",
-                rule="unknown-network",
-                help=f"did you mean {near!r}?" if near else "a network that does not tell its name: --hidden",
-            )
+        raise user_error_about(
+            ssid,
+            f"the robot sees no network of this name, expected one in reach: {reach}",
+            rule="unknown-network",
+            help=f"did you mean {near!r}?" if near else "a network that does not tell its name: --hidden",
         )
     known = find_profile(networks, ssid) is not None
     secured = seen.security not in ("", "OWE") if seen else True
@@ -58,13 +56,11 @@ def choose_network(
     if known and not password:  # the stored profile has the credentials, including a user name
         return WirelessNetwork(ssid, None, "", hidden, band)
     if not password and seen and secured:
-        raise UserError(
-            error_about(
-                ssid,
-                "it requires a password, and none was given",
-                rule="missing-answer",
-                help="run this in a terminal, or give --passwords-from FD",
-            )
+        raise user_error_about(
+            ssid,
+            "it requires a password, and none was given",
+            rule="missing-answer",
+            help="run this in a terminal, or give --passwords-from FD",
         )
     management = choose_management(seen, with_password=bool(password))
     secret = Secret(password) if password and management in ("wpa-psk", "sae") else None
@@ -77,13 +73,11 @@ def refuse_wireless(destination: str, networks: Networks) -> NoReturn:
     """Raise UserError if the robot has no wireless device, or neither NetworkManager nor netplan manages it."""
     device = next((each for each in networks.devices if each.kind == "wifi"), None)
     check_managed(networks, destination, device)
-    raise UserError(
-        error_about(
-            destination,
-            "it has no wireless device, expected one",
-            rule="no-wifi",
-            help="is its adapter plugged in, and is its driver there? 'ur robot network' shows what it has",
-        )
+    raise user_error_about(
+        destination,
+        "it has no wireless device, expected one",
+        rule="no-wifi",
+        help="is its adapter plugged in, and is its driver there? 'ur robot network' shows what it has",
     )
 
 
@@ -93,12 +87,10 @@ def find_known(networks: Networks, name: str) -> Profile:
     if profile is None:
         names = [each.ssid or each.name for each in networks.profiles if each.kind == "802-11-wireless"]
         near = did_you_mean(name, names)
-        raise UserError(
-            error_about(
-                name,
-                f"the robot has no network with this name, expected one of: {', '.join(names) or 'none'}",
-                rule="unknown-network",
-                help=f"did you mean {near!r}?" if near else None,
-            )
+        raise user_error_about(
+            name,
+            f"the robot has no network with this name, expected one of: {', '.join(names) or 'none'}",
+            rule="unknown-network",
+            help=f"did you mean {near!r}?" if near else None,
         )
     return profile

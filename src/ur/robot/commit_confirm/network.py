@@ -16,7 +16,7 @@ from ur.robot.setup.facts import ComputerFacts
 from ur.robot.setup.wanted import WantedScript, write_file
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import quote
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 
 PROFILES = "/etc/NetworkManager/system-connections"
 # All files in which NetworkManager, and netplan behind it, store profiles. The state file lists wired devices that get
@@ -294,4 +294,4 @@ def _parse_ip(text: str, option: str) -> ipaddress.IPv4Address:
 
 def refused(message: str, rule: str, help: str = "") -> UserError:
     """Return the error for a value that cannot be used."""
-    return UserError(error(message, rule=rule, help=help or None))
+    return user_error(message, rule=rule, help=help or None)

@@ -26,7 +26,7 @@ from ur.robot.ssh.address import Address
 from ur.robot.ssh.openssh import SshShell, connect
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Shell, ShellResult
-from ur.source.diagnostic import Note, UserError, error, error_about
+from ur.source.diagnostic import Note, UserError, user_error, user_error_about
 
 GRACE = 90.0  # s after the robot's own limit: it makes the change, reverts it, and its network starts again
 PAUSE = 1.0
@@ -82,14 +82,12 @@ def hand_over(shell: Shell, order: Order, facts: ComputerFacts) -> None:
         raise _pending(shell.destination, done.out)
     if done.code:
         reported = (done.err or done.out).strip().splitlines()
-        raise UserError(
-            error_about(
-                shell.destination,
-                f"{change.title}: the robot could not prepare to revert it, so nothing was changed: "
-                f"{reported[-1] if reported else f'exit code {done.code}'}",
-                rule="failed-change",
-                help="fix that and run this again",
-            )
+        raise user_error_about(
+            shell.destination,
+            f"{change.title}: the robot could not prepare to revert it, so nothing was changed: "
+            f"{reported[-1] if reported else f'exit code {done.code}'}",
+            rule="failed-change",
+            help="fix that and run this again",
         )
 
 
@@ -104,13 +102,11 @@ def _pending(destination: str, reported: str) -> UserError:
     title, by = [*reported.splitlines(), "", ""][:2]
     change = f"'{title}'" if title else "another change"
     begun = f", begun by {by}," if by else ""
-    return UserError(
-        error_about(
-            destination,
-            f"{change}{begun} is not finished, expected one change at a time",
-            rule="change-pending",
-            help="it is confirmed or reverted within two minutes; then run this again",
-        )
+    return user_error_about(
+        destination,
+        f"{change}{begun} is not finished, expected one change at a time",
+        rule="change-pending",
+        help="it is confirmed or reverted within two minutes; then run this again",
     )
 
 
@@ -163,15 +159,13 @@ def come_back(
             if ended:
                 report(f"{address}: answers, confirmed")
                 return address if new else addresses.after[0]
-    raise UserError(
-        error(
-            f"{title}: {addresses.before.host} has not answered within {wait + GRACE:g} s after the change began",
-            rule="not-seen-again",
-            help="the robot reverts the change by itself; is this computer still in its network? if nothing else "
-            "helps, switch the robot off and on: it then starts as it was before the change",
-            notes=_seen(doubts.values()),
-            subject=title,
-        )
+    raise user_error(
+        f"{title}: {addresses.before.host} has not answered within {wait + GRACE:g} s after the change began",
+        rule="not-seen-again",
+        help="the robot reverts the change by itself; is this computer still in its network? if nothing else "
+        "helps, switch the robot off and on: it then starts as it was before the change",
+        notes=_seen(doubts.values()),
+        subject=title,
     )
 
 
@@ -184,25 +178,21 @@ def _read(identity: str, done: ShellResult) -> Ended | None:
 
 
 def _never_begun(title: str, address: Address) -> UserError:
-    return UserError(
-        error_about(
-            title,
-            f"the connection to {address} broke before the change began; nothing was changed",
-            rule="lost-connection",
-            help="check the network (ur doctor), then run this again",
-        )
+    return user_error_about(
+        title,
+        f"the connection to {address} broke before the change began; nothing was changed",
+        rule="lost-connection",
+        help="check the network (ur doctor), then run this again",
     )
 
 
 def _taken_back(title: str, address: Address, ended: Ended, doubts: Sequence[str]) -> UserError:
-    return UserError(
-        error(
-            f"{title}: the robot reverted the change: {ended.reason}",
-            rule="taken-back",
-            help=f"the robot is {address} as before, and nothing is lost; fix the cause, then run this again",
-            notes=_seen(doubts) if ended.reason.startswith(UNCONFIRMED) else (),
-            subject=title,
-        )
+    return user_error(
+        f"{title}: the robot reverted the change: {ended.reason}",
+        rule="taken-back",
+        help=f"the robot is {address} as before, and nothing is lost; fix the cause, then run this again",
+        notes=_seen(doubts) if ended.reason.startswith(UNCONFIRMED) else (),
+        subject=title,
     )
 
 
@@ -225,13 +215,11 @@ def become_root(shell: SshShell, given: Secret | None, ask: Callable[[], Secret]
         refuse_pending(shell)
         return candidates
     reason = "sudo refuses this password" if candidates else "sudo requires a password"
-    raise UserError(
-        error(
-            f"{shell.destination}: {reason}, expected the password of {shell.address.user}, who may use sudo",
-            rule="no-root",
-            help="run this in a terminal, or give --password-from FD (with wifi: --passwords-from FD)",
-            subject=shell.destination,
-        )
+    raise user_error(
+        f"{shell.destination}: {reason}, expected the password of {shell.address.user}, who may use sudo",
+        rule="no-root",
+        help="run this in a terminal, or give --password-from FD (with wifi: --passwords-from FD)",
+        subject=shell.destination,
     )
 
 

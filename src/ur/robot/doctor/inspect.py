@@ -19,7 +19,7 @@ from ur.robot.doctor.side import Side
 from ur.robot.ros2.seen_graph import inspect_ros2, receive_from
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import UserError, user_error_about
 from ur.source.printable import printable
 
 FIX_SECONDS = 600.0  # packages may have to be downloaded
@@ -157,13 +157,11 @@ def read_name(remote: Shell) -> str:
     """Return the host name of a computer, up to the first dot. Raises UserError if the answer is no host name."""
     name = remote.run("cat /proc/sys/kernel/hostname").out.strip().split(".")[0]
     if not _NAME.fullmatch(name):
-        raise UserError(
-            error_about(
-                remote.destination,
-                f"{printable(name[:40])!r} is not a host name, expected letters, digits and -",
-                rule="no-facts",
-                help="is it the computer that you expect? Run this again; if it persists, report it",
-            )
+        raise user_error_about(
+            remote.destination,
+            f"{printable(name[:40])!r} is not a host name, expected letters, digits and -",
+            rule="no-facts",
+            help="is it the computer that you expect? Run this again; if it persists, report it",
         )
     return name
 
@@ -218,13 +216,11 @@ def _offset(local: Shell, remote: Shell) -> float:
     reported = [shell.run("date +%s.%N").out.strip() for shell in (local, remote, local)]
     strange = next((each for each in reported if not _TIME.fullmatch(each)), None)
     if strange is not None:
-        raise UserError(
-            error_about(
-                remote.destination,
-                f"{printable(strange[:40])!r} is not a time, expected seconds since 1970",
-                rule="no-facts",
-                help="is it the computer that you expect? Run this again; if it persists, report it",
-            )
+        raise user_error_about(
+            remote.destination,
+            f"{printable(strange[:40])!r} is not a time, expected seconds since 1970",
+            rule="no-facts",
+            help="is it the computer that you expect? Run this again; if it persists, report it",
         )
     before, middle, after = map(float, reported)
     return clock_offset(before, middle, after)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import IO, cast
 
 from ur.robot.image.layout import identify_packing
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import UserError, user_error_about
 from ur.source.replace import sync_folder
 
 CHUNK = 1 << 20
@@ -73,8 +73,8 @@ def _copy(source: Path, beside: Path, progress: Progress) -> None:
                 progress(os.lseek(packed.fileno(), 0, os.SEEK_CUR), total)
             copy.truncate(length)
     except _DAMAGE as problem:
-        raise UserError(
-            error_about(source, f"is damaged: {str(problem).lower()}", rule="damaged-image", help="download it again")
+        raise user_error_about(
+            source, f"is damaged: {str(problem).lower()}", rule="damaged-image", help="download it again"
         ) from None
     except OSError as problem:
         raise _unusable(beside.parent, "written", problem) from None
@@ -98,27 +98,23 @@ def _unpack(packed: IO[bytes], source: Path) -> IO[bytes]:
         archive = zipfile.ZipFile(packed)
         images = [name for name in archive.namelist() if name.endswith((".img", ".raw"))]
         if len(images) != 1:
-            raise UserError(
-                error_about(
-                    source,
-                    f"holds {len(images)} images, expected one file that ends in .img",
-                    rule="unknown-image",
-                    help="unpack it, then prepare its content",
-                )
+            raise user_error_about(
+                source,
+                f"holds {len(images)} images, expected one file that ends in .img",
+                rule="unknown-image",
+                help="unpack it, then prepare its content",
             )
         return archive.open(images[0])
     if kind == "zstd":
-        raise UserError(
-            error_about(
-                source,
-                "is compressed with zstd, expected xz, gzip, bzip2, zip or none",
-                rule="unknown-image",
-                help=f"run: zstd -d {source}",
-            )
+        raise user_error_about(
+            source,
+            "is compressed with zstd, expected xz, gzip, bzip2, zip or none",
+            rule="unknown-image",
+            help=f"run: zstd -d {source}",
         )
     return packed
 
 
 def _unusable(path: Path, doing: str, problem: OSError) -> UserError:
     reason = (problem.strerror or str(problem)).lower()
-    return UserError(error_about(path, f"cannot be {doing}: {reason}", rule="unwritable-file"))
+    return user_error_about(path, f"cannot be {doing}: {reason}", rule="unwritable-file")

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,7 @@ def _read(path: Path) -> str:
 
 
 def _refuse(message: str, help: str | None = None) -> UserError:
-    return UserError(error(message, rule="bad-device", help=help))
+    return user_error(message, rule="bad-device", help=help)
 
 
 # A function (offset, count) that reads bytes. It returns fewer at the end of the disk.
@@ -185,4 +185,4 @@ def _read_gpt(read: Read) -> list[Partition]:
 
 
 def _bad(message: str) -> UserError:
-    return UserError(error(message, rule="damaged-image", help="download and flash it again"))
+    return user_error(message, rule="damaged-image", help="download and flash it again")

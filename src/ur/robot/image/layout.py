@@ -15,7 +15,7 @@ from typing import Literal
 
 from ur.robot.image.device import Partition, Read, read_partitions
 from ur.robot.image.volume import ExtVolume, FatVolume, Volume, unfinished_names
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.system.releases import System, parse_os_release
 
 _NEEDS_RECOVERY = 0x4
@@ -141,7 +141,7 @@ def open_reader(path: Path) -> Iterator[tuple[Read, int]]:
             yield read, size
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error(f"cannot be read: {reason}", rule="unreadable-file")) from None
+        raise user_error(f"cannot be read: {reason}", rule="unreadable-file") from None
 
 
 def find_layout(path: Path) -> Layout:
@@ -189,13 +189,11 @@ def _boot_layout(
         return None
     if _FIRST_BOOT.encode() not in command or root is None:
         which = _name(root) if root else "without a system partition"
-        raise UserError(
-            error(
-                f"Raspberry Pi OS ({which}), without cloud-init or booted before, expected one with user-data "
-                "on its boot partition (13, since November 2025) or a fresh 12",
-                rule="unknown-image",
-                help="take a newer image, or flash it again",
-            )
+        raise user_error(
+            f"Raspberry Pi OS ({which}), without cloud-init or booted before, expected one with user-data "
+            "on its boot partition (13, since November 2025) or a fresh 12",
+            rule="unknown-image",
+            help="take a newer image, or flash it again",
         )
     if root_is and root_is.dirty:
         raise _dirty()
@@ -231,12 +229,10 @@ def _describe(systems: list[tuple[Partition, FileSystem]], root: ExtVolume | Non
 
 
 def _dirty() -> UserError:
-    return UserError(
-        error(
-            "its file system was not unmounted when it was last used, expected a clean one",
-            rule="damaged-image",
-            help="flash it again, or boot it and shut it down",
-        )
+    return user_error(
+        "its file system was not unmounted when it was last used, expected a clean one",
+        rule="damaged-image",
+        help="flash it again, or boot it and shut it down",
     )
 
 
@@ -244,4 +240,4 @@ def _unknown(what: str) -> UserError:
     help = None
     if "qcow2" in what:
         help = "run: qemu-img convert -O raw IMAGE IMAGE.raw (package qemu-utils), then prepare IMAGE.raw"
-    return UserError(error(f"{what}, {_EXPECTED}", rule="unknown-image", help=help))
+    return user_error(f"{what}, {_EXPECTED}", rule="unknown-image", help=help)

@@ -24,7 +24,7 @@ from ur.robot.ssh.guard import private_folder
 from ur.robot.ssh.host_key import parse_public_key
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import LocalShell, quote
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.foreign.yaml_text import load_yaml
 
 MARK = "# Written by ur image prepare.\n"
@@ -254,12 +254,10 @@ def hide_secrets(text: str) -> str:
 def _check_netplan(version: str, country: str) -> None:
     found = re.match(r"(?:\d+:)?(\d+)\.(\d+)", version)
     if found and (int(found[1]), int(found[2])) < (0, 105):
-        raise UserError(
-            error(
-                f"its netplan {version} knows no country ({country}) for WiFi, expected 0.105 or later",
-                rule="old-image",
-                help="take a newer image (Ubuntu 22.04.2 or later), or prepare it without --ssid",
-            )
+        raise user_error(
+            f"its netplan {version} knows no country ({country}) for WiFi, expected 0.105 or later",
+            rule="old-image",
+            help="take a newer image (Ubuntu 22.04.2 or later), or prepare it without --ssid",
         )
 
 
@@ -290,7 +288,7 @@ def hash_password(password: Secret, salt: str = "") -> str:
     done = run_tool(words, password.reveal().encode() + b"\n")
     hashed = done.stdout.decode().strip()
     if done.returncode or not _SALT.fullmatch(hashed):
-        raise UserError(error("openssl made no hash of the password", rule="bad-password", help="choose another one"))
+        raise user_error("openssl made no hash of the password", rule="bad-password", help="choose another one")
     return hashed
 
 
@@ -310,12 +308,10 @@ def derive_network_key(password: Secret, network: str) -> str:
     if re.fullmatch(r"[0-9A-Fa-f]{64}", text):
         return text.lower()
     if not 8 <= len(text) <= 63 or not all(" " <= letter <= "~" for letter in text):
-        raise UserError(
-            error(
-                f"that cannot be the password of {network}, expected 8 to 63 letters, digits and signs of ASCII",
-                rule="bad-password",
-                subject=network,
-            )
+        raise user_error(
+            f"that cannot be the password of {network}, expected 8 to 63 letters, digits and signs of ASCII",
+            rule="bad-password",
+            subject=network,
         )
     return hashlib.pbkdf2_hmac("sha1", text.encode(), network.encode(), 4096, 32).hex()
 
@@ -326,7 +322,7 @@ def make_host_key(name: str) -> HostKeyPair:
         path = folder / "key"
         done = run_tool(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-C", f"root@{name}", "-f", str(path)])
         if done.returncode:
-            raise UserError(error("ssh-keygen cannot make a host key", rule="no-key", help="run: ur setup"))
+            raise user_error("ssh-keygen cannot make a host key", rule="no-key", help="run: ur setup")
         public = parse_public_key(path.with_suffix(".pub").read_text())
         return HostKeyPair(path.read_text(), public.key)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import UserError, user_error, user_error_about
 
 _SECONDS = 120.0
 _TOOLS = {"debugfs": "e2fsprogs", "openssl": "openssl"}
@@ -145,13 +145,11 @@ def run_tool(
         )
     except (FileNotFoundError, PermissionError):  # the latter if a folder of PATH belongs to another user
         package = _TOOLS.get(argv[0], "mtools")
-        raise UserError(
-            error(
-                f"{argv[0]} is not installed here, needed to look into images",
-                rule="missing-program",
-                help=f"run: sudo apt-get install {package}",
-                subject=argv[0],
-            )
+        raise user_error(
+            f"{argv[0]} is not installed here, needed to look into images",
+            rule="missing-program",
+            help=f"run: sudo apt-get install {package}",
+            subject=argv[0],
         ) from None
     except subprocess.TimeoutExpired:
         raise _failed(argv[0], b"no answer") from None
@@ -163,14 +161,14 @@ def _quote(path: str) -> str:
 
 def _compare(path: str, found: bytes | None, wanted: bytes | None) -> None:
     if found != wanted:
-        raise UserError(
-            error_about(path, "the written file cannot be read back", rule="failed-change", help="is its disk full?")
+        raise user_error_about(
+            path, "the written file cannot be read back", rule="failed-change", help="is its disk full?"
         )
 
 
 def _failed(tool: str, reported: bytes) -> UserError:
     lines = [line for line in reported.decode(errors="replace").splitlines() if line.strip()]
     lines = [line for line in lines if not line.startswith("debugfs 1.")] or ["no reason was given"]
-    return UserError(
-        error(f"its file system cannot be used: {tool}: {lines[0]}", rule="damaged-image", help="flash it again")
+    return user_error(
+        f"its file system cannot be used: {tool}: {lines[0]}", rule="damaged-image", help="flash it again"
     )

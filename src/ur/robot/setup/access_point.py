@@ -9,7 +9,7 @@ from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.packages import WantedPackages, WantedService
 from ur.robot.setup.wanted import Wanted, WantedFile
 from ur.robot.ssh.shell import REPLACE
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 
 UNIT = "robot-access-point.service"
 PATH, PROGRAM = f"/etc/systemd/system/{UNIT}", "/usr/local/lib/ubiquity/access_point.py"
@@ -76,7 +76,7 @@ def want_access_point(facts: ComputerFacts, chosen: bool | None) -> list[Wanted]
     if not facts.file(RADIO).folder or not (managed or planned):
         if chosen:
             expected = "expected a wireless device, and NetworkManager, or netplan with systemd-networkd"
-            raise UserError(error(f"{facts.hostname} cannot have an access point, {expected}", rule="no-wifi"))
+            raise user_error(f"{facts.hostname} cannot have an access point, {expected}", rule="no-wifi")
         return []
     return [
         WantedPackages("packages of the access point", ("dnsmasq-base",) if managed else ("hostapd",)),

@@ -13,7 +13,7 @@ from typing import Literal
 from ur.robot.discovery.seen import seen_path
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey, check_known, fetch_host_key, find_known_keys
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import user_error_about
 
 COMPARE = "at the robot itself: ssh-keygen -lf /etc/ssh/ssh_host_ed25519_key.pub"
 
@@ -69,23 +69,19 @@ def needs_answer(
     """
     offered = contact.host_key.fingerprint if contact.host_key else ""
     if fingerprint and contact.state != "away" and offered != fingerprint:
-        raise UserError(
-            error_about(
-                str(address),
-                f"its host key is {offered}, expected {fingerprint}",
-                rule="wrong-host-key",
-                help=f"another computer may answer to this name: compare with the robot's own, {COMPARE}",
-            )
+        raise user_error_about(
+            str(address),
+            f"its host key is {offered}, expected {fingerprint}",
+            rule="wrong-host-key",
+            help=f"another computer may answer to this name: compare with the robot's own, {COMPARE}",
         )
     if contact.state == "changed" and not (new_host_key or fingerprint):
-        raise UserError(
-            error_about(
-                str(address),
-                f"its host key is {offered}, expected the one that is known for {address.host}",
-                rule="changed-host-key",
-                help="it was flashed again? Then add --new-host-key, and compare the fingerprint with the robot's own, "
-                f"{COMPARE}; else another computer answers to this name: nothing was sent to it",
-            )
+        raise user_error_about(
+            str(address),
+            f"its host key is {offered}, expected the one that is known for {address.host}",
+            rule="changed-host-key",
+            help="it was flashed again? Then add --new-host-key, and compare the fingerprint with the robot's own, "
+            f"{COMPARE}; else another computer answers to this name: nothing was sent to it",
         )
     return contact.is_first and not fingerprint
 

@@ -14,7 +14,7 @@ from ur.robot.setup.made import RECORD
 from ur.robot.setup.wanted import Wanted
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Shell, quote
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import UserError, user_error_about
 
 MOST_CHANGES = 300  # rounds of one set-up, which has some dozens: a computer whose facts differ each time ends it
 Make = Callable[[ComputerFacts], Sequence[Wanted]]
@@ -107,13 +107,11 @@ def apply_change(
         if done.code:
             reported = (done.err or done.out).strip().splitlines()
             reason = reported[0] if reported else f"exit code {done.code}"
-            raise UserError(
-                error_about(
-                    shell.destination,
-                    f"{change.title}: {reason}",
-                    rule="failed-change",
-                    help="fix that and run this again: it continues where it stopped",
-                )
+            raise user_error_about(
+                shell.destination,
+                f"{change.title}: {reason}",
+                rule="failed-change",
+                help="fix that and run this again: it continues where it stopped",
             )
 
 
@@ -153,24 +151,20 @@ def apply_states(
             return facts, len(made)
         for change in changes:
             if change in made:
-                raise UserError(
-                    error_about(
-                        shell.destination,
-                        f"{change.title}: changed, and still not as wanted",
-                        rule="failed-change",
-                        help="look at its log there (journalctl), then run this again",
-                    )
+                raise user_error_about(
+                    shell.destination,
+                    f"{change.title}: changed, and still not as wanted",
+                    rule="failed-change",
+                    help="look at its log there (journalctl), then run this again",
                 )
             report(change)
             apply_change(shell, change, route=route, progress=progress)
             made.append(change)
-    raise UserError(
-        error_about(
-            shell.destination,
-            f"{MOST_CHANGES} changes were made, and it is still not as wanted",
-            rule="failed-change",
-            help="each check of it finds another state: ur doctor",
-        )
+    raise user_error_about(
+        shell.destination,
+        f"{MOST_CHANGES} changes were made, and it is still not as wanted",
+        rule="failed-change",
+        help="each check of it finds another state: ur doctor",
     )
 
 

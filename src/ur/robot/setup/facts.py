@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ur.robot.ssh.shell import quote
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 
 _MARK = "\x1e"
 # Prints the process that holds a lock of dpkg or apt: proc_locks(5) has its id in column 5, the inode at the end of 6.
@@ -141,12 +141,10 @@ def parse_facts(request: FactsRequest, output: str) -> ComputerFacts:
         return _read_sections(request, sections)
     except (LookupError, ValueError):
         reported = repr(output.strip()[-80:])
-        raise UserError(
-            error(
-                f"the answer of the computer cannot be read, it ends with {reported}; expected facts about it",
-                rule="no-facts",
-                help="is it the computer that you expect? Run this again; if it persists, report it",
-            )
+        raise user_error(
+            f"the answer of the computer cannot be read, it ends with {reported}; expected facts about it",
+            rule="no-facts",
+            help="is it the computer that you expect? Run this again; if it persists, report it",
         ) from None
 
 

@@ -8,7 +8,7 @@ from ur.robot.setup.made import RECORD, note_script
 from ur.robot.setup.wanted import Wanted, WantedFolder, WantedLine
 from ur.robot.ssh.host_key import PublicKey, parse_public_key
 from ur.robot.ssh.shell import REPLACE, quote
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import user_error_about
 
 KEY = "~/.ssh/id_ed25519"
 AUTHORIZED = "~/.ssh/authorized_keys"
@@ -125,11 +125,9 @@ def _read_key(title: str, path: str, text: str) -> PublicKey:
         return parse_public_key(text)
     except ValueError as problem:
         private = path.removesuffix(".pub")
-        raise UserError(
-            error_about(
-                title,
-                f"{path} is not a public key: {text[:60]!r}; {problem}",
-                rule="bad-key",
-                help=f"on that computer, make it again from the private key: ssh-keygen -y -f {private} >{path}",
-            )
+        raise user_error_about(
+            title,
+            f"{path} is not a public key: {text[:60]!r}; {problem}",
+            rule="bad-key",
+            help=f"on that computer, make it again from the private key: ssh-keygen -y -f {private} >{path}",
         ) from None

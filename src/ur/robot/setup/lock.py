@@ -8,7 +8,7 @@ from ur.robot.ssh.failures import lost_connection
 from ur.robot.ssh.guard import PipeLines
 from ur.robot.ssh.openssh import ALIVE_SECONDS, SshShell
 from ur.robot.ssh.shell import quote
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import user_error, user_error_about
 
 LOCK_FILE = "/run/ubiquity-setup.lock"  # for root alone, and removed by a reboot
 WAIT_SECONDS = 30.0  # longer than SILENCE_SECONDS: the lock of a disconnected holder is released by then
@@ -56,22 +56,18 @@ def hold_robot(shell: SshShell, who: str, report: Callable[[str], None]) -> Iter
             report(f"{rest} is setting it up: waiting until that is done")
             word = lines.read(WAIT_SECONDS) or word
         if word == "held":
-            raise UserError(
-                error(
-                    f"{shell.destination} is being set up already, by {rest}, expected one at a time",
-                    rule="busy-robot",
-                    help="wait until that is done, then run this again",
-                    subject=shell.destination,
-                )
+            raise user_error(
+                f"{shell.destination} is being set up already, by {rest}, expected one at a time",
+                rule="busy-robot",
+                help="wait until that is done, then run this again",
+                subject=shell.destination,
             )
         if word == "failed":
-            raise UserError(
-                error_about(
-                    shell.destination,
-                    f"{LOCK_FILE}: {rest}",
-                    rule="failed-change",
-                    help="free space on the robot; df shows what is full",
-                )
+            raise user_error_about(
+                shell.destination,
+                f"{LOCK_FILE}: {rest}",
+                rule="failed-change",
+                help="free space on the robot; df shows what is full",
             )
         if word != "mine":
             raise lost_connection(shell.destination, "")

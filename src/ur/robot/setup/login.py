@@ -15,7 +15,7 @@ from ur.robot.ssh.guard import private_folder
 from ur.robot.ssh.host_key import HostKey, find_known_keys, pin_host_key
 from ur.robot.ssh.openssh import SshShell, connect, host_key_options
 from ur.robot.ssh.secret import Secret
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import UserError, user_error_about
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,13 +107,11 @@ def _explain_refusal(task: Task, failure: UserError) -> UserError:
     """Return the error of a refused login for which the new password was withheld."""
     if failure.diagnostics[0].rule != "refused" or not (task.first_contact and task.current and task.new):
         return failure
-    return UserError(
-        error_about(
-            task.address,
-            "the login was refused; the new password was not sent",
-            rule="refused",
-            help="check user and present password; where an earlier run has changed it, that is the new one",
-        )
+    return user_error_about(
+        task.address,
+        "the login was refused; the new password was not sent",
+        rule="refused",
+        help="check user and present password; where an earlier run has changed it, that is the new one",
     )
 
 
@@ -130,13 +128,11 @@ def _enter_sudo(task: Task, shell: SshShell) -> None:
     # The login may have used this computer's key, and sudo no password, so that no password was verified.
     unproven = task.first_contact and task.current and task.new and not shell.accepted
     if unproven and task.current and not is_password(shell, task.current):
-        raise UserError(
-            error_about(
-                shell.address,
-                "it has another password than the given one, and is not sent the new one",
-                rule="wrong-password",
-                help="give its present password; where an earlier run has changed it, that is the new one",
-            )
+        raise user_error_about(
+            shell.address,
+            "it has another password than the given one, and is not sent the new one",
+            rule="wrong-password",
+            help="give its present password; where an earlier run has changed it, that is the new one",
         )
     shell.allow(find_passwords(task))
 
@@ -156,7 +152,7 @@ def explain_sudo(address: Address, reported: str, *, given: bool) -> UserError:
         message, help = f"{user} may not use sudo there", f"as root there: usermod --append --groups sudo {user}"
     elif "sudo: not found" in reported or "sudo: command not found" in reported:
         message, help = "sudo is not installed there", "as root there: apt-get install sudo"
-    return UserError(error_about(str(address), message, rule="no-root", help=help))
+    return user_error_about(str(address), message, rule="no-root", help=help)
 
 
 def _list_tries(

@@ -26,7 +26,7 @@ from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey, find_known_keys
 from ur.robot.ssh.openssh import SshShell, connect
 from ur.robot.ssh.shell import Shell, quote
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import UserError, user_error, user_error_about
 from ur.system.releases import check_robot_system, parse_os_release
 
 BOOT_SECONDS = 180.0
@@ -193,13 +193,11 @@ def wait_for_boot(task: Task, before: str, at: str, report: Report) -> None:
             except UserError as problem:
                 reason = problem.diagnostics[0].message
         time.sleep(PAUSE_SECONDS)
-    raise UserError(
-        error_about(
-            task.later,
-            f"not back {BOOT_SECONDS:g} s after its reboot: {reason}",
-            rule="no-boot",
-            help="is it in the same network? then run this again: it continues where it stopped",
-        )
+    raise user_error_about(
+        task.later,
+        f"not back {BOOT_SECONDS:g} s after its reboot: {reason}",
+        rule="no-boot",
+        help="is it in the same network? then run this again: it continues where it stopped",
     )
 
 
@@ -214,20 +212,18 @@ def _reboot(shell: SshShell) -> str:
 def _remember(task: Task, host: str, here: Shell, viewer: ViewerFacts, facts: ComputerFacts, report: Report) -> int:
     host_key, public_key = facts.file(HOST_KEY).text, facts.file(KEY + ".pub").text
     if not host_key or (task.robot_login and not public_key):
-        raise UserError(
-            error_about(task.address, "it has no ssh keys after the set-up", rule="failed-change", help="ur doctor")
+        raise user_error_about(
+            task.address, "it has no ssh keys after the set-up", rule="failed-change", help="ur doctor"
         )
 
     # This computer stores the key with which the robot has answered, and no other that it reports.
     shown = frozenset([task.host_key]) if task.host_key else find_known_keys(host)
     if shown and HostKey(" ".join(host_key.split()[:2])) not in shown:
-        raise UserError(
-            error_about(
-                task.address,
-                "it reports another host key than the one with which it answers",
-                rule="wrong-host-key",
-                help="at the robot itself: sudo systemctl restart ssh; then run this again",
-            )
+        raise user_error_about(
+            task.address,
+            "it reports another host key than the one with which it answers",
+            rule="wrong-host-key",
+            help="at the robot itself: sudo systemctl restart ssh; then run this again",
         )
     robot = task.robot
     ros = robot.ros2.distro if robot.ros2 else ""
@@ -282,11 +278,9 @@ def _check_robot(task: Task, shell: SshShell) -> None:
     done = shell.run(f"getent ahostsv4 {quote(task.later.host)}")
     others = {line.split()[0] for line in done.out.splitlines() if line.strip()} - {*mine.addresses, "127.0.1.1"}
     if others:
-        raise UserError(
-            error(
-                f"{task.later.host} is another computer already ({', '.join(sorted(others))}), expected a free name",
-                rule="taken-name",
-                help="choose another name, or rename that one",
-                subject=task.later.host,
-            )
+        raise user_error(
+            f"{task.later.host} is another computer already ({', '.join(sorted(others))}), expected a free name",
+            rule="taken-name",
+            help="choose another name, or rename that one",
+            subject=task.later.host,
         )

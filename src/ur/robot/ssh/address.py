@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 
 _USER = re.compile(r"[a-z_][a-z0-9_-]{0,31}")
 _HOST = re.compile(r"[A-Za-z0-9]([A-Za-z0-9.:-]*[A-Za-z0-9])?")
@@ -25,11 +25,9 @@ def parse_address(text: str, default_user: str) -> Address:
     user, at, host = text.rpartition("@")
     user = user if at else default_user
     if not _USER.fullmatch(user) or not _HOST.fullmatch(host):
-        raise UserError(
-            error(
-                f"{text!r} is not an address, expected HOST or USER@HOST, for instance ros@robot.local",
-                rule="bad-address",
-                subject=text,
-            )
+        raise user_error(
+            f"{text!r} is not an address, expected HOST or USER@HOST, for instance ros@robot.local",
+            rule="bad-address",
+            subject=text,
         )
     return Address(user, host if "." in host or ":" in host else f"{host}.local")

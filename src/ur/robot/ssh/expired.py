@@ -14,7 +14,7 @@ from ur.robot.ssh.failures import lost_connection
 from ur.robot.ssh.guard import private_folder
 from ur.robot.ssh.openssh import password_options
 from ur.robot.ssh.secret import Secret
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import UserError, user_error_about
 
 PATIENCE = 60.0
 MOST_BYTES = 1 << 16  # of the output of such a dialogue, which has some lines
@@ -84,11 +84,9 @@ def _explain(address: Address, reported: str) -> UserError:
     ]
     if not lines:
         return lost_connection(str(address), "")
-    return UserError(
-        error_about(
-            str(address),
-            f"the new password is refused: {lines[0].removeprefix('passwd: ')}",
-            rule="refused-password",
-            help="its password has to be changed at the first login: run this again with another new one",
-        )
+    return user_error_about(
+        str(address),
+        f"the new password is refused: {lines[0].removeprefix('passwd: ')}",
+        rule="refused-password",
+        help="its password has to be changed at the first login: run this again with another new one",
     )

@@ -1,7 +1,7 @@
 """Failures of ssh, explained from its output: failed logins, and broken connections."""
 
 from ur.robot.ssh.address import Address
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import UserError, user_error_about
 
 NOT_STARTED = "not-started"
 """The rule of a computer that boots or is about to stop."""
@@ -12,9 +12,7 @@ def lost_connection(destination: str, reported: str) -> UserError:
     reason = reported.strip().splitlines()[-1] if reported.strip() else "it closed"
     if reason.startswith("kex_exchange_identification"):  # the shared connection had ended before: see _ONLY_SHARED
         reason = "it closed"
-    return UserError(
-        error_about(destination, f"the connection has ended: {reason}", rule="lost-connection", help=_AGAIN)
-    )
+    return user_error_about(destination, f"the connection has ended: {reason}", rule="lost-connection", help=_AGAIN)
 
 
 def is_expired(reported: str) -> bool:
@@ -24,13 +22,11 @@ def is_expired(reported: str) -> bool:
 
 def expired_password(address: Address) -> UserError:
     """Return the error for a computer that requires a new password at the first login, as Ubuntu's images do."""
-    return UserError(
-        error_about(
-            str(address),
-            "its password has to be changed at the first login, expected one that lasts",
-            rule="expired-password",
-            help=f"run: ssh {address}; choose a password; then run this again with that one",
-        )
+    return user_error_about(
+        str(address),
+        "its password has to be changed at the first login, expected one that lasts",
+        rule="expired-password",
+        help=f"run: ssh {address}; choose a password; then run this again with that one",
     )
 
 
@@ -40,8 +36,8 @@ def explain_failure(address: Address, reported: str) -> UserError:
     last = lines[-1] if lines else "ssh printed nothing"
     for pattern, rule, message, help in _FAILURES:
         if pattern in reported:
-            return UserError(error_about(str(address), message, rule=rule, help=help.format(host=address.host)))
-    return UserError(error_about(str(address), f"no login: {last}", rule="no-login", help=_AGAIN))
+            return user_error_about(str(address), message, rule=rule, help=help.format(host=address.host))
+    return user_error_about(str(address), f"no login: {last}", rule="no-login", help=_AGAIN)
 
 
 _AGAIN = "check the network (ur doctor), then run this again: it continues where it stopped"

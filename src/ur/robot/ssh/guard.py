@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import user_error_about
 
 SOCKET_BYTES = 60  # of a folder's path, so that a socket in it still has a valid address, unix(7)
 _FOLDER = """\
@@ -42,13 +42,11 @@ def private_folder() -> Iterator[Path]:
     try:
         name = guard.stdout.readline().strip()
         if not name:
-            raise UserError(
-                error_about(
-                    base,
-                    "cannot create a folder there",
-                    rule="no-folder",
-                    help=f"free space: df {base} shows how much is left",
-                )
+            raise user_error_about(
+                base,
+                "cannot create a folder there",
+                rule="no-folder",
+                help=f"free space: df {base} shows how much is left",
             )
         yield Path(name)
     finally:

@@ -11,7 +11,7 @@ from ur.robot.ssh.failures import explain_failure
 from ur.robot.ssh.guard import private_folder
 from ur.robot.ssh.openssh import CONNECT_SECONDS
 from ur.robot.ssh.shell import ShellResult, run_process
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import user_error_about
 
 # RFC 8709: "ssh-ed25519" and 32 bytes, each after its length; the first 19 bytes are the same for all keys.
 PATTERN = "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAI[A-P][A-Za-z0-9+/]{42}"
@@ -107,13 +107,11 @@ def fetch_host_key(address: Address) -> HostKey:
         return HostKey(parse_public_key(" ".join(with_names[0].split()[1:3])).key)
     except (IndexError, ValueError):
         if done.code == 0 or "no matching host key type" in done.err or "Permission denied" in done.err:
-            raise UserError(
-                error_about(
-                    str(address),
-                    "it offers no host key of type ed25519",
-                    rule="no-host-key",
-                    help="at that computer: sudo ssh-keygen -A; sudo systemctl restart ssh",
-                )
+            raise user_error_about(
+                str(address),
+                "it offers no host key of type ed25519",
+                rule="no-host-key",
+                help="at that computer: sudo ssh-keygen -A; sudo systemctl restart ssh",
             ) from None
         raise explain_failure(address, done.err) from None
 

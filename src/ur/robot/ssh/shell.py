@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from ur.robot.ssh.secret import Secret
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import user_error, user_error_about
 
 MOST_BYTES = 1 << 26  # of a command's output: a list of all packages has some hundred kilobytes
 _CHUNK = 1 << 16
@@ -66,7 +66,7 @@ class LocalShell:
         done = run_process(command, stdin=stdin, timeout=timeout, what=what, own_session=False)
         if done.code and done.err.startswith("sudo:"):
             reason = done.err.splitlines()[0].removeprefix("sudo: ")
-            raise UserError(error_about(self.destination, f"sudo refused: {reason}", rule="no-root", help=_NO_ROOT))
+            raise user_error_about(self.destination, f"sudo refused: {reason}", rule="no-root", help=_NO_ROOT)
         return done
 
 
@@ -95,30 +95,26 @@ def run_process(
             start_new_session=own_session,
         )
     except ValueError as problem:  # a null byte in an argument
-        raise UserError(
-            error_about(what, f"{problem}", rule="bad-argument", help="is a name or an answer in it what you expect?")
+        raise user_error_about(
+            what, f"{problem}", rule="bad-argument", help="is a name or an answer in it what you expect?"
         ) from None
     except (FileNotFoundError, PermissionError):  # the second where a folder of PATH cannot be read
-        raise UserError(
-            error(
-                f"{command[0]} is not installed here, needed for {what}",
-                rule="missing-program",
-                help="run: ur setup",
-                subject=command[0],
-            )
+        raise user_error(
+            f"{command[0]} is not installed here, needed for {what}",
+            rule="missing-program",
+            help="run: ur setup",
+            subject=command[0],
         ) from None
     try:
         out, err = _exchange(process, text.encode(errors="surrogateescape"), time.monotonic() + timeout, most)
     except TimeoutError:
-        raise UserError(error_about(what, f"no answer within {timeout:g} s", rule="no-answer", help=_LATE)) from None
+        raise user_error_about(what, f"no answer within {timeout:g} s", rule="no-answer", help=_LATE) from None
     except OverflowError:
-        raise UserError(
-            error_about(
-                what,
-                f"the answer has more than {most >> 20} MB, and no end",
-                rule="endless-answer",
-                help="is it the computer that you expect? Look at it: ur shell",
-            )
+        raise user_error_about(
+            what,
+            f"the answer has more than {most >> 20} MB, and no end",
+            rule="endless-answer",
+            help="is it the computer that you expect? Look at it: ur shell",
         ) from None
     finally:
         if process.poll() is None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import user_error_about
 from ur.source.foreign.json_values import BadJsonError, ForeignValue, read_json_names, write_json_names
 from ur.source.replace import replace_file
 from ur.source.user_folders import user_folder
@@ -158,7 +158,7 @@ def store_memory(path: Path, memory: SyncMemory) -> None:
         replace_file(path, write_json_names(_StoredMemory(1, memory.pair, memory.agreed)), parents=True)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error_about(path, f"cannot be written: {reason}", rule="no-memory")) from None
+        raise user_error_about(path, f"cannot be written: {reason}", rule="no-memory") from None
 
 
 def known_files(agreed: Mapping[str, Agreed], side: str) -> dict[str, tuple[int, int, str]]:

@@ -30,7 +30,7 @@ from ur.robot.sync.steps import (
     check_path,
     known_files,
 )
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import UserError, user_error, user_error_about
 from ur.source.foreign.json_values import read_json_names, write_json_names
 
 
@@ -83,7 +83,7 @@ def lock_sync(path: Path) -> Iterator[None]:
 
 def refuse_sync(message: str, help: str) -> UserError:
     """Return the error of a sync that cannot be done."""
-    return UserError(error(message, rule="no-sync", help=help))
+    return user_error(message, rule="no-sync", help=help)
 
 
 WORKSPACE = "catkin_ws/src"
@@ -167,10 +167,8 @@ def list_workspaces(shell: SshShell, root: Path, last: SyncMemory | None) -> Wor
         answers[place.side] = _ask(place, request, _Scan)
         if not answers[place.side].rsync:
             who = "this computer" if place.side == "here" else shell.destination
-            raise UserError(
-                error_about(
-                    who, "rsync is not installed", rule="missing-program", help="there: sudo apt-get install rsync"
-                )
+            raise user_error_about(
+                who, "rsync is not installed", rule="missing-program", help="there: sudo apt-get install rsync"
             )
     patterns = [*answers["here"].ignore, *answers["there"].ignore]
     sides = [drop_ignored(Manifest(answers[side].files, answers[side].skipped), patterns) for side in SIDES]
@@ -234,7 +232,7 @@ def _ask(place: SyncSide, request: Mapping[str, object], kind: type[Answer]) -> 
         reasons += done.err.strip().splitlines() if done else []
         message = f"its workspace cannot be read: {reasons[-1]}"
         who = place.shell.destination if place.shell else "this computer"
-        raise UserError(error_about(who, message, rule="failed-sync", help="ur doctor")) from None
+        raise user_error_about(who, message, rule="failed-sync", help="ur doctor") from None
     return answer
 
 
@@ -277,5 +275,5 @@ def _run_rsync(
     # 23 and 24: some files changed or vanished meanwhile. `apply` then reports them as incomplete.
     if process.returncode not in (0, 23, 24):
         lines = reported.decode(errors="replace").strip().splitlines() or [f"exit code {process.returncode}"]
-        raise UserError(error_about(shell.destination, f"rsync: {lines[0]}", rule="failed-sync", help="ur doctor"))
+        raise user_error_about(shell.destination, f"rsync: {lines[0]}", rule="failed-sync", help="ur doctor")
     sys.stdout.flush()

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.system.debian_root import install_command
 
 Tool = Literal["pudb", "gdb", "debugpy"]
@@ -88,13 +88,11 @@ def plan_debugging(target: DebugTarget, tool: Tool, tools: DebugTools, port: int
     if tool == "gdb":
         return _plan_gdb(target, tools, terminal)
     if terminal == "log":
-        raise UserError(
-            error(
-                f"--debug {target.name}=pudb: pudb needs a terminal, and there is no terminal or display here",
-                rule="no-place-to-debug",
-                help=f"--debug {target.name}=debugpy waits for a debugger elsewhere",
-                subject=target.name,
-            )
+        raise user_error(
+            f"--debug {target.name}=pudb: pudb needs a terminal, and there is no terminal or display here",
+            rule="no-place-to-debug",
+            help=f"--debug {target.name}=debugpy waits for a debugger elsewhere",
+            subject=target.name,
         )
     return _run_in_terminal(target.name, python_prefix(target, ("-m", "pudb")), terminal, tools)
 
@@ -140,26 +138,22 @@ def _check_kind(target: DebugTarget, tool: Tool) -> None:
     what = {"binary": "a compiled program", "script": "a shell script", "module": "a script", "python": "Python"}
     expected = "a compiled program or a Python script" if tool == "gdb" else "a Python program"
     other = {"binary": "=gdb", "module": "=pudb"}.get(target.kind)
-    raise UserError(
-        error(
-            f"--debug {target.name}={tool}: {target.name} is {what[target.kind]}, expected {expected}",
-            rule="wrong-debugger",
-            help=f"--debug {target.name}{other}" if other else f"--prefix '{target.name}=bash -x' shows what it does",
-            subject=target.name,
-        )
+    raise user_error(
+        f"--debug {target.name}={tool}: {target.name} is {what[target.kind]}, expected {expected}",
+        rule="wrong-debugger",
+        help=f"--debug {target.name}{other}" if other else f"--prefix '{target.name}=bash -x' shows what it does",
+        subject=target.name,
     )
 
 
 def _check_installed(name: str, tool: Tool, tools: DebugTools) -> None:
     if tool in tools.installed:
         return
-    raise UserError(
-        error(
-            f"--debug {name}={tool}: {tool} is not installed",
-            rule="no-debugger",
-            help=install_command(PACKAGES[tool]),
-            subject=name,
-        )
+    raise user_error(
+        f"--debug {name}={tool}: {tool} is not installed",
+        rule="no-debugger",
+        help=install_command(PACKAGES[tool]),
+        subject=name,
     )
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ur.run.master.xml_rpc import CallRefused, Unanswered, WrongServer, call_method
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 
 CALLER = "/roslaunch"  # the name under which roslaunch speaks: tools look for it
 DEFAULT_PORT = 11311
@@ -108,13 +108,11 @@ def parse_master_uri(uri: str) -> Master:
     bad = not host or (not literal and any(each in host for each in ":[]"))
     # Only ASCII digits: str.isdigit() also accepts others, some of which int() refuses.
     if bad or not found or scheme != "http" or not re.fullmatch("[0-9]{1,5}", port) or not 0 < int(port) < 65536:
-        raise UserError(
-            error(
-                f"ROS_MASTER_URI: {uri!r}, expected http://HOST:PORT",
-                rule="bad-master-uri",
-                help="an IPv6 address stands in brackets: http://[::1]:11311" if host.count(":") > 1 else "unset it",
-                subject=uri,
-            )
+        raise user_error(
+            f"ROS_MASTER_URI: {uri!r}, expected http://HOST:PORT",
+            rule="bad-master-uri",
+            help="an IPv6 address stands in brackets: http://[::1]:11311" if host.count(":") > 1 else "unset it",
+            subject=uri,
         )
     return Master(uri, host[1:-1] if literal else host, int(port))
 

@@ -13,7 +13,7 @@ from ur.run.master.client import Master
 from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.supervisor.events import Event, ParametersSet, SetupFailed, Unregistered
 from ur.source.arguments import split_words
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import UserError, user_error, user_error_about
 
 if TYPE_CHECKING:
     import subprocess
@@ -58,8 +58,8 @@ def start_commands(specs: Sequence[ParamSpec], environment: Mapping[str, str]) -
         except (OSError, ValueError, IndexError) as problem:
             started.stop()
             reason = str(getattr(problem, "strerror", None) or problem).lower()
-            raise UserError(
-                error(f"{spec.name}: {spec.command!r} cannot be run: {reason}", spec.origin.span, rule="bad-command")
+            raise user_error(
+                f"{spec.name}: {spec.command!r} cannot be run: {reason}", spec.origin.span, rule="bad-command"
             ) from None
         running.append((spec, process))
         started = CommandParameters(running)
@@ -75,7 +75,7 @@ def check_sendable(specs: Sequence[ParamSpec]) -> None:
             try:
                 dump_value(spec.value)
             except ValueError as problem:
-                raise UserError(error(f"{spec.name}: {problem}", spec.origin.span, rule="bad-parameter")) from None
+                raise user_error(f"{spec.name}: {problem}", spec.origin.span, rule="bad-parameter") from None
 
 
 def _finish(process: subprocess.Popen[bytes]) -> tuple[bytes, bytes, int]:
@@ -86,19 +86,17 @@ def _finish(process: subprocess.Popen[bytes]) -> tuple[bytes, bytes, int]:
 def _convert(spec: ParamSpec, out: bytes, err: bytes, code: int) -> ParamValue:
     if code != 0:
         last = err.decode("utf-8", "replace").strip().splitlines()[-1:]
-        raise UserError(
-            error(
-                f"{spec.name}: {spec.command!r} ended with exit code {code}" + "".join(f": {line}" for line in last),
-                spec.origin.span,
-                rule="bad-command",
-            )
+        raise user_error(
+            f"{spec.name}: {spec.command!r} ended with exit code {code}" + "".join(f": {line}" for line in last),
+            spec.origin.span,
+            rule="bad-command",
         )
     text = out.decode("utf-8", "replace")
     try:
         return _parse_yaml(text) if spec.command_type == "yaml" else convert_scalar(text, spec.command_type)
     except ValueError as problem:
-        raise UserError(
-            error(f"{spec.name}: what {spec.command!r} printed: {problem}", spec.origin.span, rule="bad-command")
+        raise user_error(
+            f"{spec.name}: what {spec.command!r} printed: {problem}", spec.origin.span, rule="bad-command"
         ) from None
 
 
@@ -144,7 +142,7 @@ def _dump_parameters(master: Master, name: str, file: str) -> None:
         Path(file).write_text(yaml.safe_dump(master.call("getParam", name)), encoding="utf-8")
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error_about(file, f"parameters cannot be written: {reason}", rule="bad-dump")) from None
+        raise user_error_about(file, f"parameters cannot be written: {reason}", rule="bad-dump") from None
 
 
 def remove_registrations(master: Master, names: list[str]) -> Event:

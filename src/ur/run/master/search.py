@@ -17,7 +17,7 @@ from ur.run.paths import is_local_address
 from ur.run.process.command import UnitProgram
 from ur.run.supervisor.events import Event, MasterAnswered, SetupFailed
 from ur.run.supervisor.state import Unit
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.printable import printable
 
 NAMED_SECONDS = 1.5  # s after which a silent server is named: a master answers within milliseconds
@@ -116,23 +116,19 @@ def _describe_server(master: Master) -> str:
 
 def _wrong_server(master: Master) -> UserError:
     who = "" if find_listener(master.port) else f"; sudo ss -ltnp 'sport = :{master.port}' names it"
-    return UserError(
-        error(
-            f"{_describe_server(master)}, expected a ROS master or a free port",
-            rule="no-master",
-            help=f"end that process{who}; or use another port: ur launch -p {master.port + 1} ...",
-        )
+    return user_error(
+        f"{_describe_server(master)}, expected a ROS master or a free port",
+        rule="no-master",
+        help=f"end that process{who}; or use another port: ur launch -p {master.port + 1} ...",
     )
 
 
 def _no_master(master: Master, problem: Unanswered) -> UserError:
-    return UserError(
-        error(
-            f"no ROS master answers at {master.uri}: {problem}",
-            rule="no-master",
-            help="is the robot on and in this network? 'ur use sim' selects the simulated robot",
-            subject=master.uri,
-        )
+    return user_error(
+        f"no ROS master answers at {master.uri}: {problem}",
+        rule="no-master",
+        help="is the robot on and in this network? 'ur use sim' selects the simulated robot",
+        subject=master.uri,
     )
 
 
@@ -146,12 +142,10 @@ def find_master_programs(master: Master, world: World, options: RunOptions) -> t
     Raises UserError if they are missing, or cannot listen at that address.
     """
     if ":" in master.host and world.environment.get("ROS_IPV6") != "on":
-        raise UserError(
-            error(
-                f"no ROS master answers at {master.uri}, and one that is started here does not listen on IPv6",
-                rule="no-master",
-                help=f"export ROS_IPV6=on; or use IPv4: export ROS_MASTER_URI=http://localhost:{master.port}",
-            )
+        raise user_error(
+            f"no ROS master answers at {master.uri}, and one that is started here does not listen on IPv6",
+            rule="no-master",
+            help=f"export ROS_IPV6=on; or use IPv4: export ROS_MASTER_URI=http://localhost:{master.port}",
         )
     rosmaster = shutil.which("rosmaster", path=world.environment.get("PATH"))
     try:
@@ -160,12 +154,10 @@ def find_master_programs(master: Master, world: World, options: RunOptions) -> t
         rosout = ()
     for found, package in ((rosmaster, "python3-rosmaster"), (rosout, "rosout")):
         if not found:
-            raise UserError(
-                error(
-                    f"no ROS master answers at {master.uri}, and package {package}, which starts one, is not installed",
-                    rule="no-master",
-                    help=f"sudo apt-get install {package}",
-                )
+            raise user_error(
+                f"no ROS master answers at {master.uri}, and package {package}, which starts one, is not installed",
+                rule="no-master",
+                help=f"sudo apt-get install {package}",
             )
     assert rosmaster is not None
     from ur.robot.boot.units import MASTER_WORKERS  # imported late: only if a master is started

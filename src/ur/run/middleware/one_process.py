@@ -16,7 +16,7 @@ from ur.run.middleware.ros2 import DomainMiddleware, find_domain, list_others
 from ur.run.options import RunOptions
 from ur.run.process.command import UnitProgram
 from ur.run.supervisor.events import Event, ParametersSet, SetupFailed
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.foreign.files import read_text
 from ur.system.ros import viewer_socket
 
@@ -104,13 +104,11 @@ def find_process(environment: Mapping[str, str], options: RunOptions) -> Process
 def refuse_second_run(environment: Mapping[str, str], own: int | None = None) -> None:
     """Raise UserError while a run of a process other than `own` is active: the two cannot reach each other."""
     if others := list_others(environment, own):
-        raise UserError(
-            error(
-                f"run {others[0].run} is under way: without ROS, all nodes are in its process, and no run can join it",
-                rule="second-run",
-                help=f"end it first: ur stop {others[0].run}; the page of 'ur web' can show and drive it",
-                subject=others[0].run,
-            )
+        raise user_error(
+            f"run {others[0].run} is under way: without ROS, all nodes are in its process, and no run can join it",
+            rule="second-run",
+            help=f"end it first: ur stop {others[0].run}; the page of 'ur web' can show and drive it",
+            subject=others[0].run,
         )
 
 
@@ -121,13 +119,11 @@ def describe_start(program: UnitProgram, node: NodeSpec) -> dict[str, object]:
         reason = (
             f"launch-prefix {node.launch_prefix!r} needs a process" if words else f"{program.executable} is a program"
         )
-        raise UserError(
-            error(
-                f"{node.full_name}: {reason} of its own, expected a node of ur_nodes without launch-prefix",
-                node.origin.span,
-                rule="own-process",
-                help=f"--except {node.full_name} leaves the node out; or use ROS 2 instead: ur use sim --ros 2",
-            )
+        raise user_error(
+            f"{node.full_name}: {reason} of its own, expected a node of ur_nodes without launch-prefix",
+            node.origin.span,
+            rule="own-process",
+            help=f"--except {node.full_name} leaves the node out; or use ROS 2 instead: ur use sim --ros 2",
         )
     own = program.argv[1 : len(program.argv) - len(node.remaps) - 1]
     return {

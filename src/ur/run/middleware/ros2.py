@@ -19,7 +19,7 @@ from ur.run.process.command import UnitProgram
 from ur.run.process.described import write_files
 from ur.run.record.registry import RunEntry, list_runs, read_computer
 from ur.run.supervisor.events import Event, Exited, ParametersSet, SetupFailed, Unregistered
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.system.ros import find_facts, graph_address, parameters_file
 
 _SETTLED = 5.0  # s: a new process has its lock by then
@@ -117,7 +117,7 @@ def find_domain(kind: type[Domain], environment: Mapping[str, str], options: Run
     """Find the domain as `find_ros2` does, for a class of middleware."""
     if options.port is not None:
         message = f"--port {options.port} chooses the port of a master, which ROS 2 does not have"
-        raise UserError(error(message, rule="bad-options", help="ROS_DOMAIN_ID chooses the domain"))
+        raise user_error(message, rule="bad-options", help="ROS_DOMAIN_ID chooses the domain")
     clear_shared_memory()
     address = graph_address(environment)
     facts = find_facts(environment, address.rpartition("/")[2])

@@ -7,7 +7,7 @@ import stat
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 
 MARK = b"... older lines were removed here"
 _COLLAPSE_RANGE = 8  # fallocate(2): FALLOC_FL_COLLAPSE_RANGE
@@ -102,13 +102,11 @@ def read_bounds(environment: Mapping[str, str]) -> LogBounds:
     except ValueError:
         bound = 0.0
     if not 0.1 <= bound <= _LARGEST_MB:
-        raise UserError(
-            error(
-                f"{BOUND_VARIABLE} is '{text}', expected the largest size of a log file in MB, at least 0.1",
-                rule="bad-log-bound",
-                help=f"unset {BOUND_VARIABLE}, which means {_DEFAULT_MB}",
-                subject=BOUND_VARIABLE,
-            )
+        raise user_error(
+            f"{BOUND_VARIABLE} is '{text}', expected the largest size of a log file in MB, at least 0.1",
+            rule="bad-log-bound",
+            help=f"unset {BOUND_VARIABLE}, which means {_DEFAULT_MB}",
+            subject=BOUND_VARIABLE,
         )
     return LogBounds(round(bound * 1e6), round(bound * 1e6) * _FILES)
 

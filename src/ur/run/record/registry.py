@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 from ur.launchfile.plan.specs import NodeSpec, Origin, Plan
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import user_error, user_error_about
 from ur.source.foreign.files import read_text
 from ur.source.foreign.json_values import read_json, write_json
 from ur.source.replace import replace_file
@@ -176,7 +176,7 @@ def find_run(runs: Iterable[RunEntry], word: str | None) -> RunEntry:
     """
     runs = list(runs)
     if not runs:
-        raise UserError(error("no run is active", rule="no-run", help="start one: ur launch --detach FILE"))
+        raise user_error("no run is active", rule="no-run", help="start one: ur launch --detach FILE")
     matching = [run for run in runs if word is None or run.run == word or run.title == word]
     if not matching and word is not None:
         matching = [run for run in runs if run.run.startswith(word)]
@@ -185,17 +185,13 @@ def find_run(runs: Iterable[RunEntry], word: str | None) -> RunEntry:
     names = ", ".join(run.run for run in (matching or runs))
     if matching:
         what = "several runs" if word is None else f"{word!r} is the name of several runs"
-        raise UserError(
-            error_about(what, f"{names}, expected one of them", rule="several-runs", help="ur ps lists them")
-        )
+        raise user_error_about(what, f"{names}, expected one of them", rule="several-runs", help="ur ps lists them")
     near = did_you_mean(str(word), [run.run for run in runs] + [run.title for run in runs])
-    raise UserError(
-        error(
-            f"run {word!r} is not there, expected one of {names}",
-            rule="unknown-run",
-            help=f"did you mean {near!r}?" if near else "ur ps lists them",
-            subject=str(word),
-        )
+    raise user_error(
+        f"run {word!r} is not there, expected one of {names}",
+        rule="unknown-run",
+        help=f"did you mean {near!r}?" if near else "ur ps lists them",
+        subject=str(word),
     )
 
 

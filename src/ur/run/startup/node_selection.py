@@ -9,7 +9,7 @@ from ur.launchfile.world import World
 from ur.run.options import RunOptions
 from ur.run.paths import is_local_address
 from ur.run.process.command import describe_install
-from ur.source.diagnostic import Diagnostic, UserError, error
+from ur.source.diagnostic import Diagnostic, error, user_error
 
 VIEWERS = ("rviz", "image_view")  # packages whose nodes need a display
 # Executables that command a robot: this project's, and the upstream ones that they replace.
@@ -44,7 +44,7 @@ def check_display(files: Sequence[str], nodes: Iterable[NodeSpec], environment: 
         return
     message = f"{views[0]!r} opens a window of RViz and there is no display (DISPLAY is not set)"
     help_ = "run it in a terminal of the desktop, or log in with 'ssh -X'; 'ur run keyboard_navigate' needs no display"
-    raise UserError(error(message, rule="no-display", help=help_))
+    raise user_error(message, rule="no-display", help=help_)
 
 
 def leave_out_viewers(

@@ -109,10 +109,10 @@ def open_descriptor(
 
 def refuse_file(path: str | os.PathLike[str], problem: OSError, expected: str, *, help: str | None = None) -> UserError:
     """Return the error for a file that cannot be read: path, reason, and `expected` ("a mesh of a robot")."""
-    from ur.source.diagnostic import UserError, error_about
+    from ur.source.diagnostic import user_error_about
 
     reason = (problem.strerror or str(problem)).lower()
-    return UserError(error_about(path, f"{reason}, expected {expected}", rule="unreadable-file", help=help))
+    return user_error_about(path, f"{reason}, expected {expected}", rule="unreadable-file", help=help)
 
 
 def _check(status: os.stat_result, limit: int, name: str) -> None:

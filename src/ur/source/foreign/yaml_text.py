@@ -119,8 +119,7 @@ def check_size(top: yaml.Node, values: int = MAX_VALUES) -> None:
         return total
 
     if count(top) > values:
-        message = f"more than {values:,} values with its aliases"
-        raise yaml.composer.ComposerError(None, None, message, top.start_mark)
+        raise yaml.composer.ComposerError(None, None, f"more than {values:,} values with its aliases", top.start_mark)
 
 
 def describe_problem(problem: yaml.YAMLError) -> str:

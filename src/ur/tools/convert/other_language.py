@@ -12,7 +12,7 @@ from ur.launchfile.ros2.load import PER_LAUNCH, load_ros2, read_description
 from ur.launchfile.ros2.model import Description
 from ur.launchfile.world import World
 from ur.launchfile.world.overlay import OverlayWorld
-from ur.source.diagnostic import Diagnostic, Note, Severity, UserError, error_about
+from ur.source.diagnostic import Diagnostic, Note, Severity, user_error_about
 from ur.source.file import Span
 from ur.tools.convert.backwards import TagWriter
 from ur.tools.convert.origins import MarkedWorld
@@ -123,7 +123,7 @@ def convert_to(path: str, world: World, language: Language) -> Converted:
         description = read_description(path, context)
     except OSError as problem:
         reason = f"{(problem.strerror or str(problem)).lower()}, expected a launch file"
-        raise UserError(error_about(path, reason, rule="missing-file")) from None
+        raise user_error_about(path, reason, rule="missing-file") from None
     findings = Findings()
     folder = path.rpartition("/")[0]
     writer = TagWriter(lambda text, span: marked.split(text, folder, span), findings)

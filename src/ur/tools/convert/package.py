@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from ur.check.collect import Targets, collect_targets
 from ur.launchfile.load import is_for_ros2
 from ur.launchfile.world import World
-from ur.source.diagnostic import Diagnostic, Severity, UserError, error_about
+from ur.source.diagnostic import Diagnostic, Severity, UserError, user_error_about
 from ur.source.progress import Progress, counted
 from ur.tools.convert.other_language import Language, convert_to
 from ur.tools.convert.run import Converted, convert_file
@@ -53,7 +53,7 @@ def convert_all(
     if not targets.launch_files:
         reason = "no launch file in it, expected one to convert"
         help_ = "launch files end in .launch, .launch.xml, .launch.yaml or .py"
-        raise UserError(error_about(path, reason, rule="missing-file", help=help_))
+        raise user_error_about(path, reason, rule="missing-file", help=help_)
     made: list[Converted] = []
     findings: list[Diagnostic] = []
     for each in counted(targets.launch_files, "converting", "launch files", progress):
@@ -73,9 +73,7 @@ def convert_all(
     names = {each.package for each in launch_files}
     if whole and "" in names:
         reason = "not in a package, expected launch files of one"
-        raise UserError(
-            error_about(path, reason, rule="not-in-a-package", help="--output converts them where they are")
-        )
+        raise user_error_about(path, reason, rule="not-in-a-package", help="--output converts them where they are")
     loaded = {each.path: each.text for converted in made for each in converted.files}
     parameters = [_place(each, text, targets, world) for each, text in sorted(loaded.items())]
     findings += [found for each in made for found in each.findings]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from ur.launchfile.syntax import parse_launch_file
 from ur.launchfile.world import World
 from ur.launchfile.world.protocol import PackageNotFound
-from ur.source.diagnostic import Diagnostic, Severity, UserError, error_about
+from ur.source.diagnostic import Diagnostic, Severity, UserError, user_error_about
 from ur.tools.convert.body import convert_launch
 from ur.tools.convert.parameter_files import ParameterFile, convert_parameters
 from ur.tools.convert.state import RULE, Findings
@@ -37,7 +37,7 @@ def convert_file(path: str, world: World) -> Converted:
         parsed = parse_launch_file(path, world.read_bytes(path), world.read_bytes)
     except OSError as problem:
         reason = f"{(problem.strerror or str(problem)).lower()}, expected a launch file"
-        raise UserError(error_about(path, reason, rule="missing-file")) from None
+        raise user_error_about(path, reason, rule="missing-file") from None
     if parsed.diagnostics or parsed.launch is None:
         raise UserError(*parsed.diagnostics)
     findings = Findings()

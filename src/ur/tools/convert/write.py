@@ -4,7 +4,7 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import user_error, user_error_about
 from ur.source.replace import replace_file
 from ur.tools.convert.package import ConvertedFile, ConvertedFiles
 
@@ -49,7 +49,7 @@ def _fill(folder: Path, texts: dict[Path, str], links: dict[Path, Path]) -> None
     try:
         if folder.exists() and not (folder / _MARK).is_file() and any(folder.iterdir()):
             message = f"{folder} holds other files, expected a new folder or one that this command has made"
-            raise UserError(error(message, rule="folder-in-use", help=f"give a new folder: {folder}/ros2"))
+            raise user_error(message, rule="folder-in-use", help=f"give a new folder: {folder}/ros2")
         replace_file(folder / _MARK, "", parents=True)
         for place, text in texts.items():
             replace_file(place, text, parents=True, follow=False, lasting=False)
@@ -60,4 +60,4 @@ def _fill(folder: Path, texts: dict[Path, str], links: dict[Path, Path]) -> None
             place.symlink_to(source)
     except OSError as problem:
         reason = f"{(problem.strerror or str(problem)).lower()}, expected a folder to write to"
-        raise UserError(error_about(folder, reason, rule="unwritable-file", help="give another folder")) from None
+        raise user_error_about(folder, reason, rule="unwritable-file", help="give another folder") from None

@@ -12,7 +12,7 @@ from ur.launchfile.plan.specs import IncludeSpec, Plan
 from ur.launchfile.query.written import ENDINGS, find_names
 from ur.launchfile.world import World
 from ur.launchfile.world.overlay import OverlayWorld
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.file import SourceFile, Span
 from ur.tools.find.search import Occurrence
 from ur.tools.format.run import describe_plan
@@ -87,7 +87,7 @@ def _with_old_name(plan: Plan, files: frozenset[str], new: str, old: str) -> Pla
 
 
 def _refuse(message: str, help_: str) -> None:
-    raise UserError(error(message, rule="not-renamed", help=help_))
+    raise user_error(message, rule="not-renamed", help=help_)
 
 
 _COMMENT = re.compile(r"\s*(\w+)\s*:")

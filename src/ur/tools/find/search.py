@@ -14,7 +14,7 @@ from ur.check.survey import find_uses, walk_elements
 from ur.check.worlds import CachedWorld, has_marker
 from ur.launchfile.plan.specs import ArgumentStep, NodeSpec, Origin, ParamSpec, RemapStep, TraceStep
 from ur.launchfile.world import World
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.file import SourceFile, Span
 from ur.source.progress import Progress, counted, no_progress
 
@@ -64,7 +64,7 @@ def find_name(
     if not (targets.launch_files or targets.yaml_files or targets.programs):
         message = f"no launch file, YAML file or program of a package in {', '.join(paths)}, expected one to search"
         help_ = "launch files end in .launch, .launch.xml, .launch.py or .launch.yaml"
-        raise UserError(error(message, rule="no-launch-files", help=help_))
+        raise user_error(message, rule="no-launch-files", help=help_)
     wanted = WantedName(name)
     found: dict[tuple[object, ...], Occurrence] = {}
     for each in _everything(targets, cached, frozenset(kinds), wanted, progress):

@@ -13,7 +13,7 @@ from ur.launchfile.syntax.parse import decode_text
 from ur.launchfile.syntax.tree import WRONG_LAUNCHER
 from ur.launchfile.world import World
 from ur.launchfile.world.overlay import OverlayWorld
-from ur.source.diagnostic import Diagnostic, UserError, error, error_about
+from ur.source.diagnostic import Diagnostic, UserError, user_error, user_error_about
 from ur.source.file import Span
 from ur.source.foreign.yaml_text import load_yaml
 from ur.tools.format.layout import lay_out, lay_out_yaml
@@ -44,8 +44,8 @@ def format_file(path: str, data: bytes, world: World, package: Package | None = 
     """
     before, encoding = decode_text(data)
     if encoding not in ("ascii", "utf-8") or not data.endswith(before.encode()):
-        raise UserError(
-            error_about(path, "the file is not encoded in UTF-8", rule="not-utf-8", help="save it as UTF-8 first")
+        raise user_error_about(
+            path, "the file is not encoded in UTF-8", rule="not-utf-8", help="save it as UTF-8 first"
         )
     if path.endswith((".yaml", ".yml")):
         return _format_yaml(path, before, data, world, package)
@@ -69,7 +69,7 @@ def _format_yaml(path: str, before: str, data: bytes, world: World, package: Pac
     try:
         same = load_yaml(before) == load_yaml(text)
     except ValueError as problem:
-        raise UserError(error_about(path, f"{problem}, expected YAML", rule="bad-yaml")) from None
+        raise user_error_about(path, f"{problem}, expected YAML", rule="bad-yaml") from None
     if same and same_plans(path, data, text.encode(), package, world):
         return Formatted(path, before, text)
     return Formatted(path, before, before, "its layout stays: the usual one would change the meaning of the file")
@@ -100,7 +100,7 @@ def _checked(tree: LaunchFile, text: str) -> str:
     after = parse_launch_file(tree.source.path, text.encode())
     if _problems(after) or not same_content(tree, after):
         message = f"{tree.source.path}: cannot be laid out without a change of its content; it is left as it is"
-        raise UserError(error(message, rule="not-formatted", help="please report it with the file"))
+        raise user_error(message, rule="not-formatted", help="please report it with the file")
     return text
 
 

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ur.robot.base.own_drivers import OWN_DRIVERS
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import UserError, user_error, user_error_about
 from ur.source.foreign.files import MAX_MANIFEST, read_file, refuse_file
 from ur.source.read import read_source
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import did_you_mean, suggest
 from ur.tools.new.parts import NewFile
 
 _HEAD = """\
@@ -45,10 +45,9 @@ def check_driver(option: str, name: str | None, sensor: str) -> None:
     known = [each for each, driver in OWN_DRIVERS.items() if driver.sensor == sensor]
     if name is None or name in known:
         return
-    near = did_you_mean(name, known)
     message = f"unknown driver '{name}' for {option}, expected one of {', '.join(known)}"
-    help_ = f"did you mean {near}?" if near else "leave it out, and add `driver` to base.yaml by hand"
-    raise UserError(error(message, rule="unknown-driver", help=help_, subject=name))
+    help_ = suggest(name, known) or "leave it out, and add `driver` to base.yaml by hand"
+    raise user_error(message, rule="unknown-driver", help=help_, subject=name)
 
 
 def refuse_sideways(driver: str | None, aside: float | None) -> None:
@@ -56,7 +55,7 @@ def refuse_sideways(driver: str | None, aside: float | None) -> None:
     if driver and aside:
         message = f"--driver {driver} drives two wheels, expected no --lateral-velocity"
         help_ = "leave out --driver, and name the driver of your mecanum or omni base in its base.yaml"
-        raise UserError(error(message, rule="bad-value", help=help_))
+        raise user_error(message, rule="bad-value", help=help_)
 
 
 def driver_speeds(driver: str | None) -> dict[str, float]:
@@ -109,14 +108,14 @@ def check_source(source: Path) -> None:
         near = did_you_mean(source.name, (each.name for each in source.absolute().parent.glob("*")))
         help_ = f"did you mean '{near}'?" if near else "give the path of the robot's description"
         reason = "no such file or directory, expected a URDF or xacro file"
-        raise UserError(error_about(source, reason, rule="unreadable-file", help=help_))
+        raise user_error_about(source, reason, rule="unreadable-file", help=help_)
 
 
 def refuse_arguments(arguments: Sequence[str]) -> None:
     """Refuse arguments for xacro if no xacro file is given. Raises UserError."""
     if arguments:
         message = f"unexpected argument '{arguments[0]}', expected --from with the xacro file that takes it"
-        raise UserError(error(message, rule="bad-value", help="leave it out, or add --from FILE"))
+        raise user_error(message, rule="bad-value", help="leave it out, or add --from FILE")
 
 
 def look_around(source: Path) -> Surroundings:
@@ -173,7 +172,7 @@ def read_number(key: str, answer: str) -> float:
         pass
     point = f", as {answer.replace(',', '.')}" if re.fullmatch(r"\d*,\d+", answer.strip()) else " without a unit"
     message = f"'{answer}' is no number, expected one{point}: {FIGURES[key][0][0].lower()}{FIGURES[key][0][1:]}"
-    raise UserError(error(message, rule="bad-value"))
+    raise user_error(message, rule="bad-value")
 
 
 def usual_figure(key: str) -> float:
@@ -191,8 +190,8 @@ def check_figure(key: str, given: float | None, *, asked: bool = False) -> float
     option = f"--{key.replace('_', '-')}"
     message = f"'{given:g}', expected a number from {least:g} to {_MOST:.0f}"
     if asked:
-        raise UserError(error(message, rule="bad-value"))
-    raise UserError(error(f"invalid {option} {message}", rule="bad-value", help=f"give {option}: {question}"))
+        raise user_error(message, rule="bad-value")
+    raise user_error(f"invalid {option} {message}", rule="bad-value", help=f"give {option}: {question}")
 
 
 def check_measured(key: str, value: float, *, asked: bool = False) -> float:
@@ -205,8 +204,8 @@ def check_measured(key: str, value: float, *, asked: bool = False) -> float:
     option = f"--{key.replace('_', '-')}"
     message = f"'{value:g}', expected a number from {least:g} to {most:g}"
     if asked:
-        raise UserError(error(message, rule="bad-value"))
-    raise UserError(error(f"invalid {option} {message}", rule="bad-value", help=f"give {option}: {FIGURES[key][0]}"))
+        raise user_error(message, rule="bad-value")
+    raise user_error(f"invalid {option} {message}", rule="bad-value", help=f"give {option}: {FIGURES[key][0]}")
 
 
 def check_arguments(source: Path, arguments: Sequence[str]) -> None:
@@ -214,7 +213,7 @@ def check_arguments(source: Path, arguments: Sequence[str]) -> None:
     for each in arguments:
         if not re.match(r"\w+:=", each):
             message = f"unexpected argument '{each}', expected ARG:=VALUE for '{source.name}'"
-            raise UserError(error(message, rule="bad-value", subject=each))
+            raise user_error(message, rule="bad-value", subject=each)
 
 
 def missing_figures(source: Path, reading: DescriptionReading, lidar: bool | None) -> UserError:
@@ -224,7 +223,7 @@ def missing_figures(source: Path, reading: DescriptionReading, lidar: bool | Non
     options = " ".join(f"--{key.replace('_', '-')} {usual_figure(key):g}" for key in reading.open)
     options += " --lidar (or --no-lidar)" if asks else ""
     message = f"cannot read from '{source}': {names}"
-    return UserError(error(message, rule="not-given", help=f"add, with your robot's figures: {options}"))
+    return user_error(message, rule="not-given", help=f"add, with your robot's figures: {options}")
 
 
 def describe_left_out(loaded: LoadedDescription, around: Surroundings) -> list[str]:

@@ -14,7 +14,7 @@ from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 
 from ur.run.master.client import parse_master_uri
 from ur.run.master.xml_rpc import CallRefused, call_method
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import user_error, user_error_about
 from ur.tools.new.parts import NodeTopic, Observed
 
 NAME = "/observed"
@@ -45,10 +45,8 @@ def observe_node(
                 time.sleep(0.05)
             if not listener.registered:
                 how = "never registered with its master" if node.poll() is None else f"ended with {node.returncode}"
-                raise UserError(
-                    error_about(
-                        " ".join(command), f"{how}, expected a ROS node", rule="no-node", help="try it by hand first"
-                    )
+                raise user_error_about(
+                    " ".join(command), f"{how}, expected a ROS node", rule="no-node", help="try it by hand first"
                 )
             if node.poll() is not None:
                 report(
@@ -189,9 +187,7 @@ def _wait_for(port: int, master: subprocess.Popen[bytes]) -> None:
             if probe.connect_ex(("localhost", port)) == 0:
                 return
         time.sleep(0.05)
-    raise UserError(
-        error("rosmaster does not start, expected a master", rule="no-master", help="try it: rosmaster --core")
-    )
+    raise user_error("rosmaster does not start, expected a master", rule="no-master", help="try it: rosmaster --core")
 
 
 def _start(command: Sequence[str], environment: Mapping[str, str]) -> subprocess.Popen[bytes]:
@@ -206,7 +202,7 @@ def _start(command: Sequence[str], environment: Mapping[str, str]) -> subprocess
         )
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error_about(command[0], f"{reason}, expected a program", rule="no-program")) from None
+        raise user_error_about(command[0], f"{reason}, expected a program", rule="no-program") from None
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:

@@ -6,7 +6,7 @@ from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import user_error, user_error_about
 from ur.source.foreign.files import read_file
 from ur.source.replace import make_folder, replacing, sync_folder
 
@@ -104,8 +104,7 @@ def write_files(package: Path, files: Sequence[NewFile]) -> None:
     other = next((file for file in found if len(found) == len(files) or not _is_written(package, file)), None)
     if other is not None:
         message = f"{other.path} is there already, expected a new name"
-        help_ = f"look at {package / other.path}"
-        raise UserError(error(message, rule="file-exists", help=help_, subject=other.path))
+        raise user_error(message, rule="file-exists", help=f"look at {package / other.path}", subject=other.path)
     paths = {file.path: whole / file.path for file in files if file not in found}
     above = {each for path in paths.values() for each in _missing_folders(path.parent)}
     try:
@@ -127,7 +126,7 @@ def write_files(package: Path, files: Sequence[NewFile]) -> None:
                 folder.rmdir()
         if isinstance(problem, OSError):
             reason = (problem.strerror or str(problem)).lower()
-            raise UserError(error_about(problem.filename or package, f"{reason}", rule="unwritable-file")) from None
+            raise user_error_about(problem.filename or package, f"{reason}", rule="unwritable-file") from None
         raise
 
 

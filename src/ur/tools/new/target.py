@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.foreign.files import MAX_MANIFEST, read_text
 from ur.tools.new.parts import NewFile
 
@@ -35,14 +35,13 @@ def find_target(place: str | None, help_: str = _NAME_A_PACKAGE) -> TargetPackag
             return TargetPackage(place, Path(SystemWorld(add_own_package(os.environ)).find_package(place)))
         except PackageNotFound:
             message = f"no folder or package named '{place}'"
-            raise UserError(error(message, rule="unknown-package", help="create one: ur new package")) from None
+            raise user_error(message, rule="unknown-package", help="create one: ur new package") from None
     start = Path(place or ".").resolve()
     for folder in (start, *start.parents):
         if (folder / "package.xml").is_file():
             named = re.search(r"<name>\s*([\w-]+)\s*</name>", read_text(folder / "package.xml", MAX_MANIFEST))
             return TargetPackage(named.group(1) if named else folder.name, folder)
-    message = f"no package.xml in {start} or its parent folders"
-    raise UserError(error(message, rule="no-package", help=help_))
+    raise user_error(f"no package.xml in {start} or its parent folders", rule="no-package", help=help_)
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +74,7 @@ def target_of(package: str | None, workspace: str | None) -> BaseDestination:
         return BaseDestination(target, target.folder)
     if package is not None:
         message = "--package and --workspace name two places for the base, expected one of them"
-        raise UserError(error(message, rule="bad-value", help="leave one of them out"))
+        raise user_error(message, rule="bad-value", help="leave one of them out")
     root = Path(workspace).expanduser().resolve()
     prefix = f"share/{PACKAGE.name}/"
     marker = () if (root / MARKER).exists() else (NewFile(MARKER, ""),)

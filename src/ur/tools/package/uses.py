@@ -26,11 +26,9 @@ def find_used_packages(folder: str, world: World, progress: Progress = no_progre
     targets = collect_targets([folder], cached)
     package = targets.whole[0] if targets.whole else None
     if package is None or package.folder != cached.absolute(folder):
-        from ur.source.diagnostic import UserError, error_about
+        from ur.source.diagnostic import user_error_about
 
-        raise UserError(
-            error_about(folder, "no package.xml, expected a package", rule="no-package", help="ur new package")
-        )
+        raise user_error_about(folder, "no package.xml, expected a package", rule="no-package", help="ur new package")
     found: dict[str, Span] = {}
     for path in counted(targets.launch_files, "checking", "launch files", progress):
         if targets.package_of(path) is package:

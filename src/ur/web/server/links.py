@@ -11,7 +11,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.web.access.roles import TOKEN_LIFE, Role, hash_secret
 
 _FOLDER = "links"
@@ -97,8 +97,7 @@ def find_address() -> str:
             probe.connect(("192.0.2.1", 9))  # sends nothing: the route determines the address
         except OSError:
             message = "this computer is in no network, expected one that the phone is in, too"
-            help_ = "connect to a network, or leave out --phone"
-            raise UserError(error(message, rule="no-network", help=help_)) from None
+            raise user_error(message, rule="no-network", help="connect to a network, or leave out --phone") from None
         return str(probe.getsockname()[0])
 
 

@@ -18,7 +18,7 @@ from functools import partial
 from pathlib import Path
 
 from ur.source.ansi import allows_colour
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.source.printable import printable
 from ur.source.replace import PRIVATE, replace_file
 from ur.source.user_folders import user_folder
@@ -213,9 +213,9 @@ def open_port(host: str, ports: range) -> tuple[int, list[socket.socket]]:
             return port, found
         if found.errno != errno.EADDRINUSE or len(ports) == 1:
             message, subject = f"port {port}: {(found.strerror or str(found)).lower()}", f"port {port}"
-            raise UserError(error(message, rule="no-port", help="choose another one with --port", subject=subject))
+            raise user_error(message, rule="no-port", help="choose another one with --port", subject=subject)
     message = f"ports {ports[0]} to {ports[-1]} are in use, expected a free one"
-    raise UserError(error(message, rule="no-port", help="choose one with --port"))
+    raise user_error(message, rule="no-port", help="choose one with --port")
 
 
 def _listen(host: str, port: int) -> list[socket.socket] | OSError:

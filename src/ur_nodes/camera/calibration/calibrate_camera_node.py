@@ -7,7 +7,7 @@ import threading
 from dataclasses import dataclass
 
 from ur.source.ansi import has_true_colour, is_plain
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur_nodes.camera.calibration.board import Board
 from ur_nodes.camera.calibration.screen import Views, show_session, write_session
 from ur_nodes.camera.calibration.session import CalibrationSession
@@ -42,12 +42,10 @@ class CalibrationClient:
             if ended.wait(_POLL):
                 return None
         if not result.success:
-            raise UserError(
-                error(
-                    f"the calibration is not stored: {self._service}: {result.text}",
-                    rule="bad-calibration",
-                    help="is the camera's node running? That of a simulated camera stores no calibration",
-                )
+            raise user_error(
+                f"the calibration is not stored: {self._service}: {result.text}",
+                rule="bad-calibration",
+                help="is the camera's node running? That of a simulated camera stores no calibration",
             )
         return result.text
 

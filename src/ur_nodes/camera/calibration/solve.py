@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur_nodes.camera.calibration.board import Board
 from ur_nodes.camera.calibration.session import BoardView, list_tilts
 from ur_nodes.ports.values import Calibration
@@ -95,7 +95,7 @@ def solve_or_fail(views: Sequence[BoardView], board: Board) -> CalibrationResult
     result = solve(views, board)
     if result is None or result.problem:
         reason = result.problem if result else f"{len(views)} views have no solution: take more, all tilted"
-        raise UserError(error(f"the camera is not calibrated, nothing was changed: {reason}", rule="bad-calibration"))
+        raise user_error(f"the camera is not calibrated, nothing was changed: {reason}", rule="bad-calibration")
     return result
 
 

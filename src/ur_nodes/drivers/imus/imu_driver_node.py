@@ -6,7 +6,7 @@ from functools import partial
 
 from smbus2 import SMBus
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur_nodes.drivers.health import report_to_file
 from ur_nodes.drivers.imus.imu import I2cBus
 from ur_nodes.drivers.imus.imu_driver import ImuDriver
@@ -47,7 +47,7 @@ def start(node: Node) -> None:
     """Read the parameters and open the bus. Raises UserError."""
     base = read_base(node.parameters)
     if base.imu is None:
-        raise UserError(error(f"base {base.name!r} has no imu, expected one with `sensors: imu`", rule="no-imu"))
+        raise user_error(f"base {base.name!r} has no imu, expected one with `sensors: imu`", rule="no-imu")
     driver = next((each for each in base.drivers if each.part == "imu"), None)
     kind = node.parameters.text("imu", "") or (driver.protocol if driver else "")
     if kind not in IMUS:

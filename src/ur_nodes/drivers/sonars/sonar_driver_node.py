@@ -10,7 +10,7 @@ import gpiod
 from gpiod.line import Bias, Direction, Value
 from gpiod.line import Edge as Detection
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur_nodes.drivers.health import report_to_file
 from ur_nodes.drivers.lines.line import explain_error
 from ur_nodes.drivers.registry import SONARS, find_device, read_base
@@ -87,8 +87,7 @@ def start(node: Node) -> None:
     pins = SONARS[kind]()
     if base.sonars is None or len(base.sonars.at) != len(pins):
         there = len(base.sonars.at) if base.sonars else 0
-        text = f"base {base.name!r} has {there} sonars, expected the {len(pins)} of {kind}"
-        raise UserError(error(text, rule="no-sonars"))
+        raise user_error(f"base {base.name!r} has {there} sonars, expected the {len(pins)} of {kind}", rule="no-sonars")
     path = find_device(node.parameters, driver)
     SonarDriver(node, base.sonars, pins, (path, partial(open_gpio, path, pins)), report_to_file(node))
 

@@ -23,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ur.robot.base import Base, Camera
-from ur.source.diagnostic import Diagnostic, UserError, error
+from ur.source.diagnostic import Diagnostic, UserError, error, user_error
 from ur.source.foreign.json_values import read_json, write_json
 from ur.worlds.world_file import Fiducial, WorldModel
 from ur_nodes.simulator.mujoco_model import build_model
@@ -101,7 +101,7 @@ class CameraProcess:
             return RenderedPicture(*(_read(self._process.stdout, size) for size in sizes))
         except (OSError, ValueError, EOFError):
             message = "the simulated camera's process has ended, expected pictures"
-            raise UserError(error(message, rule="no-renderer")) from None
+            raise user_error(message, rule="no-renderer") from None
 
     def kill(self) -> None:
         """End the process while a picture is drawn on another thread, whose `take` fails then."""

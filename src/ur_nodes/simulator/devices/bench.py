@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Protocol
 
 from ur.robot.base import Base
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur_nodes.drivers.registry import FIRMWARES
 from ur_nodes.simulator.devices.plant import Plant
 from ur_nodes.simulator.simulation import Simulation
@@ -60,7 +60,7 @@ def _lock(path: Path) -> int:
     except OSError:
         os.close(number)
         text = f"{path} is a device of another simulator, expected a folder that no other one uses"
-        raise UserError(error(text, rule="no-device-folder", help="give another one: device_folder:=FOLDER")) from None
+        raise user_error(text, rule="no-device-folder", help="give another one: device_folder:=FOLDER") from None
     return number
 
 
@@ -70,10 +70,10 @@ def _make_folder(folder: Path) -> None:
         owner = folder.lstat()
     except OSError as problem:
         text = f"{folder} cannot be made for the devices of the simulated robot: {problem.strerror}"
-        raise UserError(error(text, rule="no-device-folder")) from None
+        raise user_error(text, rule="no-device-folder") from None
     if owner.st_uid != os.geteuid() or folder.is_symlink():
         text = f"{folder} is another user's, expected a folder of your own for the devices of the simulated robot"
-        raise UserError(error(text, rule="no-device-folder", help="give another one: device_folder:=FOLDER"))
+        raise user_error(text, rule="no-device-folder", help="give another one: device_folder:=FOLDER")
 
 
 class Wire(Protocol):
@@ -122,5 +122,5 @@ def list_own_drivers(base: Base) -> dict[str, str]:
     found = {driver.device: driver.protocol for driver in drivers if driver.protocol in FIRMWARES}
     if base.driver is None or base.driver.protocol not in FIRMWARES:
         text = f"base {base.name!r} has no driver of this project, expected one of {', '.join(FIRMWARES)} as its driver"
-        raise UserError(error(text, rule="no-device", help="simulate it without its driver: simulate:=true"))
+        raise user_error(text, rule="no-device", help="simulate it without its driver: simulate:=true")
     return found

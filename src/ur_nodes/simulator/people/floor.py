@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import user_error
 from ur.worlds.world_file import Box, WorldModel
 from ur_nodes.simulator.mujoco_model import PERSON_RADIUS
 
@@ -50,7 +50,7 @@ class WalkableFloor:
         pieces, _ = ndimage.label(self._rooms >= PERSON_RADIUS + _ROOM, np.ones((3, 3)))
         self._free = _join(pieces, start // stride - self._low)
         if not self._free.any():
-            raise UserError(error("people: the world has no floor that they fit on near its start", rule="not-free"))
+            raise user_error("people: the world has no floor that they fit on near its start", rule="not-free")
         self._corner, self._size, self._rows = tuple(self._low.tolist()), self._free.shape, self._free.tolist()
         self._axis = math.cos(plan.origin[2]), math.sin(plan.origin[2])
         self._numbers = np.full(self._free.shape, -1)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import cast
 
 from ur.maps.names import PLACE_NAME, PLACE_RULE
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, user_error
 from ur.source.printable import printable
 from ur.source.suggest import did_you_mean
 from ur_nodes.client.driver_text import DriverRequest
@@ -57,7 +57,7 @@ def check_name(name: str) -> str:
 
 def bad_command_error(message: str, help: str | None = None) -> UserError:
     """Return a UserError about a typed command."""
-    return UserError(error(message, rule="bad-command", help=help))
+    return user_error(message, rule="bad-command", help=help)
 
 
 def error_line(problem: UserError) -> str:

@@ -7,7 +7,7 @@ from ur.check.example_parts import PROGRAM_HEAD, make_talk_launch
 from ur.check.rule import Example, LaunchView, ProgramView, Rule, RuleFinding, RuleGroup
 from ur.source.diagnostic import Severity
 from ur.source.file import Span
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import suggest
 
 _HEADINGS = {name: re.compile(rf"^##\s*{name}:\s*\S", re.MULTILINE) for name in ("Summary", "Overview")}
 
@@ -54,9 +54,8 @@ def _find_wrong_launches(view: ProgramView) -> Iterable[RuleFinding]:
         span = Span(view.source, command.start() + file.start(1), command.start() + file.end(1))
         launch = by_name.get(file.group(1))
         if launch is None:
-            near = did_you_mean(file.group(1), by_name)
             message = f"{view.package.name} has no launch file {file.group(1)}, expected one"
-            yield RuleFinding(span, message, f"did you mean {near}?" if near else "check the name")
+            yield RuleFinding(span, message, suggest(file.group(1), by_name) or "check the name")
         else:
             yield from _check_arguments(command, launch, view)
 
@@ -70,12 +69,11 @@ def _check_arguments(command: re.Match[str], launch: LaunchView, view: ProgramVi
     for argument in _ARGUMENT.finditer(command.group()):
         name = argument.group(1)
         if name not in launch.declared and not name.startswith("_"):
-            near = did_you_mean(name, launch.declared)
             known = ", ".join(sorted(launch.declared)) or "none"
             yield RuleFinding(
                 Span(view.source, command.start() + argument.start(1), command.start() + argument.end(1)),
                 f"argument '{name}' is given, but {launch.path} does not declare it",
-                f"did you mean {near}?" if near else f"declared: {known}",
+                suggest(name, launch.declared) or f"declared: {known}",
             )
 
 

@@ -9,7 +9,7 @@ from ur.launchfile.plan.tags.body import TAGS
 from ur.launchfile.query.vocabulary import ATTRIBUTES, INSIDE
 from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Severity
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import did_you_mean, suggest
 
 _REFUSED = frozenset({"ros-root", "ros-package-path", "ros-ip", "ros-hostname"})  # obsolete-machine speaks of these
 
@@ -21,11 +21,10 @@ def _find_unknown_attributes(element: Element, _view: LaunchView) -> Iterable[Ru
     for name in element.attributes:
         if name in known or name in ("if", "unless") or name in _REFUSED or ":" in name:
             continue
-        near = did_you_mean(name, [*known, "if", "unless"])
         yield RuleFinding(
             element.name_span(name),
             f"unknown attribute '{name}' of <{element.name}>, expected one of {', '.join(known)}",
-            f"did you mean {near}?" if near else "remove it: roslaunch ignores it",
+            suggest(name, [*known, "if", "unless"]) or "remove it: roslaunch ignores it",
         )
 
 

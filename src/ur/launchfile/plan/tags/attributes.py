@@ -11,7 +11,7 @@ from ur.launchfile.plan.values.substitute import MissingArgument, substitute
 from ur.launchfile.syntax import Element, SubstitutionProblem
 from ur.source.diagnostic import Note, error
 from ur.source.file import Span
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import did_you_mean, suggest
 
 
 @cache
@@ -26,13 +26,12 @@ def check_attributes(element: Element, known: tuple[str, ...], draft: Draft, sco
     for name in element.attributes:
         if name in known or name in ("if", "unless"):
             continue
-        near = did_you_mean(name, [*known, "if", "unless"])
         draft.warn(
             f"unknown attribute '{name}' of <{element.name}>, expected one of {', '.join(dict.fromkeys(known))}",
             element.name_span(name),
             scope,
             "unknown-attribute",
-            f"did you mean {near}?" if near else "remove it: roslaunch ignores it",
+            suggest(name, [*known, "if", "unless"]) or "remove it: roslaunch ignores it",
         )
 
 
@@ -85,8 +84,10 @@ def _explain_missing_argument(name: str, span: Span, scope: Scope) -> TagRefused
         scope = scope.parent  # arguments of an <include> are resolved in the including file
     declaration = scope.declared.get(name)
     if declaration is None:
-        near = did_you_mean(name, set(scope.declared) | set(scope.args))
-        help_ = f"did you mean {near}?" if near else f'declare it before it is used: <arg name="{name}" default="..."/>'
+        help_ = (
+            suggest(name, set(scope.declared) | set(scope.args))
+            or f'declare it before it is used: <arg name="{name}" default="..."/>'
+        )
         return refuse(
             f"argument '{name}' is not declared, expected <arg name=\"{name}\">",
             span,

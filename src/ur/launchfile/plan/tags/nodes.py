@@ -22,7 +22,7 @@ from ur.launchfile.plan.tags.attributes import (
 from ur.launchfile.plan.tags.params import resolve_param, resolve_rosparam
 from ur.launchfile.plan.tags.simple import read_remap, resolve_env
 from ur.launchfile.syntax import Element
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import did_you_mean, suggest
 
 _READY = re.compile(r"\s{0,100}ready\s{0,100}:")
 _CONDITION = re.compile(r"(topic|service|frame|action)\s+(\S+)(?:\s+(\d+(?:\.\d+)?)\s*Hz)?\Z", re.IGNORECASE)
@@ -273,12 +273,11 @@ def _not_empty(value: str, element: Element, name: str) -> str:
 def _choice(value: str | None, element: Element, name: str, choices: tuple[str, ...]) -> str | None:
     if value is None or value in choices:
         return value
-    near = did_you_mean(value, choices)
     raise refuse(
         f"'{name}' of <{element.name}> is '{value}', expected {' or '.join(choices)}",
         element.value_span(name),
         "bad-choice",
-        f"did you mean {near}?" if near else None,
+        suggest(value, choices),
         expected=choices,
     )
 

@@ -21,7 +21,7 @@ from ur.launchfile.plan.values.substitute import substitute
 from ur.launchfile.plan.values.yaml_values import Document, YamlProblem, read_yaml, read_yaml_once
 from ur.launchfile.syntax import Element, SubstitutionProblem
 from ur.source.file import SourceFile, Span
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import did_you_mean, suggest
 
 PARAM_ATTRIBUTES = ("name", "value", "type", "textfile", "binfile", "command")
 ROSPARAM_ATTRIBUTES = ("command", "ns", "file", "param", "subst_value")
@@ -45,12 +45,11 @@ def resolve_param(element: Element, draft: Draft, scope: Scope, *, force_private
     type_ = read_type(type_name)
     source = sources[0]
     if type_ is None and source != "binfile":
-        near = did_you_mean(type_name, TYPE_NAMES)
         raise refuse(
             f"'type' of <param> is '{type_name}', expected one of {', '.join(TYPE_NAMES)}",
             element.value_span("type"),
             "bad-param-type",
-            f"did you mean {near}?" if near else None,
+            suggest(type_name, TYPE_NAMES),
         )
     text = read_optional(element, source, draft, scope) or ""
     command = text if source == "command" else None
@@ -174,12 +173,11 @@ def resolve_rosparam(element: Element, draft: Draft, scope: Scope) -> None:
             ParamCommand("dump" if command == "dump" else "delete", full_name, file, draft.origin(element.span, scope))
         )
     else:
-        near = did_you_mean(command, ("load", "dump", "delete"))
         raise refuse(
             f"'command' of <rosparam> is '{command}', expected load, dump or delete",
             element.value_span("command"),
             "bad-choice",
-            f"did you mean {near}?" if near else None,
+            suggest(command, ("load", "dump", "delete")),
             expected=("load", "dump", "delete"),
         )
 

@@ -25,7 +25,7 @@ from ur.launchfile.plan.values.budget import (
 )
 from ur.launchfile.plan.values.expression_functions import CONVERSIONS, format_value
 from ur.launchfile.syntax.substitution import SubstitutionProblem
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import suggest
 
 # ruff: noqa: N802 - methods have the names of the nodes of the syntax tree
 
@@ -126,11 +126,10 @@ class Operations:
                 "print the value with a program of your own: <param command=...>",
             )
         known = [*self.known, *self.commands, *functions.CONSTANTS, *functions.MATH, *functions.BUILTINS]
-        near = did_you_mean(name, known)
         raise self.problem(
             f"'{name}' is not known, expected an argument or a function",
             node,
-            f"did you mean {near}?" if near else f'declare it: <arg name="{name}" .../>, or quote it as a text',
+            suggest(name, known) or f'declare it: <arg name="{name}" .../>, or quote it as a text',
             name,
         )
 
@@ -293,8 +292,7 @@ def evaluate_expression(
         start = min(max((problem.offset or 1) - 1, 0) + shift, max(len(text) - 1, 0))
         raise ExpressionProblem(f"not a Python expression: {problem.msg}", start, start + 1, kind=NOT_PYTHON) from None
     except (ValueError, RecursionError, MemoryError) as problem:
-        message = f"not a Python expression: {problem or 'nested too deep'}"
-        raise ExpressionProblem(message, kind=NOT_PYTHON) from None
+        raise ExpressionProblem(f"not a Python expression: {problem or 'nested too deep'}", kind=NOT_PYTHON) from None
     evaluator = Evaluator(stripped, shift, commands, look_up, known, budget or Budget())
     evaluator.budget.begin()
     try:

@@ -16,7 +16,7 @@ from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.plan.values.convert import guess_value
 from ur.launchfile.syntax.substitution import COMMANDS, Substitution, SubstitutionProblem, is_eval, parse_substitutions
 from ur.launchfile.world.protocol import PackageNotFound, World
-from ur.source.suggest import did_you_mean, get_command
+from ur.source.suggest import did_you_mean, get_command, suggest
 
 MAX_RESULT = 1024 * 1024
 
@@ -177,11 +177,9 @@ def find_path(package: str, path: str, start: int, end: int, world: World) -> st
         folder = world.find_package(package)
         return os.path.join(folder, path) if path else folder
     except PackageNotFound:
-        near = did_you_mean(package, world.package_names())
         help_ = (
-            f"did you mean {near}?"
-            if near
-            else f"{get_command(package)}, or put the folder that holds it on ROS_PACKAGE_PATH (source its setup.bash)"
+            suggest(package, world.package_names())
+            or f"{get_command(package)}, or put the folder that holds it on ROS_PACKAGE_PATH (source its setup.bash)"
         )
         raise SubstitutionProblem(
             f"package '{package}' is not found, expected an installed one",

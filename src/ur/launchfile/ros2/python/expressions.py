@@ -33,7 +33,7 @@ from ur.launchfile.ros2.python.objects import (
 )
 from ur.launchfile.ros2.python.statements import is_generator
 from ur.source.file import SourceFile, Span
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import suggest
 
 _BUILT = re.compile(r"@\w+@")
 _PER_EVAL = 500  # units of work
@@ -108,12 +108,11 @@ class Expressions(Evaluator):
             return self._evaluate
         if node.id in BUILTINS:
             return self.unknown(f"'{node.id}' is not computed while reading", node)
-        near = did_you_mean(node.id, self.frame.names())
         raise DescriptionProblem(
             f"'{node.id}' is not defined, expected a name that is imported or assigned before",
             "undefined-name",
             self.span(node),
-            f"did you mean {near}?" if near else "import it, or assign it",
+            suggest(node.id, self.frame.names()) or "import it, or assign it",
             node.id,
         )
 

@@ -28,7 +28,7 @@ from ur.robot.setup.ros2.take_over import (
 from ur.robot.setup.wanted import Wanted, WantedFile
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
-from ur.source.diagnostic import UserError, error_about
+from ur.source.diagnostic import user_error_about
 
 PATIENCE = 60.0  # s for a driver to restart
 _MUX = f"{PREFIX}{MUX_NODE}.service"
@@ -62,13 +62,11 @@ def take_over(shell: SshShell, robot: WantedRobot, report: Callable[[str], None]
     _, count = apply_states(shell, lambda _: files, user, request, root=True, report=report_change)
     if count and not _wait_remapped(shell, plan):
         give_back(shell, report)
-        raise UserError(
-            error_about(
-                shell.destination,
-                f"the nodes of {plan.unit} take {', '.join(plan.topics)} also after they were remapped",
-                rule="no-take-over",
-                help="the unit is as before; remap the driver in its own launch file: docs/how-to/ros2.md",
-            )
+        raise user_error_about(
+            shell.destination,
+            f"the nodes of {plan.unit} take {', '.join(plan.topics)} also after they were remapped",
+            rule="no-take-over",
+            help="the unit is as before; remap the driver in its own launch file: docs/how-to/ros2.md",
         )
     ros2 = replace(robot.ros2, commands=robot.ros2.commands.removesuffix(SUFFIX) + SUFFIX)
     later = replace(robot, ros2=ros2)
