@@ -16,8 +16,7 @@ from ur.launchfile.world.overlay import OverlayWorld
 from ur.source.diagnostic import Diagnostic, UserError, user_error, user_error_about
 from ur.source.file import Span
 from ur.source.foreign.yaml_text import load_yaml
-from ur.tools.format.layout import lay_out, lay_out_yaml
-from ur.tools.format.order import is_title, sort_pieces
+from ur.tools.format.layout import is_title, lay_out, lay_out_yaml, sort_pieces
 from ur.tools.format.pieces import Tag, end_of, read_pieces
 
 
