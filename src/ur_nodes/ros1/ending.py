@@ -1,7 +1,5 @@
 """Callbacks during the end of a node."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable
 from typing import ParamSpec

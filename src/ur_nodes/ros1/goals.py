@@ -1,7 +1,5 @@
 """Goals as upstream's navigation takes them: the action move_base_msgs/MoveBaseAction, and ACTION_simple/goal."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import rospy

@@ -1,7 +1,5 @@
 """A node of ROS 1."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Mapping
 from functools import partial

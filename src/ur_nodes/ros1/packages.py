@@ -1,7 +1,5 @@
 """Folders of installed packages of ROS 1."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import rospkg

@@ -1,7 +1,5 @@
 """The start of a node on ROS 1, until its end; user errors become one clear line instead of a traceback."""
 
-from __future__ import annotations
-
 import contextlib
 import logging
 import os

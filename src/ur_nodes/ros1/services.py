@@ -1,7 +1,5 @@
 """Servers and clients of services of ROS 1, on the node's thread."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any, TypeVar

@@ -1,7 +1,5 @@
 """Rules about launch files in Python, and what launch files of ROS 2 construct; reported while these are resolved."""
 
-from __future__ import annotations
-
 from ur.check.rule import Example, Rule, RuleGroup, launch_example
 from ur.source.diagnostic import Severity
 

@@ -1,7 +1,5 @@
 """The nodes of a launch file in every case, and the tree of files and nodes that it starts for each base."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 

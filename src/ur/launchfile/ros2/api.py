@@ -3,8 +3,6 @@
 Source: the signatures of launch 3.x and launch_ros 0.2x, from Jazzy to Rolling.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache

@@ -1,7 +1,5 @@
 """A program on two computers: the robot's nodes in a detached run on the robot, the others on this computer."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """Verification of a robot from both ends, as a user and a ROS node would use it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The thread that reads the connections of a recorder."""
 
-from __future__ import annotations
-
 import os
 import select
 import socket

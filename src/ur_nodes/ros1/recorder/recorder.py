@@ -1,7 +1,5 @@
 """A recorder of ROS 1: connects to the publishers of topics, as rospy's subscribers do, but unknown to the master."""
 
-from __future__ import annotations
-
 import logging
 import time
 from collections.abc import Callable, Sequence

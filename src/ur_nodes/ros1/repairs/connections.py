@@ -17,8 +17,6 @@ connect again. Those of roscpp do, too, such as RViz, once they are notified tha
 `half_open`). Those of a plain rospy do not; TCP itself brings their connections back, later.
 """
 
-from __future__ import annotations
-
 import logging
 import socket
 import threading

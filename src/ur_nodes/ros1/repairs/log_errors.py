@@ -4,8 +4,6 @@ One line in place of a traceback for each message, and no exception in the code 
 killed still has motors to stop.
 """
 
-from __future__ import annotations
-
 import logging
 import sys
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The link `latest` to the newest folder of logs, which the program that starts a run makes."""
 
-from __future__ import annotations
-
 from rosgraph import roslogging
 
 

@@ -3,8 +3,6 @@
 rospy would send that node each stamp through a connection to itself.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import genpy

@@ -5,8 +5,6 @@ the last one. Here the thread that publishes sends, as far as the kernel takes t
 does not take goes to the thread, for which at most as many messages wait as the queue is long, as rospy has it.
 """
 
-from __future__ import annotations
-
 import socket
 import time
 from collections.abc import Iterable

@@ -9,8 +9,6 @@ Connections within one computer are left alone: there is no network between them
 must not lose them.
 """
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import ipaddress

@@ -4,8 +4,6 @@
 its callers in many places, all of them with the transport that `xmlrpc.client` names `Transport`.
 """
 
-from __future__ import annotations
-
 import errno
 import http.client
 import socket

@@ -3,8 +3,6 @@
 The driver's unit gets a drop-in: its node, or all nodes of its launch file, are remapped to other velocity topics.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
