@@ -60,6 +60,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         *("ur.source", "ur.system"),
         *("ur_nodes.file_facts", "ur_nodes.loop", "ur_nodes.memory", "ur_nodes.ports"),
     ),
+    "ur_nodes.fork_server": ("ur.run.host", "ur_nodes.run"),
     "ur_nodes.ros1": (
         "ur.source",
         "ur_nodes.geometry",

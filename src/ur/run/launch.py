@@ -30,6 +30,7 @@ from ur.run.startup.node_selection import find_remote, find_terminals, force_opt
 from ur.run.supervisor.events import Event, SetupFailed, ShareFailed, ShareStarted
 from ur.run.supervisor.state import Planned
 from ur.source.diagnostic import Diagnostic, UserError, user_error
+from ur.source.project import launch_library
 from ur.source.run_users import FOLDER_VARIABLE, note_user, read_birth
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
             node.terminal for node in nodes
         ):  # such a program shows the robot's other users; other programs get the environment of roslaunch
             environment[FOLDER_VARIABLE] = entry.folder
-        _begin(host, environment, entry, keep_terminal=keep_terminal)
+        _begin(host, environment, entry, keep_terminal=keep_terminal, server=fork_command(programs, environment))
         terminal = None if detached else find_terminal()
         ignore_background_write()
         _announce(console, middleware, folder=folder, nodes=len(nodes))
@@ -100,9 +101,19 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         commands.stop()
 
 
-def _begin(host: ProcessHost, environment: Mapping[str, str], entry: RunEntry, *, keep_terminal: bool) -> None:
+def fork_command(programs: Sequence[UnitProgram], environment: Mapping[str, str]) -> tuple[str, ...]:
+    """Return the command of the process that forks nodes of this project; () for fewer than two, or with a debugger."""
+    modules = [program.module[0] for program in programs if program.module]
+    if len(modules) < 2 or environment.get("UR_NODE_PYTHON_OPTIONS"):
+        return ()
+    return (str(launch_library() / "lib/node"), "ur_nodes.fork_server", *dict.fromkeys(modules))
+
+
+def _begin(
+    host: ProcessHost, environment: Mapping[str, str], entry: RunEntry, *, keep_terminal: bool, server: tuple[str, ...]
+) -> None:
     try:
-        host.begin(environment, keep_terminal=keep_terminal)
+        host.begin(environment, keep_terminal=keep_terminal, server=server)
     except HostLost:
         unregister_run(entry)
         message = "the process host was killed before anything was started"

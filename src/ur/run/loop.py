@@ -100,6 +100,7 @@ class _Start(NamedTuple):
     stdio: tuple[int, int, int]
     given: list[int]
     session_mode: str
+    words: tuple[str, ...] = ()
 
 
 class Starts:
@@ -128,7 +129,8 @@ class Starts:
         else:
             alone = unit.core or self._run.terminal_program is not None
             stdio, given = self._outputs.wire(program)
-            self._prepared.append(_Start(program, argv, stdio, given, SESSION if alone else GROUP))
+            words = (*program.module, *argv[1:]) if program.module else ()
+            self._prepared.append(_Start(program, argv, stdio, given, SESSION if alone else GROUP, words))
         if len(self._prepared) >= MOST_STARTS:
             self.send()
 
@@ -138,7 +140,7 @@ class Starts:
             program = each.program
             cwd = program.cwd or self._run.home
             self._host.start_process(
-                program.unit.name, each.argv, cwd, dict(program.changes), each.stdio, each.session_mode
+                program.unit.name, each.argv, cwd, dict(program.changes), each.stdio, each.session_mode, each.words
             )
             for descriptor in each.given:
                 os.close(descriptor)

@@ -1,9 +1,9 @@
 """Messages between the supervisor and the process host over a socket pair.
 
-Messages are tuples. To the host: first `("begin", environment, keep_terminal)`, then `("start", name, argv, cwd,
-changes, session_mode)` with the three open files of standard input, output and error, `("signal", name, signum)`,
-`("sweep", signum)`. From it: `("started", name, pid)`, `("failed", name, errno, what)`, `("exited", name, code,
-signum)`, `("stopped", name)`, `("empty",)`.
+Messages are tuples. To the host: first `("begin", environment, keep_terminal, server)`, then `("start", name, argv,
+cwd, changes, session_mode, words)` with the three open files of standard input, output and error, `("signal", name,
+signum)`, `("sweep", signum)`. From it: `("started", name, pid)`, `("failed", name, errno, what)`, `("exited", name,
+code, signum)`, `("stopped", name)`, `("empty",)`.
 """
 
 from __future__ import annotations

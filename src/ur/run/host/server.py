@@ -22,6 +22,7 @@ from ur.run.host.descendants import (
     signal_group,
 )
 from ur.run.host.fork import NOT_EXECUTED, ProcessCreator
+from ur.run.host.forks import NodeForks
 from ur.run.host.protocol import FOREGROUND, pack, receive
 from ur.run.host.signals import IGNORED, signal
 from ur.run.host.terminal import restore_terminal
@@ -63,6 +64,7 @@ class _Host:
         # The supervisor may be busy sending; if both waited for the other to receive, both would block forever.
         self._unsent = bytearray()
         self._creator = ProcessCreator()
+        self._forks = NodeForks()
         self._names: dict[int, str] = {}  # by process id
         self._pids: dict[str, int] = {}
         self._environment: dict[str, str] = {}
@@ -80,6 +82,8 @@ class _Host:
         while True:
             waiting = self._creator.waiting
             poll.register(link, select.POLLIN | (select.POLLOUT if self._unsent and not waiting else 0))
+            if (forks := self._forks.fileno()) >= 0:
+                poll.register(forks, select.POLLIN)
             ready = dict(poll.poll(0 if waiting else None))
             readable = ready.get(link, 0) & ~select.POLLOUT
             if waiting and (not readable or waiting >= MOST_WAITING):
@@ -87,8 +91,12 @@ class _Host:
             if self._wake in ready:
                 _drain(self._wake)
                 self._reap()
+            if forks in ready:
+                self._adopt_forked()
             if readable:
                 self._handle_request(*receive(self._link))
+            if forks >= 0 and self._forks.fileno() < 0:
+                poll.unregister(forks)
             if not self._creator.waiting:
                 self._flush()
 
@@ -111,22 +119,29 @@ class _Host:
         if message[0] != "start":
             self._creator.release()
         match message:
-            case ("start", name, argv, cwd, changes, session_mode):
-                self._start(name, argv, cwd, changes, session_mode, descriptors)
+            case ("start", name, argv, cwd, changes, session_mode, words):
+                start = (name, argv, cwd, changes, session_mode, descriptors)
+                if not words or not self._forks.request(start, words):
+                    self._start(*start)
             case ("signal", name, signum):
+                if name in self._forks.waiting:
+                    self._execute_waiting()  # it ends at once, while the server may import for long
                 pid = self._pids.get(name)
                 if pid is not None:
                     signal_group(pid, signum)
             case ("sweep", signum):
                 self._sweeping = signum
+                self._forks.end()
                 signal_descendants(signum)
                 self._reap()
-            case ("begin", environment, keep_terminal):
+            case ("begin", environment, keep_terminal, server):
                 self._environment = environment
                 if keep_terminal:
                     os.setpgid(0, 0)
                 else:
                     os.setsid()
+                if server:
+                    self._forks.begin(self._creator, server, environment)
         for descriptor in descriptors:
             os.close(descriptor)
 
@@ -143,9 +158,32 @@ class _Host:
         except OSError as problem:
             self._send("failed", name, problem.errno, "")
             return
+        self._note_started(name, pid)
+
+    def _note_started(self, name: str, pid: int) -> None:
         self._names[pid] = name
         self._pids[name] = pid
         self._send("started", name, pid)
+
+    def _adopt_forked(self) -> None:
+        forked = self._forks.receive()
+        if forked is None:
+            self._execute_waiting()
+            return
+        name, pid, gate = forked
+        self._note_started(name, pid)
+        try:
+            os.write(gate, b"1")
+        except BrokenPipeError:  # it was killed before this process knew it
+            del self._names[pid], self._pids[name]
+            self._send("exited", name, None, signal.SIGKILL)
+        os.close(gate)
+
+    def _execute_waiting(self) -> None:
+        for start in self._forks.end():
+            self._start(*start)
+            for descriptor in start[-1]:
+                os.close(descriptor)
 
     def _reap(self) -> None:
         while True:

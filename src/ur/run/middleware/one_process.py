@@ -1,7 +1,6 @@
 """One process for all nodes of a run, if no ROS is installed."""
 
 import json
-import re
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,18 +13,15 @@ from ur.run.middleware.facts import write_facts
 from ur.run.middleware.parameter_files import find_descriptions
 from ur.run.middleware.ros2 import DomainMiddleware, find_domain, list_others
 from ur.run.options import RunOptions
-from ur.run.process.command import UnitProgram
+from ur.run.process.command import UnitProgram, read_module
 from ur.run.supervisor.events import Event, ParametersSet, SetupFailed
 from ur.source.diagnostic import UserError, user_error
-from ur.source.foreign.files import read_text
 from ur.system.ros import viewer_socket
 
 ALL_NODES = "/nodes"
 """The name of the process, where no node has the terminal."""
 
 _MODULE = "ur_nodes.one_process.host"
-_STARTS = re.compile(r'^exec .*/lib/node" (.+) "\$@"$', re.MULTILINE)
-_LONGEST = 1 << 16  # characters of an executable
 _SIMULATED_TIME = "/use_sim_time"
 
 
@@ -72,6 +68,7 @@ class ProcessMiddleware(DomainMiddleware):
                 ready=tuple(each for program in programs for each in program.ready),
                 executable=sys.executable,
                 names_log=False,
+                module=(),
             ),
         )
 
@@ -114,8 +111,8 @@ def refuse_second_run(environment: Mapping[str, str], own: int | None = None) ->
 
 def describe_start(program: UnitProgram, node: NodeSpec) -> dict[str, object]:
     """Describe the start of a node, as `ur_nodes.one_process.host` reads it. Raises UserError."""
-    words = _read_start(program.executable)
-    if words is None or node.launch_prefix:
+    words = read_module(program.executable)
+    if not words or node.launch_prefix:
         reason = (
             f"launch-prefix {node.launch_prefix!r} needs a process" if words else f"{program.executable} is a program"
         )
@@ -135,12 +132,3 @@ def describe_start(program: UnitProgram, node: NodeSpec) -> dict[str, object]:
         "respawn_delay": node.respawn_delay,
         "terminal": node.terminal,
     }
-
-
-def _read_start(executable: str) -> tuple[str, ...] | None:
-    """Return the module that an executable of this project runs, and its first arguments; None for other programs."""
-    try:
-        found = _STARTS.search(read_text(executable, _LONGEST))
-    except (OSError, ValueError, UserError):
-        return None
-    return tuple(found[1].split()) if found else None

@@ -4,6 +4,7 @@ Sources: roslaunch's `node_args.create_local_process_args`, `core.setup_env` and
 """
 
 import os
+import re
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,9 +15,14 @@ from ur.launchfile.world import PackageNotFound, World
 from ur.run.supervisor.state import Unit
 from ur.source.arguments import split_words
 from ur.source.diagnostic import Diagnostic, UserError, error
+from ur.source.foreign.files import read_text
+from ur.source.project import launch_library
 from ur.source.suggest import did_you_mean, get_command
 from ur.system.debian_root import install_command
 
+_STARTS = re.compile(r'^exec .*/lib/node" (.+) "\$@"$', re.MULTILINE)
+_OURS = {"UR_MAP_FILE"}  # variables of the environment that nodes read after their start
+_LONGEST = 1 << 16  # characters of an executable
 _OWN = "ubiquity_launches"
 """The package whose executables have the names of those that they stand in for."""
 
@@ -30,6 +36,7 @@ class UnitProgram:
     argument of `argv` that is the node's own program. `names_log`: it gets the path of its log as an argument, as nodes
     of ROS 1 do. `files` are texts by name, which are written into the folder of the run: `argv` has `PRIVATE` before
     these names. With None the middleware adds its arguments. `emulates_terminal`: its output goes to pseudo terminals.
+    `module` is that of a node of this project, with its first arguments, which may be forked (`ur.run.host.forks`).
     """
 
     unit: Unit
@@ -43,6 +50,7 @@ class UnitProgram:
     names_log: bool = True
     files: tuple[tuple[str, str], ...] | None = None
     emulates_terminal: bool = False
+    module: tuple[str, ...] = ()
 
 
 PRIVATE = "\0/"
@@ -98,7 +106,23 @@ def find_program(node: NodeSpec, world: World, number: int) -> UnitProgram:
         screen=node.output == "screen",
         ready=node.ready,
         executable=executable,
+        module=() if prefix or node.terminal or not _OURS.issuperset(dict(node.env)) else _find_own_module(executable),
     )
+
+
+def _find_own_module(executable: str) -> tuple[str, ...]:
+    """Return what `read_module` does for an executable of this installation; () for all others."""
+    words = read_module(executable) if executable.startswith(f"{launch_library()}/") else ()
+    return words if words and words[0].startswith("ur_nodes.") else ()
+
+
+def read_module(executable: str) -> tuple[str, ...]:
+    """Return the module that an executable of this project runs, and its first arguments; () for other programs."""
+    try:
+        found = _STARTS.search(read_text(executable, _LONGEST))
+    except (OSError, ValueError, UserError):
+        return ()
+    return tuple(found[1].split()) if found else ()
 
 
 def find_executable(node: NodeSpec, world: World) -> str:

@@ -37,9 +37,12 @@ class ProcessHost:
         """Return a descriptor that is readable when there is something to receive."""
         return self._link.fileno()
 
-    def begin(self, environment: Mapping[str, str], *, keep_terminal: bool) -> None:
-        """Send, before any start, the environment of processes, and whether one of them needs the terminal."""
-        self._send(("begin", dict(environment), keep_terminal))
+    def begin(self, environment: Mapping[str, str], *, keep_terminal: bool, server: tuple[str, ...] = ()) -> None:
+        """Send, before any start, the environment of processes, and whether one of them needs the terminal.
+
+        `server` is the command of a process that forks nodes (`ur.run.host.forks`), empty for none.
+        """
+        self._send(("begin", dict(environment), keep_terminal, server))
 
     def start_process(
         self,
@@ -49,13 +52,15 @@ class ProcessHost:
         changes: Mapping[str, str | None],
         stdio: tuple[int, int, int],
         session_mode: str = SESSION,
+        words: tuple[str, ...] = (),
     ) -> None:
         """Start a program; `session_mode` is SESSION, GROUP or FOREGROUND of `ur.run.host.protocol`.
 
         `changes` override the environment, None removes a variable. `stdio` are open files; they may be closed after
-        this call. The answer is Started, or StartFailed.
+        this call. `words` are the module of a node that the server may fork instead, and its arguments. The answer is
+        Started, or StartFailed.
         """
-        self._send(("start", name, argv, cwd, dict(changes), session_mode), stdio)
+        self._send(("start", name, argv, cwd, dict(changes), session_mode, words), stdio)
 
     def signal_process(self, name: str, signum: int) -> None:
         """Signal the process group of a unit, if it is still running."""

@@ -1,0 +1,121 @@
+"""Nodes that are forked from one process: the host and `ur_nodes.fork_server` together, without ROS."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+from ur.run.host.forks import NodeForks
+
+NODE = """import os, sys
+import shared
+if __name__ == "__main__":
+    with open("/proc/self/cmdline", "rb") as file:
+        command = file.read().rstrip(b"\\0").decode().split("\\0")
+    print("shared", shared.MADE_BY != os.getpid(), "leads", os.getpgid(0) == os.getpid(), os.getsid(0) == os.getpid())
+    print("is", *sys.argv[1:], "in", os.getcwd(), "with", os.environ.get("GIVEN"), os.environ.get("TAKEN"))
+    print("shown as", *command[4:], flush=True)
+    if "wait" in sys.argv:
+        import signal
+        signal.pause()
+    raise SystemExit(5)
+"""
+# In a process of its own: whoever starts a host inherits orphans from then on.
+DRIVER = """
+import os, signal, sys
+from ur.run.process.host_client import start_host
+from ur.run.supervisor.events import Exited, Started
+folder = sys.argv[1]
+host = start_host()
+null = os.open(os.devnull, os.O_RDWR)
+server = (sys.executable, "-I", "-m", "ur_nodes", "ur_nodes.fork_server", "little")
+environment = {"PATH": "/usr/bin:/bin", "PYTHONPATH": folder, "ROS_VERSION": "0", "TAKEN": "no"}
+host.begin(environment, keep_terminal=False, server=server)
+
+def start(name, *arguments, mode="group"):
+    with open(f"{folder}/{name}", "wb") as file:
+        words = ("little", *arguments)
+        changes = {"GIVEN": name, "TAKEN": None}
+        host.start_process(name, ["/bin/echo", "executed"], folder, changes, (null, file.fileno(), null), mode, words)
+
+def receive():
+    event = host.receive()
+    if isinstance(event, Started):
+        with open(f"/proc/{event.pid}/stat") as file:
+            print("started", event.name, file.read().rpartition(")")[2].split()[1] != str(os.getpid()), flush=True)
+        return event.pid
+    print("exited", event.name, event.status.code, event.status.signal, flush=True)
+"""
+
+
+def drive(folder: Path, script: str) -> list[str]:
+    """Run a script with a host; return what it printed."""
+    (folder / "little.py").write_text(NODE)
+    (folder / "shared.py").write_text("import os\nMADE_BY = os.getpid()\n")
+    command = [sys.executable, "-c", DRIVER + script + "\nhost.close()\n", str(folder)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=True).stdout.splitlines()
+
+
+def test_forked_node_has_session_folder_environment_and_arguments_of_its_own(tmp_path: Path) -> None:
+    lines = drive(tmp_path, "start('one', 'a', '__name:=one')\nreceive()\nreceive()\n")
+    assert lines == ["started one True", "exited one 5 None"]
+    assert (tmp_path / "one").read_text().splitlines() == [
+        "shared True leads True False",
+        f"is a __name:=one in {tmp_path} with one None",
+        "shown as little a __name:=one",
+    ]
+
+
+def test_forked_node_leads_a_session_where_that_is_requested(tmp_path: Path) -> None:
+    drive(tmp_path, "start('one', mode='session')\nreceive()\nreceive()\n")
+    assert (tmp_path / "one").read_text().splitlines()[0] == "shared True leads True True"
+
+
+def test_signal_reaches_a_forked_node_and_its_end_is_reported(tmp_path: Path) -> None:
+    script = "start('one', 'wait')\nreceive()\nhost.signal_process('one', signal.SIGTERM)\nreceive()\n"
+    assert drive(tmp_path, script) == ["started one True", "exited one None 15"]
+
+
+def test_node_whose_server_was_killed_is_executed_instead(tmp_path: Path) -> None:
+    script = """
+start('one', 'wait')
+pid = receive()
+with open(f"/proc/{pid}/stat") as file:
+    parent = file.read().rpartition(")")[2].split()[1]
+for each in filter(str.isdigit, os.listdir("/proc")):
+    try:
+        with open(f"/proc/{each}/stat") as file, open(f"/proc/{each}/cmdline") as command:
+            if file.read().rpartition(")")[2].split()[1] == parent and "fork_server" in command.read():
+                os.kill(int(each), signal.SIGKILL)
+    except OSError:
+        pass
+start('two')
+receive()
+receive()
+host.signal_process('one', signal.SIGINT)
+receive()
+"""
+    assert drive(tmp_path, script) == [
+        "started one True",
+        "started two True",
+        "exited two 0 None",
+        "exited one 130 None",
+    ]
+    assert (tmp_path / "two").read_text() == "executed\n"
+
+
+def test_forked_nodes_end_with_the_host(tmp_path: Path) -> None:
+    script = """
+import select
+start('one', 'wait')
+watch = os.pidfd_open(receive())
+host.close()
+print("ended", select.select([watch], [], [], 60)[0] == [watch])
+"""
+    assert drive(tmp_path, script) == ["started one True", "ended True"]
+
+
+def test_nodes_are_executed_where_no_server_runs() -> None:
+    forks = NodeForks()
+    assert not forks.request(("one", ["/bin/true"], "/", {}, "group", []), ("little",))
+    assert forks.fileno() == -1
+    assert forks.end() == []
