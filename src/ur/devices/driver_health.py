@@ -89,7 +89,7 @@ def describe_errors(record: MotionRecord) -> str:
 
 OBSERVE_DRIVERS = f"""\
 for f in "${{XDG_RUNTIME_DIR:-/run/user/$(id -u)}}/{FOLDER}"/*.json \
-"${{XDG_STATE_HOME:-$HOME/.local/state}}/{FOLDER}"/*.json; do
+"${{XDG_STATE_HOME:-$HOME/.local/state}}/{FOLDER}"/*.json /run/ubiquity-*/{FOLDER}/*.json; do
 [ ! -f "$f" ] || echo "$(($(date +%s) - $(stat -c %Y "$f"))) $(head -c {_LONGEST} "$f")"
 done | head -n {_MOST_FILES}"""
 """The script that prints them: a line each, with its age in seconds."""
@@ -117,7 +117,8 @@ def parse_records(text: str, kind: type[Record]) -> tuple[Record, ...]:
 def health_file(node: str, environment: Mapping[str, str] = os.environ) -> Path:
     """Return the file of the driver that is a node of this name."""
     name = "".join(each if each.isalnum() or each in "_-" else "." for each in node.strip("/"))
-    return Path(runtime_folder(environment), FOLDER, f"{name or 'driver'}.json")
+    folder = environment.get("RUNTIME_DIRECTORY") or runtime_folder(environment)  # of a boot unit, never on the card
+    return Path(folder, FOLDER, f"{name or 'driver'}.json")
 
 
 def write_health(path: Path, health: PrintableValue) -> str:

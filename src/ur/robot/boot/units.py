@@ -15,9 +15,11 @@ from ur.source.project import STATE_FOLDER
 PREFIX = "ubiquity-"
 GUARD = "motor-guard"
 MASTER = "master"
+QUIET_MASTER = ("--master-logger-level", "warn")  # it logs each parameter, as amcl keeps its pose every 2 s
 # The number of threads by which a master informs nodes of new publishers. Each waits up to two minutes for a node that
 # the network has lost; with rosmaster's 3, three nodes of a viewer delay all updates of the robot's own nodes.
 MASTER_WORKERS = 32
+MASTER_OPTIONS = ("-w", str(MASTER_WORKERS), *QUIET_MASTER)
 FOLDER = "/etc/systemd/system"
 # The folders of this project on a robot: a clone, the copy that `ur robot setup` makes, or one from a wheel.
 LIBRARIES = ("catkin_ws/src/ubiquity_launches", "ubiquity_launches", STATE_FOLDER)
@@ -171,7 +173,7 @@ class UnitFile:
 def master_unit(user: str, home: str) -> UnitFile:
     """Return the unit that keeps a ROS master running as a user, and sets the robot's base on it."""
     then = ["/usr/bin/python3", "-I", "-c", set_base_script()]
-    return _unit(MASTER, command_line(["roscore", "-w", str(MASTER_WORKERS)]), user, home, then=then)
+    return _unit(MASTER, command_line(["roscore", *MASTER_OPTIONS]), user, home, then=then)
 
 
 def set_base_script(path: Path = ROBOT_FILE, *, seconds: float = 60.0) -> str:

@@ -160,7 +160,7 @@ def find_master_programs(master: Master, world: World, options: RunOptions) -> t
                 help=f"sudo apt-get install {package}",
             )
     assert rosmaster is not None
-    from ur.robot.boot.units import MASTER_WORKERS  # imported late: only if a master is started
+    from ur.robot.boot.units import MASTER_WORKERS, QUIET_MASTER  # imported late: only if a master is started
 
     argv = (
         rosmaster,
@@ -169,10 +169,11 @@ def find_master_programs(master: Master, world: World, options: RunOptions) -> t
         str(master.port),
         "-w",
         str(options.workers or MASTER_WORKERS),
-        *options.master_words,
+        *QUIET_MASTER,
+        *options.master_words,  # the last level counts
     )
     return (
-        UnitProgram(Unit(MASTER, core=True, required=True), argv, log_name="master"),
+        UnitProgram(Unit(MASTER, core=True, required=True), argv, (("MALLOC_ARENA_MAX", "1"),), log_name="master"),
         UnitProgram(
             Unit(ROSOUT, core=True, respawn=True),
             (rosout[0], "__name:=rosout"),

@@ -23,6 +23,7 @@ from ur_nodes.ports.values import StampedTwist, Time, Twist
 
 _EVERY = 5.0  # s
 _PERIOD = 1.0  # s
+_AGAIN = 60.0  # s until the log has the same again
 _SHOWN = 10.0  # s after the last command that was refused
 
 
@@ -41,7 +42,7 @@ class RefusalReports:
 
     def report(self, text: str, help: str) -> None:
         """Report what is refused, and how to be accepted."""
-        self._log.warn(f"{text}; help: {help}" if help else text)
+        self._log.warn(f"{text}; help: {help}" if help else text, every=_AGAIN)
         self._refused, self._at = RefusedCommands(text[:300], help[:300]), self._node.steady()
 
     def go_on(self) -> None:
