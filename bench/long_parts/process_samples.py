@@ -14,11 +14,12 @@ _LARGEST_LOGS = 512.0 + 200.0  # MB: the bound of a run, and what rosout's own r
 
 @dataclass(frozen=True, slots=True)
 class ProcessSample:
-    """Memory in MB (10^6 bytes, proportional set size), open files and threads of one process."""
+    """Memory in MB (10^6 bytes, proportional set size), open files, threads and MB written to disks by one process."""
 
     memory: float
     files: int
     threads: int
+    written: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +41,8 @@ def take_sample(pid: int, logs: Path, minutes: float) -> Sample:
             while name in found:
                 name += "'"
             memory = process.memory_full_info().pss / 1e6
-            found[name] = ProcessSample(memory, process.num_fds(), process.num_threads())
+            written = process.io_counters().write_bytes / 1e6
+            found[name] = ProcessSample(memory, process.num_fds(), process.num_threads(), written)
     size = sum(path.lstat().st_size for path in logs.rglob("*") if path.is_file() and not path.is_symlink())
     return Sample(minutes, found, size / 1e6)
 
@@ -49,7 +51,8 @@ def describe_growth(samples: Sequence[Sample], warm: float) -> tuple[list[str], 
     """A table of each process after `warm` minutes, with its growth an hour; and what grows."""
     kept = [sample for sample in samples if sample.minutes >= warm]
     names = sorted(set.intersection(*(set(sample.processes) for sample in kept)))
-    lines = [f"  {'from minute ' + format(kept[0].minutes, 'g'):<24}{'MB':>8}{'MB/h':>8}{'files':>12}{'threads':>12}"]
+    titles = "".join(f"{title:>12}" for title in ("kB written", "files", "threads"))
+    lines = [f"  {'from minute ' + format(kept[0].minutes, 'g'):<24}{'MB':>8}{'MB/h':>8}{titles}"]
     growing = []
     for name in names:
         each = [sample.processes[name] for sample in kept]
@@ -57,7 +60,8 @@ def describe_growth(samples: Sequence[Sample], warm: float) -> tuple[list[str], 
         rise = slope * (kept[-1].minutes - kept[0].minutes) / 60.0
         first, last = each[0], each[-1]
         files, threads = f"{first.files} -> {last.files}", f"{first.threads} -> {last.threads}"
-        lines.append(f"  {name:<24}{last.memory:8.1f}{slope:8.2f}{files:>12}{threads:>12}")
+        written = f"{1e3 * (last.written - first.written):.0f}"
+        lines.append(f"  {name:<24}{last.memory:8.1f}{slope:8.2f}{written:>12}{files:>12}{threads:>12}")
         if rise > max(_RISE, _SHARE * first.memory):
             growing.append(f"memory of {name}")
         if has_risen([process.files for process in each]):

@@ -7,7 +7,7 @@ from bench.long_parts.process_samples import ProcessSample, Sample, describe_gro
 
 def samples(memory: list[float], files: list[int], logs: float = 1.0) -> list[Sample]:
     return [
-        Sample(15.0 * index, {"node": ProcessSample(each, count, 3)}, logs)
+        Sample(15.0 * index, {"node": ProcessSample(each, count, 3, 0.1 * index)}, logs)
         for index, (each, count) in enumerate(zip(memory, files, strict=True))
     ]
 
@@ -32,6 +32,7 @@ def test_each_kind_of_growth_is_named() -> None:
     lines, growing = describe_growth(samples([50.0, 52.0, 54.0, 56.0, 58.0], [4, 5, 6, 7, 8], 1000.0), warm=0.0)
     assert growing == ["memory of node", "open files of node", "log files, above their bound"]
     assert "8.00" in lines[1]  # MB an hour
+    assert lines[1].split()[3] == "400"  # kB written
 
 
 def test_sample_names_the_process_and_counts_its_log_files(tmp_path: Path) -> None:
