@@ -25,7 +25,7 @@ from ur.run.host.descendants import PR_SET_PDEATHSIG
 from ur.run.host.protocol import SESSION, receive, send
 from ur_nodes.run import backend_name
 
-IDLE = 60.0  # s
+IDLE = 30.0  # s
 _NOT_STARTED = 127  # exit code
 _ALL_LATER = {
     "ros1": (

@@ -119,3 +119,16 @@ def test_nodes_are_executed_where_no_server_runs() -> None:
     assert not forks.request(("one", ["/bin/true"], "/", {}, "group", []), ("little",))
     assert forks.fileno() == -1
     assert forks.end() == []
+
+
+def test_forked_nodes_end_with_a_host_that_is_killed(tmp_path: Path) -> None:
+    script = """
+import select
+start('one', 'wait')
+pid = receive()
+watch = os.pidfd_open(pid)
+with open(f"/proc/{pid}/stat") as file:
+    os.kill(int(file.read().rpartition(")")[2].split()[1]), signal.SIGKILL)
+print("ended", select.select([watch], [], [], 60)[0] == [watch])
+"""
+    assert drive(tmp_path, script) == ["started one True", "ended True"]

@@ -11,7 +11,7 @@ from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world import World
 from ur.launchfile.world.memory import MemoryWorld
-from ur.run.launch import find_middleware, register
+from ur.run.launch import find_middleware, fork_command, register
 from ur.run.master.parameters import start_commands
 from ur.run.middleware.facts import read_facts
 from ur.run.middleware.one_process import ProcessMiddleware, refuse_second_run
@@ -130,3 +130,34 @@ def test_second_run_is_refused_while_one_is_under_way(tmp_path: Path) -> None:
 
 def test_runs_meet_at_an_address_of_their_own() -> None:
     assert read_domain(graph_address({"ROS_VERSION": "0"})) == NONE
+
+
+@pytest.mark.parametrize(
+    ("node", "forked"),
+    [
+        ("", True),
+        ('<env name="UR_MAP_FILE" value="m"/>', True),
+        ('<env name="LD_PRELOAD" value="l"/>', False),
+        ("<!--terminal: true-->", False),
+    ],
+)
+def test_node_is_forked_unless_its_interpreter_differs(node: str, forked: bool) -> None:
+    plan, world = load(f'<launch><node name="a" pkg="p" type="robot_state_publisher">{node}</node></launch>')
+    (program,), _ = find_programs(plan.nodes, world)
+    assert program.module == (("ur_nodes.frames.robot_state_publisher_node",) if forked else ())
+
+
+def test_node_with_a_prefix_and_program_of_others_is_executed() -> None:
+    text = '<node name="a" pkg="p" type="robot_state_publisher" launch-prefix="nice"/>'
+    text += '<node name="b" pkg="p" type="other"/>'
+    plan, world = load(f"<launch>{text}</launch>")
+    programs, _ = find_programs(plan.nodes, world)
+    assert [program.module for program in programs] == [(), ()]
+
+
+def test_nodes_are_forked_from_two_on_and_without_a_debugger() -> None:
+    text = "".join(f'<node name="{name}" pkg="p" type="robot_state_publisher"/>' for name in "ab")
+    plan, world = load(f"<launch>{text}</launch>")
+    programs, _ = find_programs(plan.nodes, world)
+    assert fork_command(programs, {})[1:] == ("ur_nodes.fork_server", "ur_nodes.frames.robot_state_publisher_node")
+    assert fork_command(programs[:1], {}) == fork_command(programs, {"UR_NODE_PYTHON_OPTIONS": "-m pdb"}) == ()
