@@ -12,9 +12,17 @@ from scipy.spatial import cKDTree
 
 from ur.worlds.map_file import MapImage
 from ur_nodes.geometry.grid import OCCUPIED, Grid
+from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.geometry.scan import SensorMount
+from ur_nodes.slam.matching.local_map import LocalMap
+from ur_nodes.slam.matching.match import match_surface, position_deviation
+from ur_nodes.slam.matching.scan import MapScan, make_scan
 
 _NEAR = 0.05  # m
 _LOOP = (1.0, 50.0)  # m: poses so near to each other after so long a way are a loop
+_SAME_VIEW, _LEAST_POINTS = 1.2, 40  # rad, points: scans of a loop that can be matched,
+_CLEAR, _CERTAIN = 0.7, 0.03  # agreement and m: clearly,
+_AGREES = 0.1  # m: and so near to the reference that they confirm it
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,15 +109,43 @@ def _seen(surface: Floats, log: Log) -> NDArray[np.bool_]:
     return seen
 
 
-def relation_errors(path: Floats, log: Log) -> tuple[Floats, Floats]:
-    """The errors in m and degrees of relative poses over loops: near to each other, with 50 m of travel between."""
-    pairs = find_loops(log.reference) if log.loops is None else log.loops
+def relation_errors(path: Floats, log: Log, pairs: NDArray[np.intp] | None = None) -> tuple[Floats, Floats]:
+    """The errors in m and degrees of relative poses of pairs (n, 2); as a default those of `loops_of`."""
+    pairs = loops_of(log) if pairs is None else pairs
     pairs = pairs[np.isfinite(path[pairs, 0]).all(axis=1)]
     if not len(pairs):
         return np.zeros(0), np.zeros(0)
     found, true = (_relative(poses[pairs[:, 0]], poses[pairs[:, 1]]) for poses in (path, log.reference))
     turns = np.abs(np.remainder(found[:, 2] - true[:, 2] + math.pi, 2.0 * math.pi) - math.pi)
     return np.hypot(*(found[:, :2] - true[:, :2]).T), np.degrees(turns)
+
+
+def loops_of(log: Log) -> NDArray[np.intp]:
+    """The pairs (n, 2) of scans between which errors count: those of the log, or those found in its reference."""
+    return find_loops(log.reference) if log.loops is None else log.loops
+
+
+def confirmed_loops(log: Log) -> NDArray[np.intp]:
+    """The pairs (n, 2) of `loops_of` whose two scans, matched directly, agree with the reference."""
+    scans: dict[int, MapScan] = {}
+    mount = SensorMount(np.eye(3), np.array((*log.mount[:2], 0.0)))
+    pairs = loops_of(log)
+    places = _relative(log.reference[pairs[:, 0]], log.reference[pairs[:, 1]])
+    confirmed = np.zeros(len(pairs), dtype=bool)
+    for index, (pair, place) in enumerate(zip(pairs.tolist(), places, strict=True)):
+        guess = Pose2(place[0], place[1], wrap_angle(place[2]))
+        if abs(guess.yaw) > _SAME_VIEW:
+            continue
+        for number in pair:
+            if number not in scans:
+                scans[number] = make_scan(log.ranges[number], log.directions, log.range_limits, mount)
+        before, after = (scans[number] for number in pair)
+        if min(len(before.surface), len(after.surface)) < _LEAST_POINTS:
+            continue
+        match = match_surface(LocalMap([(Pose2(0.0, 0.0, 0.0), before.surface)]), after.surface, guess)
+        clear = match.agreement > _CLEAR and position_deviation(match.covariance) < _CERTAIN
+        confirmed[index] = clear and math.dist(match.pose[:2], guess[:2]) < _AGREES
+    return pairs[confirmed]
 
 
 def find_loops(reference: Floats) -> NDArray[np.intp]:

@@ -1,11 +1,13 @@
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from bench.mapping_parts.log import Log, chain, steps_of, with_poor_sensors
-from bench.mapping_parts.measure import Fit, best_fit, errors_after_fit, relation_errors, score_map
+from bench.mapping_parts.measure import Fit, best_fit, confirmed_loops, errors_after_fit, relation_errors, score_map
 from bench.mapping_parts.raw_log import read_raw_log
+from tests.ur_nodes.slam.rooms import ANGLES, ROOM, ranges_at
 
 from ur.worlds.map_file import MapFile, MapImage
 from ur_nodes.geometry.grid import Grid
@@ -54,6 +56,18 @@ def test_loops_that_a_log_names_are_those_that_count() -> None:
     path[5] += (0.3, 0.4, 0.0)
     shifts, _ = relation_errors(path, log_along(CIRCLE, np.array([(2, 7), (1, 5)])))
     assert shifts == pytest.approx([0.0, 0.5])
+
+
+def test_loops_are_confirmed_where_the_scans_agree_with_the_reference() -> None:
+    poses = [Pose2(-1.0, 0.0, 0.0), Pose2(-0.6, 0.2, 0.3), Pose2(-0.7, 0.1, 3.0)]
+    ranges = np.array([ranges_at(ROOM, pose, 0.01, number) for number, pose in enumerate(poses)], np.float32)
+    loops = np.array([(0, 1), (0, 2)])  # the last scan looks the other way
+    here = Pose2(0.0, 0.0, 0.0)
+    true = np.array(poses)
+    log = Log("room", np.arange(3.0), ranges, ANGLES, here, (0.1, 12.0), true, true, loops)
+    assert confirmed_loops(log).tolist() == [[0, 1]]
+    wrong = true + np.array([(0.0, 0.0, 0.0), (0.2, 0.0, 0.0), (0.0, 0.0, 0.0)])
+    assert not len(confirmed_loops(replace(log, reference=wrong)))
 
 
 def test_raw_log_is_read_with_its_loops(tmp_path: Path) -> None:
