@@ -1,10 +1,16 @@
-"""Merge two maps: find scans of one on the other, join the pose graphs, and refuse maps that do not fit together."""
+"""Merge two maps: find scans of one on the other, join the pose graphs, and refuse maps of different places.
+
+Furniture that was moved between the two is no reason to refuse: the places where they differ are returned.
+"""
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ur_nodes.geometry.grid import FREE, OCCUPIED
@@ -13,6 +19,7 @@ from ur_nodes.slam.hypotheses import Hypotheses, Hypothesis
 from ur_nodes.slam.map_state import Edge, MapState
 from ur_nodes.slam.matching.correlative import finish
 from ur_nodes.slam.matching.match import LEAST_NOISE
+from ur_nodes.slam.matching.surface import Floats
 from ur_nodes.slam.occupancy import OccupancyMap
 from ur_nodes.slam.pose_graph.graph import PoseGraph
 from ur_nodes.slam.pose_graph.loop_closer import Confirmation, KeyframeGroup, PoseLink, find_groups, verify_group
@@ -27,20 +34,32 @@ _KNOWN, _NEAR = 0.12, 1.0  # m: a scan whose place is known so well, so near to 
 _MOST_CONFLICT = 0.13
 _COARSE = 0.1  # m: cells in which both maps are compared
 _LEAST_SHARE = 0.4  # of such scans that do
+_TOGETHER, _LEAST_CHANGE = 0.35, 4  # m: so near to each other, so many cells are one place where the maps differ
 
 Reason = Literal["no-scans", "no-overlap", "several-places", "contradiction"]
+
+
+class Change(NamedTuple):
+    """A rectangle (m) round a place where one map has walls and the other has free floor: its middle, and its sides."""
+
+    x: float
+    y: float
+    width: float
+    height: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Merged:
     """The merged map in the frame of the first one; the keyframes of the second follow those of the first.
 
-    `pose` is the pose of the second map's frame on the first map, `links` the number of edges between both.
+    `pose` is the pose of the second map's frame on the first map, `links` the number of edges between both, `changes`
+    are the places where they differ, those with most walls first.
     """
 
     state: MapState
     pose: Pose2
     links: int
+    changes: tuple[Change, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,27 +147,29 @@ class _Merger:
                     self._tie(link)
             if self._links > before:
                 self._graph.optimise()
-        if self._links < _LEAST_LINKS or fitting < _LEAST_SHARE * expected or self._conflict() > _MOST_CONFLICT:
+        share, changes = self._compare()
+        if self._links < _LEAST_LINKS or fitting < _LEAST_SHARE * expected or share > _MOST_CONFLICT:
             return NotMerged("contradiction")
         state = MapState(self._graph.poses, list(self._graph.edges), self._scans, tuple(self._drives))
-        return Merged(state, self._graph.poses[self._count].compose(self._start.inverse()), self._links)
+        return Merged(state, self._graph.poses[self._count].compose(self._start.inverse()), self._links, changes)
 
-    def _conflict(self) -> float:
-        """Return the share (0..1) of one map's walls, on floor that the other has seen, that are free on the other."""
+    def _compare(self) -> tuple[float, tuple[Change, ...]]:
+        """Return the share (0..1) of one map's walls, on floor that the other has seen, that are free there, and where."""
         grids = []
         for part in (slice(0, self._count), slice(self._count, None)):
             drawn = OccupancyMap(_COARSE)
             drawn.update(self._graph.poses[part], self._scans[part])
             grids.append(drawn.grid())
-        against = known = 0
+        known, against = 0, []
         for one, other in (grids, reversed(grids)):
             walls = one.points_of_cells(np.argwhere(one.values == OCCUPIED))
             free, solid = (other.points_of_cells(np.argwhere(other.values == each)) for each in (FREE, OCCUPIED))
             on_floor = cKDTree(free).query(walls)[0] < _COARSE
             near_wall = cKDTree(solid).query(walls)[0] < 2.5 * _COARSE
             known += int(np.sum(on_floor | near_wall))
-            against += int(np.sum(on_floor & ~near_wall))
-        return against / max(1, known)
+            against.append(walls[on_floor & ~near_wall])
+        points = np.vstack(against)
+        return len(points) / max(1, known), _find_changes(points)
 
     def _groups(self, number: int) -> list[KeyframeGroup]:
         """Return places of the first map that a scan of the second one may show."""
@@ -168,3 +189,13 @@ class _Merger:
 
     def _add(self, edge: Edge) -> None:
         self._graph.add_edge(edge.before, edge.after, edge.relative, edge.covariance, robust=edge.robust)
+
+
+def _find_changes(points: Floats) -> tuple[Change, ...]:
+    """Group points (n, 2) of walls that only one of two maps has by what lies together."""
+    pairs: NDArray[np.intp] = cKDTree(points).query_pairs(_TOGETHER, output_type="ndarray")
+    near = coo_array((np.ones(len(pairs)), pairs.T), shape=(len(points), len(points)))
+    count, labels = connected_components(near, directed=False)
+    places = sorted((points[labels == number] for number in range(count)), key=len, reverse=True)
+    corners = [(each.min(axis=0), each.max(axis=0)) for each in places if len(each) >= _LEAST_CHANGE]
+    return tuple(Change(*((low + high) / 2.0).tolist(), *(high - low + _COARSE).tolist()) for low, high in corners)

@@ -11,6 +11,7 @@ from ur_nodes.slam.merge import Merged, NotMerged, merge_maps
 from ur_nodes.slam.occupancy import OccupancyMap
 from ur_nodes.slam.tracker import MapTracker
 
+SOFAS = ((2.05, -1.55), (-0.05, -1.55))  # the middle before it was moved, and after
 ELSEWHERE = walls_of(box(0.0, 0.0, 5.0, 4.0), box(1.5, 1.0, 2.5, 1.5), box(3.5, 2.6, 3.9, 4.0))
 
 
@@ -32,6 +33,8 @@ def test_maps_that_overlap_become_one_in_the_frame_of_the_first() -> None:
     true = first[0].inverse().compose(second[0])
     assert math.dist(merged.pose[:2], true[:2]) < 0.05
     assert abs(merged.pose.yaw - true.yaw) < 0.02
+    assert [min(math.dist(first[0].transform_points(np.array((each.x, each.y))), sofa) for sofa in SOFAS) < 0.6
+            for each in merged.changes] == [True, True]  # fmt: skip
     drawn = OccupancyMap()
     drawn.update(state.poses, state.scans, state.drives)
     grid = drawn.grid()

@@ -43,16 +43,19 @@ def merge_maps(store: MapStore, first: str, second: str, name: str) -> str:
         write_places(waypoint_path(name, os.environ), places)
     twice = ", ".join(sorted(set(mine) & set(other)))
     kept = f"; waypoints of both names are those of {first}: {twice}" if twice else ""
-    return f"{name}: {merged.keyframes} scans, {merged.links} links between the two maps{kept}"
+    shown = "".join(f"\n  {width:.1f} x {height:.1f} m at ({x:.1f}, {y:.1f})" for x, y, width, height in merged.changes)
+    differ = f"\nthey differ here, and {second} counts:{shown}" if shown else ""
+    return f"{name}: {merged.keyframes} scans, {merged.links} links between the two maps{kept}{differ}"
 
 
 @dataclass(frozen=True, slots=True)
 class MergedMap:
-    """The output of `ur_nodes.slam.storage.merging`: the pose of the second map in the first, and statistics."""
+    """The output of `ur_nodes.slam.storage.merging`: the second map's pose in the first, statistics, and differences."""
 
     place: tuple[float, float, float]
     keyframes: int
     links: int
+    changes: tuple[tuple[float, float, float, float], ...] = ()
 
 
 class MergeFailed(Exception):  # noqa: N818 - an outcome

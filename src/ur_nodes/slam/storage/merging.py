@@ -1,8 +1,9 @@
 """Merge two stored maps into a third one: python -I -m ur_nodes ur_nodes.slam.storage.merging FIRST SECOND NAME.
 
-Writes one line of JSON: `name` of the new map, its `keyframes`, the number of `links` between both maps, and `place`,
-the pose (m, m, rad) of the second map's frame on the new map, whose frame is that of the first. Exit code 2 and
-diagnostics on standard error when they are not merged; then there is no new map.
+Writes one line of JSON: `name` of the new map, its `keyframes`, the number of `links` between both maps, `place`, the
+pose (m, m, rad) of the second map's frame on the new map, whose frame is that of the first, and `changes`, rectangles
+(x, y, width, height in m) round places where both differ. Exit code 2 and diagnostics on standard error when they are
+not merged; then there is no new map.
 """
 
 from __future__ import annotations
@@ -96,7 +97,8 @@ def merge_stored(store: MapStore, first: str, second: str, name: str) -> dict[st
         )
         MapWriter(folder, record).write(drawn.grid(), state.poses, state.edges, state.scans)
         draw_masks(folder)
-    return {"name": name, "keyframes": len(state.poses), "links": merged.links, "place": list(merged.pose)}
+    found = {"name": name, "keyframes": len(state.poses), "links": merged.links, "place": list(merged.pose)}
+    return {**found, "changes": merged.changes}
 
 
 if __name__ == "__main__":
