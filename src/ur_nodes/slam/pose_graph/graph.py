@@ -18,6 +18,7 @@ from ur_nodes.slam.matching.surface import Floats
 
 _TURN = 16.0  # m^2: how much the variance of a turn counts when paths are compared
 _KERNEL = 2.0  # standard deviations beyond which a loop counts less and less
+_CONFIRMED_KERNEL = 12.0  # likewise, of one that another has confirmed: drift may be many times what was expected
 _FIXED = np.array((1e-4, 1e-4, 1e-4))
 _RELINEARISED = 0.002  # m and rad from where an edge was linearised: then it is again
 _SETTLED = 0.001  # m and rad: a step that moves no pose farther is the last one
@@ -51,11 +52,18 @@ class PoseGraph:
         self._tables = None
         return number
 
-    def add_edge(self, before: int, after: int, relative: Pose2, covariance: Floats, *, robust: bool) -> None:
-        """Add a keyframe's pose in another's frame, with a covariance (3, 3); robust: unless others contradict."""
+    def add_edge(
+        self, before: int, after: int, relative: Pose2, covariance: Floats, *, robust: bool, confirmed: bool = False
+    ) -> None:
+        """Add a keyframe's pose in another's frame, with a covariance (3, 3).
+
+        `robust`: unless others contradict. A pull that fades with the distance closes no loop whose ends have drifted
+        far apart; that of a `confirmed` edge fades later.
+        """
         model: gtsam.noiseModel.Base = gtsam.noiseModel.Gaussian.Covariance(covariance)
         if robust:
-            model = gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.Cauchy.Create(_KERNEL), model)
+            kernel = gtsam.noiseModel.mEstimator.Cauchy.Create(_CONFIRMED_KERNEL if confirmed else _KERNEL)
+            model = gtsam.noiseModel.Robust.Create(kernel, model)
         self._new_factors.add(gtsam.BetweenFactorPose2(before, after, gtsam.Pose2(*relative), model))
         self._edges.append(Edge(before, after, relative, covariance, robust))
         shift, turn = float(covariance[0, 0] + covariance[1, 1]), float(covariance[2, 2])

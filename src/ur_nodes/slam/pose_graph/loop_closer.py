@@ -323,7 +323,9 @@ class LoopCloser:
         """Add the links that a verified one (None: another place) confirms; returns whether poses moved."""
         links = self._confirmation.confirm(link, self._graph.poses) if link else []
         for each in links:
-            self._graph.add_edge(each.before, each.after, each.relative, each.covariance + LEAST_NOISE, robust=True)
+            covariance = each.covariance + LEAST_NOISE
+            ends = each.before, each.after
+            self._graph.add_edge(*ends, each.relative, covariance, robust=True, confirmed=not each.sure)
         self.loops += len(links)
         if links:
             self._graph.begin()

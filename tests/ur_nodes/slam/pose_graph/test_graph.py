@@ -45,6 +45,21 @@ def test_loop_that_contradicts_all_others_is_outvoted() -> None:
     assert math.hypot(*graph.poses[16][:2]) < 0.05
 
 
+def test_confirmed_loops_close_where_odometry_was_much_worse_than_expected() -> None:
+    graph, count, step = PoseGraph(), 100, 1.03  # 3 m too long, 6 standard deviations
+    covariance = np.diag(np.square((0.05, 0.02, 0.002)))
+    graph.add_pose(Pose2(0.0, 0.0, 0.0))
+    for number in range(1, count):
+        graph.add_pose(Pose2(number * step, 0.0, 0.0))
+        graph.add_edge(number - 1, number, Pose2(step, 0.0, 0.0), covariance, robust=False)
+    graph.optimise()
+    for number in (0, 1):
+        ends, true = (number, count - 1 - number), Pose2(count - 1.0 - 2 * number, 0.0, 0.0)
+        graph.add_edge(*ends, true, 0.01 * COVARIANCE, robust=True, confirmed=True)
+    graph.optimise()
+    assert graph.poses[-1].x == pytest.approx(count - 1.0, abs=0.05)
+
+
 def test_spread_grows_with_the_path_and_a_loop_shortens_it() -> None:
     graph = square(0.0)
     before = graph.spread_from(16, 10.0)
