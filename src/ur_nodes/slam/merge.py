@@ -31,7 +31,7 @@ _BATCH = 12  # links after which the poses are computed again
 _MOST_LINKS = 400
 _LEAST_LINKS = 4
 _KNOWN, _NEAR = 0.12, 1.0  # m: a scan whose place is known so well, so near to one of the first map, should fit it
-_MOST_CONFLICT = 0.13
+_MOST_CONFLICT = 0.33  # times the share of such scans that do: where most do, walls that contradict are furniture
 _COARSE = 0.1  # m: cells in which both maps are compared
 _LEAST_SHARE = 0.4  # of such scans that do
 _TOGETHER, _LEAST_CHANGE = 0.35, 4  # m: so near to each other, so many cells are one place where the maps differ
@@ -148,13 +148,14 @@ class _Merger:
             if self._links > before:
                 self._graph.optimise()
         share, changes = self._compare()
-        if self._links < _LEAST_LINKS or fitting < _LEAST_SHARE * expected or share > _MOST_CONFLICT:
+        fit = fitting / max(1, expected)
+        if self._links < _LEAST_LINKS or fit < _LEAST_SHARE or share > _MOST_CONFLICT * fit:
             return NotMerged("contradiction")
         state = MapState(self._graph.poses, list(self._graph.edges), self._scans, tuple(self._drives))
         return Merged(state, self._graph.poses[self._count].compose(self._start.inverse()), self._links, changes)
 
     def _compare(self) -> tuple[float, tuple[Change, ...]]:
-        """Return the share (0..1) of one map's walls, on floor that the other has seen, that are free there, and where."""
+        """Return the share of one map's walls, on floor that the other has seen, that are free there, and where."""
         grids = []
         for part in (slice(0, self._count), slice(self._count, None)):
             drawn = OccupancyMap(_COARSE)

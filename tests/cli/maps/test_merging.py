@@ -1,5 +1,6 @@
 """`ur maps merge`, with the process that merges."""
 
+import json
 import math
 import os
 import select
@@ -12,6 +13,7 @@ from tests.ur_nodes.slam.drives import drive
 from tests.ur_nodes.slam.storage.test_merging import put, store
 
 from ur.cli.main import main
+from ur.cli.maps import merging
 from ur.maps.names import read_places, waypoint_path, write_places
 from ur.maps.store import MapStore
 from ur_nodes.geometry.pose import Pose2
@@ -40,6 +42,25 @@ def test_map_is_not_merged_with_itself(store: MapStore, capsys: pytest.CaptureFi
     assert main(["maps", "merge", "hall", "hall", "--as", "house"]) == 2
     assert "same-map" in capsys.readouterr().err
     assert store.names() == ["hall"]
+
+
+def test_places_where_the_maps_differ_are_shown(
+    store: MapStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program = tmp_path / "program"
+    changes = [[1.0, -2.0, 1.25, 0.5]] * 12
+    found = {"name": "house", "keyframes": 9, "links": 5, "place": [0.0, 0.0, 0.0], "changes": changes}
+    program.write_text(f"#!/bin/sh\necho '{json.dumps(found)}'\n")
+    program.chmod(0o755)
+    for name in ("hall", "attic"):
+        store.path(name).mkdir(parents=True)
+        store.picture(name).touch()
+    monkeypatch.setattr(merging.sys, "executable", str(program))
+    monkeypatch.setattr(merging, "need_all", lambda *_: None)
+    first, *places = merging.merge_maps(store, "hall", "attic", "house").splitlines()
+    assert first == "house: 9 scans, 5 links between the two maps"
+    assert places[0] == "The maps differ in 12 places, drawn as in attic:"
+    assert places[1:] == ["  1.2 x 0.5 m at (1.0, -2.0)"] * 10
 
 
 KILLED = """

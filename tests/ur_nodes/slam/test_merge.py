@@ -11,6 +11,7 @@ from ur_nodes.slam.merge import Merged, NotMerged, merge_maps
 from ur_nodes.slam.occupancy import OccupancyMap
 from ur_nodes.slam.tracker import MapTracker
 
+SHELL = np.vstack((walls_of(box(-3.0, -2.0, 9.0, 3.0)), WALLS[12:]))  # the two rooms without furniture
 SOFAS = ((2.05, -1.55), (-0.05, -1.55))  # the middle before it was moved, and after
 ELSEWHERE = walls_of(box(0.0, 0.0, 5.0, 4.0), box(1.5, 1.0, 2.5, 1.5), box(3.5, 2.6, 3.9, 4.0))
 
@@ -41,6 +42,17 @@ def test_maps_that_overlap_become_one_in_the_frame_of_the_first() -> None:
     cells = grid.points_of_cells(np.argwhere(grid.values == OCCUPIED))
     places = first[0].transform_points(cells)
     assert np.mean(distances(places, walls) < 0.1) > 0.99  # no wall is double, and the sofa is where it was seen last
+
+
+def test_maps_between_which_all_furniture_was_moved_are_merged() -> None:
+    places = ((-2.7, 2.2), (-0.6, 2.2), (2.4, 2.2), (4.3, 2.2), (4.4, -1.9), (6.6, -1.9), (8.2, -1.9), (2.6, -1.9))
+    before, after = (
+        np.vstack((SHELL, *(walls_of(box(x, y, x + 0.9, y + 0.7)) for x, y in places[first::2]))) for first in (0, 1)
+    )
+    one, other = map_of(before, drive(-2.0, 7.5, 0.2), 0), map_of(after, drive(7.6, -1.8, 0.2), 1000)
+    merged = merge_maps(one, other)
+    assert isinstance(merged, Merged)
+    assert len(merged.changes) >= len(places)
 
 
 def test_maps_of_different_places_are_not_merged() -> None:

@@ -15,6 +15,7 @@ from ur.source.progress_line import show_progress
 from ur.system.child_processes import end_with_us
 
 _SECONDS = 1800.0
+_SHOWN = 10  # places where the maps differ, at most
 
 
 def merge_maps(store: MapStore, first: str, second: str, name: str) -> str:
@@ -43,14 +44,15 @@ def merge_maps(store: MapStore, first: str, second: str, name: str) -> str:
         write_places(waypoint_path(name, os.environ), places)
     twice = ", ".join(sorted(set(mine) & set(other)))
     kept = f"; waypoints of both names are those of {first}: {twice}" if twice else ""
-    shown = "".join(f"\n  {width:.1f} x {height:.1f} m at ({x:.1f}, {y:.1f})" for x, y, width, height in merged.changes)
-    differ = f"\nthey differ here, and {second} counts:{shown}" if shown else ""
-    return f"{name}: {merged.keyframes} scans, {merged.links} links between the two maps{kept}{differ}"
+    shown = [f"\n  {width:.1f} x {height:.1f} m at ({x:.1f}, {y:.1f})" for x, y, width, height in merged.changes]
+    differ = f"\nThe maps differ in {len(shown)} places, drawn as in {second}:" if shown else ""
+    statistics = f"{merged.keyframes} scans, {merged.links} links between the two maps"
+    return "".join((f"{name}: {statistics}{kept}{differ}", *shown[:_SHOWN]))
 
 
 @dataclass(frozen=True, slots=True)
 class MergedMap:
-    """The output of `ur_nodes.slam.storage.merging`: the second map's pose in the first, statistics, and differences."""
+    """The output of `ur_nodes.slam.storage.merging`: the second map's pose in the first, and rectangles that differ."""
 
     place: tuple[float, float, float]
     keyframes: int
