@@ -43,7 +43,7 @@ class Drive:
     """A robot in a world, driven by `driver`, which gives a command at a time (s) and a true pose of the robot.
 
     After `run`: `contacts` that the sensors could see coming and `unseen` ones, the `way` in m, the CPU `seconds` of
-    the decisions, and how often there was one.
+    the decisions, how often there was one, and the `sight` of the obstacle stop.
     """
 
     base: Base
@@ -66,14 +66,14 @@ class Drive:
         limits = self.base.limits
         settings = MuxSettings(sources, forward, turn, lag=limits.lag, brake_after=BRAKE_AFTER if limits.fast else None)
         self._state: MuxState = start_mux(settings)
-        self._sight: Sight = make_sight(self.base)
+        self.sight: Sight = make_sight(self.base)
         self._queue: list[tuple[float, int, Callable[[], None]]] = []
         self._numbers = itertools.count()
         self._past: list[tuple[float, Pose2, tuple[tuple[RangeSensor, float], ...]]] = []
         self._pressed: dict[str, bool] = {}
         self._collisions = 0
         if self.guarded:
-            self._step(GuardChanged(make_guard(self._sight, self.base.limits, self.base.limits.lag)))
+            self._step(GuardChanged(make_guard(self.sight, self.base.limits, self.base.limits.lag)))
 
     def run(self, seconds: float, until: Callable[[Pose2], bool] = lambda _: False) -> float:
         """Drive for so long, or until a pose is reached; return the time (s)."""
@@ -121,8 +121,9 @@ class Drive:
         base, at = self.base, tick.time
         if tick.odometry:
             odometry = self.simulation.odometry(0)
-            reading = Odometer(odometry.pose, *odometry.velocity, at)
-            self._post(at + _SENSOR_DELAY, lambda: self._take(move(self._sight, reading)))
+            forward, turn, left = odometry.velocity
+            reading = Odometer(odometry.pose, forward, turn, at, left)
+            self._post(at + _SENSOR_DELAY, lambda: self._take(move(self.sight, reading)))
         seen = []
         ranges = self._head.measure(due=tick.scan) if self._head else None
         if tick.scan and base.lidar and (ranges is not None or not self._head):
@@ -133,10 +134,10 @@ class Drive:
                 scan = SensorRanges(ranges, limits, self._head.first, base.lidar.angle_min, step, turn)
             else:
                 scan = SensorRanges(self.simulation.scan(0), limits, at, base.lidar.angle_min, step)
-            seen.append((self._sight.sensors[0], math.inf))
-            self._look(self._sight.sensors[0], scan, at)
+            seen.append((self.sight.sensors[0], math.inf))
+            self._look(self.sight.sensors[0], scan, at)
         if "sonars" in tick.due and base.sonars:
-            sonars = self._sight.sensors[1 if base.lidar else 0 :]
+            sonars = self.sight.sensors[1 if base.lidar else 0 :]
             limits = base.sonars.range_min, base.sonars.range_max
             for sensor, value in zip(sonars, self.simulation.senses[0].find(SonarSense).ranges(), strict=True):
                 seen.append((sensor, float(value)))
@@ -147,7 +148,7 @@ class Drive:
         pressed = self.simulation.senses[0].find(BumperSense).pressed(at) if base.bumpers else {}
         for name, state in pressed.items():
             if self._pressed.get(name, False) is not state:
-                points = contact_points(base, self._sight.hull, ("bumper", name)) if state else None
+                points = contact_points(base, self.sight.hull, ("bumper", name)) if state else None
                 self._post(at + _SENSOR_DELAY, partial(self._touch, name, points))
         self._pressed = pressed
         if self.simulation.collisions[0] > self._collisions:
@@ -157,17 +158,17 @@ class Drive:
     def _look(self, sensor: RangeSensor, reading: SensorRanges, at: float) -> None:
         def take() -> None:
             began = time.thread_time()
-            sight = look(self._sight, sensor, reading)
+            sight = look(self.sight, sensor, reading)
             self.readings += time.thread_time() - began
             self._take(sight)
 
         self._post(at + _SENSOR_DELAY, take)
 
     def _touch(self, name: str, points: Floats | None) -> None:
-        self._take(touch(self._sight, ("bumper", name), points))
+        self._take(touch(self.sight, ("bumper", name), points))
 
     def _take(self, sight: Sight) -> None:
-        self._sight = sight
+        self.sight = sight
         if self._state.guard is not None:
             self._step(GuardChanged(replace(self._state.guard, sight=sight)))
 
@@ -182,7 +183,7 @@ class Drive:
     def _in_view(self, points: NDArray[np.float64]) -> bool:
         for _, pose, sensors in self._past:
             local = pose.inverse().transform_points(points)
-            clear = self._sight.hull.distances(local) > _CLEAR if len(local) else np.empty(0, bool)
+            clear = self.sight.hull.distances(local) > _CLEAR if len(local) else np.empty(0, bool)
             for sensor, value in sensors:
                 near = np.hypot(*(local - sensor.mount.offset[:2]).T) <= value + 0.1
                 if (sensor.sees(local) & clear & near).any():

@@ -13,6 +13,7 @@ from ur.robot.base import Base, load_base
 from ur.source.diagnostic import UserError
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.mux_events import Velocity
+from ur_nodes.motion.mux_settings import slow_to_sight
 
 PACKAGE = Path(__file__).resolve().parents[2] / "ubiquity_launches"
 _SECONDS = 15.0  # of a try
@@ -39,7 +40,7 @@ def try_base(name: str, tries: int, seed: int, *, guarded: bool = True, speed: f
     """Make so many tries with a base, `magni` or `magni/lidar`, and drive along the corridor; at `speed`, if given."""
     base_name, _, variant = name.partition("/")
     base = load_base(PACKAGE, base_name, variant)
-    base = replace(base, limits=replace(base.limits, velocity=speed or base.limits.velocity))
+    base, _ = slow_to_sight(replace(base, limits=replace(base.limits, velocity=speed or base.limits.velocity)))
     result = Result(name)
     seconds, decisions, readings = 0.0, 0, 0.0
     for number in range(tries):

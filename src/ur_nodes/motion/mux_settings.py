@@ -146,7 +146,7 @@ class MuxNodeSettings:
     """Settings of the mux, and its state at the start: `stopped`, and the `share` of the base's speeds.
 
     `challenge_rate` is in Hz, `freshness` and `lease_timeout` in s. `slowed` is a line for users about a base that is
-    faster than its lidar sees.
+    faster than it sees.
     """
 
     base: Base
@@ -164,7 +164,8 @@ class MuxNodeSettings:
 def read_settings(own: Parameters) -> MuxNodeSettings:
     """Raises UserError."""
     base = load_base(own.text("package", str(launch_library())), own.text("base"), own.text("variant", ""))
-    base, slowed = _slow_to_sight(base)
+    sonars = own.boolean("use_sonars", True)
+    base, slowed = slow_to_sight(base, sonars=sonars)
     forward, turn = axes_of(base.limits)
     alone = not own.has("topics")  # without sources of its own it is the obstacle stop of one program
     sources = () if alone else read_sources(own.any("topics"), own.name("topics"))
@@ -185,7 +186,7 @@ def read_settings(own: Parameters) -> MuxNodeSettings:
         stopped=own.any(STOPPED, False) is True,
         share=read_limit(own) / 100.0,
         obstacle_stop=own.boolean("obstacle_stop", alone),
-        sonars=own.boolean("use_sonars", True),
+        sonars=sonars,
         challenge_rate=own.number("challenge_rate", 50.0, minimum=20.0, maximum=100.0),
         freshness=own.number("freshness", FRESHNESS, minimum=0.05, maximum=0.5),
         lease_timeout=own.number("lease_timeout", LEASE_TIMEOUT, minimum=1.0, maximum=60.0),
@@ -193,16 +194,21 @@ def read_settings(own: Parameters) -> MuxNodeSettings:
     )
 
 
-def _slow_to_sight(base: Base) -> tuple[Base, str]:
-    """Return a base that rests within what its lidar sees, and a line about it if it is slower than its file says."""
-    if base.lidar is None:
+def slow_to_sight(base: Base, *, sonars: bool = True) -> tuple[Base, str]:
+    """Return a base that rests within what its lidar sees, or its sonars where it has none.
+
+    And a line about it if it is slower than its file says.
+    """
+    eyes = base.lidar or (base.sonars if sonars else None)
+    if eyes is None:
         return base, ""
-    sight = base.lidar.range_max - max(math.hypot(x, y) for x, y in base.footprint)
+    sight = eyes.range_max - max(math.hypot(x, y) for x, y in base.footprint)
     limits = base.limits.within_sight(sight)
     if limits == base.limits:
         return base, ""
     line = f"{base.name} drives at most {limits.velocity:.2f} m/s: from {base.limits.velocity:g} m/s it rests within"
-    return replace(base, limits=limits), f"{line} {base.limits.way_to_rest:.1f} m, and its lidar sees {sight:.1f} m"
+    seen = f"its {'lidar sees' if base.lidar else 'sonars see'} {sight:.1f} m"
+    return replace(base, limits=limits), f"{line} {base.limits.way_to_rest:.1f} m, and {seen}"
 
 
 def _read_foreign(own: Parameters, sources: tuple[Source, ...], default: str) -> tuple[Source, ...]:

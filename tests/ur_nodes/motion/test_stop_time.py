@@ -13,6 +13,7 @@ from ur.worlds.map_file import MapFile, MapImage
 from ur.worlds.world_file import WorldModel, read_world
 from ur_nodes.motion.mux import start_mux, step
 from ur_nodes.motion.mux_events import MuxSettings, Source, Velocity, VelocityCommand
+from ur_nodes.motion.mux_settings import slow_to_sight
 from ur_nodes.motion.ramp import axes_of
 from ur_nodes.simulator.simulation import Simulation
 
@@ -116,3 +117,26 @@ def test_fast_base_brakes_in_time_and_rests_within_its_way(hall: WorldModel, spe
         assert math.dist(last.at, rest.at) <= 1.05 * limits.way_to_rest
         hardest = max((before.speed - after.speed) / (after.time - before.time) for before, after in pairwise(moments))
         assert hardest <= 1.5 * braking
+
+
+@pytest.mark.parametrize(("variant", "eyes"), [("", "sonars"), ("lidar", "lidar")])
+def test_fast_base_is_slowed_to_what_its_lidar_sees_or_its_sonars_without_one(variant: str, eyes: str) -> None:
+    base = load_base(PACKAGE, "magni", variant)
+    base = replace(base, limits=replace(base.limits, velocity=3.0, deceleration=2.0))
+    assert base.sonars
+    base = replace(base, sonars=replace(base.sonars, range_max=2.35))
+    if base.lidar:
+        base = replace(base, lidar=replace(base.lidar, range_max=1.35))
+    slowed, line = slow_to_sight(base)
+    sight = 1.0 if base.lidar else 2.0
+    assert slowed.limits.way_to_rest == pytest.approx(sight, abs=0.01)
+    assert line.endswith(
+        f"from 3 m/s it rests within 2.9 m, and its {eyes} {'sees' if base.lidar else 'see'} {sight:.1f} m"
+    )
+
+
+def test_base_without_a_sensor_in_use_keeps_its_speed() -> None:
+    base = load_base(PACKAGE, "magni")
+    base = replace(base, limits=replace(base.limits, velocity=3.0, deceleration=0.5))
+    assert slow_to_sight(base, sonars=False) == (base, "")
+    assert slow_to_sight(base)[0].limits.velocity < 2.0
