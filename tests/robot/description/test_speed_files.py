@@ -49,6 +49,18 @@ def test_speeds_are_read_in_each_of_their_forms(tmp_path: Path, text: str, speed
     assert found.navigation == (speeds if text in (SMOOTHER, PLANNER) else None)
 
 
+def test_installed_description_has_the_speeds_of_the_packages_of_its_robot(tmp_path: Path) -> None:
+    for name, velocity in (("rover_control", 2.0), ("rover_description", 0.0), ("tractor_control", 0.7)):
+        (tmp_path / name / "config").mkdir(parents=True)
+        (tmp_path / name / "package.xml").write_text("<package/>", encoding="utf-8")
+        (tmp_path / name / "config/control.yaml").write_text(f"{{max_vel_x: {velocity}}}", encoding="utf-8")
+    description = tmp_path / "rover_description/rover.urdf"
+    description.write_text("<robot/>", encoding="utf-8")
+    found = find_speeds(find_surroundings(description, {"HOME": "/nonexistent"}))
+    assert found is not None
+    assert (found.velocity, found.source) == (2.0, "planner of ../rover_control/config/control.yaml")
+
+
 def test_controller_comes_before_navigation_and_the_slower_of_two(tmp_path: Path) -> None:
     found = find(tmp_path, nav__a=PLANNER, nav__b=SMOOTHER, control__c=CONTROLLER)
     assert found is not None

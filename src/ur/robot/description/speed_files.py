@@ -37,9 +37,9 @@ class FoundSpeeds:
 def find_speeds(around: Surroundings) -> FoundSpeeds | None:
     """Return the limits of a controller, else of navigation: of a file named like the description, the lowest."""
     found: list[tuple[int, int, float, str, FoundSpeeds]] = []
-    for path in _list_files(around):
+    for folder, path in _list_files(around):
         try:
-            tree = load_yaml(read_file(path, _LARGEST, inside=around.folder).decode("utf-8"))
+            tree = load_yaml(read_file(path, _LARGEST, inside=folder).decode("utf-8"))
         except (OSError, ValueError):
             continue
         name = os.path.relpath(path, around.folder)
@@ -50,18 +50,26 @@ def find_speeds(around: Surroundings) -> FoundSpeeds | None:
     return replace(found[0][4], navigation=navigation) if found else None
 
 
-def _list_files(around: Surroundings) -> Iterator[Path]:
-    """The YAML files of the repository, else of the package; none of a folder that is the user's home or above."""
+def _list_files(around: Surroundings) -> Iterator[tuple[Path, Path]]:
+    """The YAML files of the repository, else of its package and those beside with the same first word, with a folder.
+
+    None of a folder that is the user's home or above.
+    """
+    folders = [around.folder]
     if around.folder == around.home or around.folder in around.home.parents:
         return iter(())
+    if folders == [*around.packages[:1]]:  # installed, or copied without its repository
+        word = around.folder.name.partition("_")[0]
+        folders += [each for each in around.packages[1:] if each.name.partition("_")[0] == word]
+    entries = islice(((top, path) for top in folders for path in _walk(top)), _MOST_ENTRIES)
+    files = (each for each in entries if each[1].suffix in (".yaml", ".yml") and around.find_readable(each[1]))
+    return islice(files, _MOST_FILES)
 
-    def walk() -> Iterator[Path]:
-        for folder, folders, files in os.walk(around.folder):
-            folders[:] = sorted(name for name in folders if name[0] != "." and name not in ("build", "install", "log"))
-            yield from (Path(folder, name) for name in sorted(files))
 
-    files = (path for path in islice(walk(), _MOST_ENTRIES) if path.suffix in (".yaml", ".yml"))
-    return islice((path for path in files if around.find_readable(path)), _MOST_FILES)
+def _walk(top: Path) -> Iterator[Path]:
+    for folder, folders, files in os.walk(top):
+        folders[:] = sorted(name for name in folders if name[0] != "." and name not in ("build", "install", "log"))
+        yield from (Path(folder, name) for name in sorted(files))
 
 
 def _read_tree(tree: object, name: str) -> Iterator[tuple[int, FoundSpeeds]]:
