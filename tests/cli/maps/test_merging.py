@@ -55,7 +55,7 @@ def test_places_where_the_maps_differ_are_shown(
     for name in ("hall", "attic"):
         store.path(name).mkdir(parents=True)
         store.picture(name).touch()
-    monkeypatch.setattr(merging.sys, "executable", str(program))
+    monkeypatch.setattr(sys, "executable", str(program))
     monkeypatch.setattr(merging, "need_all", lambda *_: None)
     first, *places = merging.merge_maps(store, "hall", "attic", "house").splitlines()
     assert first == "house: 9 scans, 5 links between the two maps"
@@ -64,7 +64,6 @@ def test_places_where_the_maps_differ_are_shown(
 
 
 KILLED = """
-import sys
 from ur.cli.maps import merging
 from ur.maps.store import own_store
 merging.need_all = lambda *_: None
