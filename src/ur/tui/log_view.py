@@ -71,20 +71,10 @@ class LogView(ScrollView, can_focus=False):
         self.filter = Filter()
         self.palette = palette
         self._journal = journal
-        self._rows: list[LogRow] = []
+        self.rows: list[LogRow] = []  # all that can be scrolled to
         self._width = 0
-        self._follows = True
+        self.follows = True  # new messages
         self._name_cells = 0
-
-    @property
-    def follows(self) -> bool:
-        """True while the view follows new messages."""
-        return self._follows
-
-    @property
-    def rows(self) -> list[LogRow]:
-        """Return all rows that can be scrolled to."""
-        return self._rows
 
     def show_changes(self) -> None:
         """Add new entries of the journal."""
@@ -100,21 +90,21 @@ class LogView(ScrollView, can_focus=False):
         """Rebuild the rows, since lines are broken elsewhere."""
         if self.size.width != self._width:
             self.rebuild()
-        elif self._follows:
+        elif self.follows:
             self._show_end()
 
     def scroll_to_end(self) -> None:
         """Follow the end again."""
-        self._follows = True
+        self.follows = True
         self._show_end()
 
     def watch_scroll_y(self, old_value: float, new_value: float) -> None:
         """Follow the end of the log unless the user has scrolled away from it."""
         super().watch_scroll_y(old_value, new_value)
-        self._follows = new_value >= len(self._rows) - self.size.height - 0.5
+        self.follows = new_value >= len(self.rows) - self.size.height - 0.5
 
     def _show_end(self) -> None:
-        self.scroll_to(y=len(self._rows) - self.size.height, animate=False, immediate=True, force=True)
+        self.scroll_to(y=len(self.rows) - self.size.height, animate=False, immediate=True, force=True)
 
     def _rebuild(self, oldest: int) -> None:
         follows = self.follows
@@ -124,8 +114,8 @@ class LogView(ScrollView, can_focus=False):
         if cells != self._name_cells:
             self._name_cells, oldest = cells, -1
         first = self._journal.entries[0].number if self._journal.entries else 0
-        kept = [row for row in self._rows if first <= row.entry.number < oldest]
-        lost = sum(row.entry.number < first for row in self._rows) if oldest >= 0 else 0
+        kept = [row for row in self.rows if first <= row.entry.number < oldest]
+        lost = sum(row.entry.number < first for row in self.rows) if oldest >= 0 else 0
         room = self._width - ((9 if self._width >= CLOCK_FROM else 0) + self._name_cells + 4) - 1
         fresh: list[LogRow] = []
         for entry in reversed(self._journal.entries):
@@ -135,8 +125,8 @@ class LogView(ScrollView, can_focus=False):
                 fresh += reversed(wrap_entry(entry, room))
         rows = kept + fresh[::-1]
         lost += max(0, len(rows) - MOST_ROWS)
-        self._rows = rows[-MOST_ROWS:]
-        self.virtual_size = Size(self._width, len(self._rows))
+        self.rows = rows[-MOST_ROWS:]
+        self.virtual_size = Size(self._width, len(self.rows))
         if follows:
             self._show_end()
         elif lost:
@@ -148,9 +138,9 @@ class LogView(ScrollView, can_focus=False):
         palette = self.palette
         ground = Style(bgcolor=palette.ground)
         index = y + self.scroll_offset.y
-        if index >= len(self._rows):
+        if index >= len(self.rows):
             return Strip.blank(self.size.width, ground)
-        row = self._rows[index]
+        row = self.rows[index]
         entry = row.entry
         begins = row.line == 0 and row.start == 0
         quiet = Style(color=palette.quiet)

@@ -41,8 +41,8 @@ class MapCostmap:
         costs = costs_of_grid(grid, lethal=lethal, track_unknown=track_unknown)
         plain, self._costs = sparse_twins(inflate(costs, grid.resolution, inflation))
         self._plain = Costmap(plain, grid.resolution, grid.origin)
-        self._static = self._plain
-        self._zones: Costmap | None = None
+        self.static = self._plain  # the map with its keep-out zones, without what was seen
+        self.zones: Costmap | None = None  # as obstacles (254)
         self._zone_box: Box | None = None  # holds all of the zones
         self._occupied: NDArray[np.bool_] = sparse_zeros(costs.shape, bool)
         self._marked: Box | None = None  # holds all of _occupied
@@ -66,19 +66,9 @@ class MapCostmap:
                 self._refresh(box)
 
     @property
-    def static(self) -> Costmap:
-        """The costs of the map with its keep-out zones, without what was seen."""
-        return self._static
-
-    @property
     def walls(self) -> Costmap:
         """The costs of the map alone."""
         return self._plain
-
-    @property
-    def zones(self) -> Costmap | None:
-        """The keep-out zones as obstacles (254); None where there are none."""
-        return self._zones
 
     @property
     def costmap(self) -> Costmap:
@@ -129,8 +119,8 @@ class MapCostmap:
 
         They are obstacles for planning. What the scan sees in them is marked and cleared as elsewhere.
         """
-        before, self._zones, self._zone_box = self._zone_box, None, None
-        self._static = self._plain
+        before, self.zones, self._zone_box = self._zone_box, None, None
+        self.static = self._plain
         box = None if mask is None else self._box_of(mask)
         if mask is not None and box is not None:
             zones = sparse_zeros(self._plain.shape, np.uint8)
@@ -140,10 +130,10 @@ class MapCostmap:
                 part = slice(low, min(low + step, rows.stop)), columns
                 cells = np.moveaxis(np.mgrid[part], 0, -1)
                 zones[part][mask.values_at(self._plain.points_of_cells(cells), outside=0) == _FORBIDDEN] = LETHAL
-            self._zones, self._zone_box = Costmap(zones, self._plain.resolution, self._plain.origin), box
+            self.zones, self._zone_box = Costmap(zones, self._plain.resolution, self._plain.origin), box
             static = self._plain.costs.copy()
             inflate_window(static, self._fixed, self._plain.resolution, self.inflation, box)
-            self._static = Costmap(static, self._plain.resolution, self._plain.origin)
+            self.static = Costmap(static, self._plain.resolution, self._plain.origin)
         for changed in (before, box):
             if changed is not None:
                 self._refresh(changed)
@@ -189,8 +179,8 @@ class MapCostmap:
         """Those of map and zones. Slopes of the map count as free: they come back with its walls."""
         plain = self._plain.costs[box]
         result: NDArray[np.uint8] = np.where((plain == LETHAL) | (plain == UNKNOWN), plain, np.uint8(0))
-        if self._zones is not None:
-            result[self._zones.costs[box] == LETHAL] = LETHAL
+        if self.zones is not None:
+            result[self.zones.costs[box] == LETHAL] = LETHAL
         return result
 
     def _box_of(self, mask: Grid) -> Box | None:

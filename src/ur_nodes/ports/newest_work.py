@@ -19,20 +19,15 @@ class NewestWork(Generic[Request, Outcome]):
         """`job` runs on a worker, `callback` on the node's thread."""
         self._node, self._lane = node, queue
         self._job, self._take = job, callback
-        self._busy = self._wanted = False
+        self.busy = self._wanted = False
         self._waiting: Request | None = None
-
-    @property
-    def busy(self) -> bool:
-        """Return True while a job runs."""
-        return self._busy
 
     def ask(self, request: Request) -> None:
         """Add a request; it replaces one that waits."""
-        if self._busy:
+        if self.busy:
             self._waiting = request
             return
-        self._busy = self._wanted = True
+        self.busy = self._wanted = True
         self._node.work(partial(self._job, request), partial(self._finish, request), self._lane)
 
     def drop(self) -> None:
@@ -40,7 +35,7 @@ class NewestWork(Generic[Request, Outcome]):
         self._wanted, self._waiting = False, None
 
     def _finish(self, request: Request, outcome: Outcome) -> None:
-        self._busy, wanted = False, self._wanted
+        self.busy, wanted = False, self._wanted
         if self._waiting is not None:
             waiting, self._waiting = self._waiting, None
             self.ask(waiting)

@@ -31,86 +31,86 @@ class Physics:
 
     def __init__(self, text: str, robots: int, *, sideways: bool = False) -> None:
         """`sideways`: the robots have the joint and the actuators of a base that drives sideways."""
-        self._model = mujoco.MjModel.from_xml_string(text)
-        self._data = mujoco.MjData(self._model)
+        self.model = mujoco.MjModel.from_xml_string(text)
+        self.data = mujoco.MjData(self.model)
         self._robots = robots
         self._joints = [self._freejoint(f"robot_{n}") for n in range(robots)]
         self._wheels = [
-            [int(self._model.joint(f"{side}_{n}").qposadr[0]) for side in ("left", "right")] for n in range(robots)
+            [int(self.model.joint(f"{side}_{n}").qposadr[0]) for side in ("left", "right")] for n in range(robots)
         ]
         self._motors = [
-            slice(first, first + 2) for first in (self._model.actuator(f"left_{n}").id for n in range(robots))
+            slice(first, first + 2) for first in (self.model.actuator(f"left_{n}").id for n in range(robots))
         ]
-        self._chassis = [int(self._model.geom(f"chassis_{n}").id) for n in range(robots)]
+        self._chassis = [int(self.model.geom(f"chassis_{n}").id) for n in range(robots)]
         self._owners = {geom: n for n, geom in enumerate(self._chassis)}
-        self._people = np.array([self._model.geom(f"person_{n}").id for n in range(self._model.nmocap)], dtype=np.intp)
+        self._people = np.array([self.model.geom(f"person_{n}").id for n in range(self.model.nmocap)], dtype=np.intp)
         self._spins = [
-            [int(self._model.joint(f"{side}_{n}").dofadr[0]) for side in ("left", "right")] for n in range(robots)
+            [int(self.model.joint(f"{side}_{n}").dofadr[0]) for side in ("left", "right")] for n in range(robots)
         ]
-        self._aside = [int(self._model.joint(f"aside_{n}").qposadr[0]) for n in range(robots) if sideways]
+        self._aside = [int(self.model.joint(f"aside_{n}").qposadr[0]) for n in range(robots) if sideways]
         self.reset()
 
     def reset(self) -> None:
         """Reset to the start, at rest."""
-        mujoco.mj_resetData(self._model, self._data)
-        mujoco.mj_forward(self._model, self._data)
+        mujoco.mj_resetData(self.model, self.data)
+        mujoco.mj_forward(self.model, self.data)
 
     def step(self, count: int) -> None:
         """Advance by a number of time steps."""
-        mujoco.mj_step(self._model, self._data, count)
+        mujoco.mj_step(self.model, self.data, count)
 
     def set_wheel_speeds(self, robot: int, left: float, right: float) -> None:
         """Set the target speeds of the motors, rad/s."""
-        self._data.ctrl[self._motors[robot]] = (left, right)
+        self.data.ctrl[self._motors[robot]] = (left, right)
 
     def set_velocity(self, robot: int, forward: float, left: float, turn: float) -> None:
         """Set the velocity that the wheels of a robot that drives sideways give it: m/s, rad/s."""
         motors = self._motors[robot]
-        self._data.ctrl[motors.stop : motors.stop + 4] = (left, forward, left, turn)
+        self.data.ctrl[motors.stop : motors.stop + 4] = (left, forward, left, turn)
 
     def rolled_aside(self, robot: int) -> float:
         """Return how far the wheels rolled to the left, m; 0 for a robot that does not drive sideways."""
-        return float(self._data.qpos[self._aside[robot]]) if self._aside else 0.0
+        return float(self.data.qpos[self._aside[robot]]) if self._aside else 0.0
 
     def wheel_angles(self, robot: int) -> tuple[float, float]:
         """Return the angles of the left and right wheel, rad, forward is positive."""
         left, right = self._wheels[robot]
-        return float(self._data.qpos[left]), float(self._data.qpos[right])
+        return float(self.data.qpos[left]), float(self.data.qpos[right])
 
     def wheel_speeds(self, robot: int) -> tuple[float, float]:
         """Return the speeds of the left and right wheel, rad/s."""
         left, right = self._spins[robot]
-        return float(self._data.qvel[left]), float(self._data.qvel[right])
+        return float(self.data.qvel[left]), float(self.data.qvel[right])
 
     def state(self) -> npt.NDArray[np.float64]:
         """A copy of all positions; see `restore_state`."""
-        data = self._data
+        data = self.data
         return np.concatenate((data.qpos, data.mocap_pos.ravel(), data.mocap_quat.ravel()))
 
     def move_people(self, places: npt.NDArray[np.float64], headings: Sequence[float]) -> None:
         """Move people to positions (n, 2) with headings (rad)."""
-        self._data.mocap_pos[:, :2] = places
+        self.data.mocap_pos[:, :2] = places
         halves = 0.5 * np.asarray(headings)
-        self._data.mocap_quat[:, 0], self._data.mocap_quat[:, 3] = np.cos(halves), np.sin(halves)
+        self.data.mocap_quat[:, 0], self.data.mocap_quat[:, 3] = np.cos(halves), np.sin(halves)
 
     def touched_people(self, robot: int) -> frozenset[int]:
         """The people that a robot's chassis touches, by number."""
-        if not len(self._people) or not self._data.ncon:
+        if not len(self._people) or not self.data.ncon:
             return frozenset()
-        pairs = self._data.contact.geom
+        pairs = self.data.contact.geom
         touched = pairs[(pairs == self._chassis[robot]).any(axis=1)]
         return frozenset(np.flatnonzero(np.isin(self._people, touched)).tolist())
 
     def pose(self, robot: int) -> Pose2:
         """Return the pose of a robot's base_footprint in the map."""
         q = self._joints[robot][0]
-        x, y, _, a, b, c, d = self._data.qpos[q : q + 7].tolist()
+        x, y, _, a, b, c, d = self.data.qpos[q : q + 7].tolist()
         return Pose2(x, y, yaw_of_quaternion(b, c, d, a))  # MuJoCo's order is w, x, y, z
 
     def velocity(self, robot: int) -> tuple[float, float, float]:
         """Forward, to the left (m/s) and yaw rate (rad/s), in the robot's own frame."""
         v = self._joints[robot][1]
-        vx, vy, _, _, _, turn = self._data.qvel[v : v + 6].tolist()
+        vx, vy, _, _, _, turn = self.data.qvel[v : v + 6].tolist()
         yaw = self.pose(robot)[2]
         c, s = math.cos(yaw), math.sin(yaw)
         return c * vx + s * vy, c * vy - s * vx, turn
@@ -118,31 +118,21 @@ class Physics:
     def motion(self, robot: int) -> BodyMotion:
         """Return the motion of a robot's base_footprint in three dimensions."""
         q, v = self._joints[robot]
-        (a, b, c, d), speeds = self._data.qpos[q + 3 : q + 7].tolist(), self._data.qvel[v : v + 6].copy()
+        (a, b, c, d), speeds = self.data.qpos[q + 3 : q + 7].tolist(), self.data.qvel[v : v + 6].copy()
         return BodyMotion((b, c, d, a), speeds[:3], speeds[3:])
-
-    @property
-    def model(self) -> mujoco.MjModel:
-        """MuJoCo's model, for sensors that cast rays."""
-        return self._model
-
-    @property
-    def data(self) -> mujoco.MjData:
-        """MuJoCo's state, likewise."""
-        return self._data
 
     def touching(self) -> frozenset[int]:
         """The robots whose chassis touches something: a wall, a box, an obstacle, another robot."""
-        if not self._data.ncon:
+        if not self.data.ncon:
             return frozenset()
         owners = self._owners
-        return frozenset(owners[geom] for pair in self._data.contact.geom.tolist() for geom in pair if geom in owners)
+        return frozenset(owners[geom] for pair in self.data.contact.geom.tolist() for geom in pair if geom in owners)
 
     def touches(self, robot: int) -> list[npt.NDArray[np.float64]]:
         """Return contacts of a robot's chassis: for each thing the points, shape (points, 2), m in base_footprint."""
-        pairs = self._data.contact.geom
+        pairs = self.data.contact.geom
         rows = (pairs == self._chassis[robot]).any(axis=1)
-        points = self.pose(robot).inverse().transform_points(self._data.contact.pos[rows, :2])
+        points = self.pose(robot).inverse().transform_points(self.data.contact.pos[rows, :2])
         things = pairs[rows].sum(axis=1)  # one of the two is the chassis: the sums differ as the others do
         return [points[things == thing] for thing in np.unique(things)]
 
@@ -160,31 +150,31 @@ class Physics:
 
     def _place(self, body: str, geom: str, pose: tuple[float, float, float]) -> str | None:
         q, v = self._freejoint(body)
-        before = np.empty(mujoco.mj_stateSize(self._model, _STATE))
-        mujoco.mj_getState(self._model, self._data, before, _STATE)
+        before = np.empty(mujoco.mj_stateSize(self.model, _STATE))
+        mujoco.mj_getState(self.model, self.data, before, _STATE)
         x, y, yaw = pose
         qx, qy, qz, qw = quaternion_of_yaw(yaw)
-        self._data.qpos[q : q + 7] = (x, y, self._model.qpos0[q + 2], qw, qx, qy, qz)
-        self._data.qvel[v : v + 6] = 0.0
-        mujoco.mj_forward(self._model, self._data)
-        in_the_way = self._neighbour(self._model.geom(geom).id)
+        self.data.qpos[q : q + 7] = (x, y, self.model.qpos0[q + 2], qw, qx, qy, qz)
+        self.data.qvel[v : v + 6] = 0.0
+        mujoco.mj_forward(self.model, self.data)
+        in_the_way = self._neighbour(self.model.geom(geom).id)
         if in_the_way is not None:
-            mujoco.mj_setState(self._model, self._data, before, _STATE)
-            mujoco.mj_forward(self._model, self._data)
+            mujoco.mj_setState(self.model, self.data, before, _STATE)
+            mujoco.mj_forward(self.model, self.data)
         return in_the_way
 
     def _neighbour(self, geom: int) -> str | None:
         """Describe an object that a shape penetrates, except the floor."""
-        floor = self._model.geom("floor").id
-        for pair in self._data.contact.geom.tolist():
+        floor = self.model.geom("floor").id
+        for pair in self.data.contact.geom.tolist():
             if geom in pair and floor not in pair:
-                name = str(self._model.geom(pair[0] if pair[1] == geom else pair[1]).name)
+                name = str(self.model.geom(pair[0] if pair[1] == geom else pair[1]).name)
                 kind, _, rest = name.partition("/")
                 return "a wall" if kind == "wall" else rest if rest else name.replace("chassis", "robot")
         return None
 
     def _freejoint(self, name: str) -> tuple[int, int]:
-        joint = self._model.joint(name)
+        joint = self.model.joint(name)
         return int(joint.qposadr[0]), int(joint.dofadr[0])
 
 

@@ -121,24 +121,19 @@ class LogLines:
 
     def __init__(self, kept: int = KEPT) -> None:
         self._lines: deque[RunLogLine] = deque(maxlen=kept)
-        self._next = 0
+        self.end = 0  # the number of the next line
 
     def add(self, node: str, severity: str, text: str) -> None:
         """Add a line; characters that are not printable are removed or shown as escapes."""
         clean = printable(strip_styles(text).replace("\t", "    "))
         self._lines.append(RunLogLine(node, severity, clean[:_LONGEST]))
-        self._next += 1
-
-    @property
-    def end(self) -> int:
-        """The number of the next line."""
-        return self._next
+        self.end += 1
 
     def since(self, number: int, most: int) -> tuple[int, list[RunLogLine]]:
         """Return at most `most` lines from a number on, and the number of the first: higher if lines were lost."""
-        first = min(max(number, self._next - len(self._lines)), self._next)
-        skipped = first - (self._next - len(self._lines))
-        return first, [self._lines[skipped + index] for index in range(min(most, self._next - first))]
+        first = min(max(number, self.end - len(self._lines)), self.end)
+        skipped = first - (self.end - len(self._lines))
+        return first, [self._lines[skipped + index] for index in range(min(most, self.end - first))]
 
 
 def read_lines(path: str, offset: int = 0) -> tuple[list[str], int]:

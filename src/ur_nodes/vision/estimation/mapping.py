@@ -99,7 +99,7 @@ class FiducialMapper:
         self._links: dict[int, set[int]] = {}
         self._contradicting: set[int] = set()
         self._unsettled = Unsettled()
-        self._count = 0
+        self.moments = 0  # poses of the robot in the graph
         self._odometry: Pose2 | None = None
         self._robot = from_planar(start) if start else None
         self._known = {entry.id: entry for entry in known}
@@ -116,11 +116,6 @@ class FiducialMapper:
         return frozenset(self._contradicting)
 
     @property
-    def moments(self) -> int:
-        """The number of poses of the robot in the graph."""
-        return self._count
-
-    @property
     def last(self) -> Pose2 | None:
         """The robot's pose in the map at the last moment; None while that is not known."""
         return None if self._robot is None else to_planar(self._robot)
@@ -134,10 +129,10 @@ class FiducialMapper:
     def add(self, odometry: Pose2, observations: Iterable[Observation]) -> bool:
         """Add the observations of a moment, unless the last one is close; return whether the map changed."""
         seen = tuple(observations)
-        if self._count and not self._far(self._motion(odometry), bool(seen)):
+        if self.moments and not self._far(self._motion(odometry), bool(seen)):
             return False
         guess = self._guess(odometry, seen)
-        if guess is None or not (seen or self._count):
+        if guess is None or not (seen or self.moments):
             return False
         factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         for entry in self._pending:
@@ -148,10 +143,10 @@ class FiducialMapper:
             self._links[entry.id] = set(entry.links)
         self._pending.clear()
         trusted = [each for each in seen if not self._contradicts(each, guess, odometry)]
-        values.insert(robot_key(self._count), gtsam.Pose3(guess))
-        factors.push_back(level_factor(self._count, guess))
-        if self._count:
-            factors.push_back(odometry_factor(self._count - 1, self._count, self._motion(odometry)))
+        values.insert(robot_key(self.moments), gtsam.Pose3(guess))
+        factors.push_back(level_factor(self.moments, guess))
+        if self.moments:
+            factors.push_back(odometry_factor(self.moments - 1, self.moments, self._motion(odometry)))
         elif self._start is not None:
             factors.push_back(start_factor(0, guess, 1e-3, 1e-3))
         self._add_sightings(factors, values, guess, trusted)
@@ -159,20 +154,20 @@ class FiducialMapper:
         self._isam.update()
         for index in range(factors.size()):
             self._graph.push_back(factors.at(index))
-        self._count += 1
+        self.moments += 1
         self._on_estimate(self._isam.calculateEstimate())
         self._odometry = odometry
         return True
 
     def refine(self) -> None:
         """Solve the whole graph again, without the approximations of the incremental solution."""
-        if self._count:
+        if self.moments:
             values = gtsam.LevenbergMarquardtOptimizer(self._graph, self._isam.calculateEstimate()).optimize()
             self._on_estimate(values)
 
     def entries(self) -> tuple[MapEntry, ...]:
         """The map with covariances."""
-        if not self._count:
+        if not self.moments:
             return tuple(self._known.values())
         marginals = gtsam.Marginals(self._graph, self._isam.calculateEstimate())
         return tuple(
@@ -188,9 +183,9 @@ class FiducialMapper:
 
     def covariance(self) -> Floats:
         """Covariance (6, 6) of the robot's pose at the last moment: rotation, translation, in its own frame."""
-        if not self._count:
+        if not self.moments:
             return np.eye(6) * 1e-6
-        return np.asarray(self._isam.marginalCovariance(robot_key(self._count - 1)))
+        return np.asarray(self._isam.marginalCovariance(robot_key(self.moments - 1)))
 
     def _motion(self, odometry: Pose2) -> Pose2:
         """Return the odometry since the last moment."""
@@ -201,7 +196,7 @@ class FiducialMapper:
         return way > (_STEP if seeing else _LONG_STEP) or turn > (_TURN if seeing else _LONG_TURN)
 
     def _guess(self, odometry: Pose2, seen: tuple[Observation, ...]) -> Floats | None:
-        if self._count and self._robot is not None:
+        if self.moments and self._robot is not None:
             return self._robot @ from_planar(self._motion(odometry))
         if self._start is not None:
             return from_planar(self._start)
@@ -218,8 +213,8 @@ class FiducialMapper:
             number, known = observation.id, self._poses.get(observation.id)
             if known is not None:
                 if sighting := choose_sighting(observation, invert(guess) @ known):
-                    used.append((self._count, number, sighting))
-            elif (pose := self._unsettled.add(FiducialView(self._count, guess, observation))) is not None:
+                    used.append((self.moments, number, sighting))
+            elif (pose := self._unsettled.add(FiducialView(self.moments, guess, observation))) is not None:
                 self._poses[number] = pose
                 values.insert(fiducial_key(number), gtsam.Pose3(pose))
                 used += [(moment, number, sighting) for moment, sighting in self._unsettled.pop(number, pose)]
@@ -233,7 +228,7 @@ class FiducialMapper:
         number, known = seen.id, self._poses.get(seen.id)
         sighting = choose_sighting(seen, invert(guess) @ known) if known is not None else None
         self._contradicting.discard(number)
-        if known is None or sighting is None or not self._count:
+        if known is None or sighting is None or not self.moments:
             return False
         off = deviation(guess, known, sighting)
         if np.linalg.norm(off[3:]) < _NEARBY and np.linalg.norm(off[:3]) < _NEARLY:
@@ -249,6 +244,6 @@ class FiducialMapper:
         return True
 
     def _on_estimate(self, values: gtsam.Values) -> None:
-        self._robot = np.asarray(values.atPose3(robot_key(self._count - 1)).matrix())
+        self._robot = np.asarray(values.atPose3(robot_key(self.moments - 1)).matrix())
         for number in self._poses:
             self._poses[number] = np.asarray(values.atPose3(fiducial_key(number)).matrix())

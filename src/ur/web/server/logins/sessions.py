@@ -53,18 +53,13 @@ class Sessions:
         `life` is the validity of a login in s.
         """
         self._path, self._log, self._links = path, log, links
-        self._report, self._life = report, life
+        self._report, self.life = report, life
         self._ledger = Ledger()
         with suppress(OSError, UnicodeDecodeError), path.open("rb") as file:
             self._ledger = read_sessions(file.read(_LONGEST).decode("utf-8"))
         self._open: dict[str, set[asyncio.Transport]] = {}
         self._saved_at = time.monotonic()
         self._clock = clock
-
-    @property
-    def life(self) -> float:
-        """The validity of a login in s."""
-        return self._life
 
     def invite(self, role: Role) -> str:
         """Create a token for one login."""
@@ -82,7 +77,7 @@ class Sessions:
         `before` is the id of the browser's previous session, which the new one replaces under the same name.
         """
         now, former = self._clock(), self.list().get(before)
-        device = LoginDevice(former.name if former else name, address, self._life)
+        device = LoginDevice(former.name if former else name, address, self.life)
         kept = end_sessions(self._ledger, [before])
         ledger, secret = use_token(kept, token, device, now)
         role = self._links.use(token) if secret is None and self._links is not None else None
