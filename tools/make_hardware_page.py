@@ -21,8 +21,8 @@ Nobody has tried any of this on the hardware itself.
 *Description* means that a test reads a description of this kind; the makers' own description is in no test.
 *Drives* were made once, with `bench/navigation`, by the simulated base that `ur new base` wrote; no test repeats them.
 What no test tries is in the last column; `tools/hardware.yaml` names each test.
-On ROS 1 a robot with navigation takes 290 MB of memory, with the page 375: 1 GB suffices.
-Without navigation and black box it takes 190 with the page: 512 MB suffice.
+On ROS 1 a robot with navigation takes about 310 MB of memory, with the page 395.
+Without navigation and black box it takes 220 with lidar and page.
 `bench/long --real-time 10` prints memory and writes to the card.
 See [find devices](../how-to/devices.md) for their names, and [get packages](../how-to/get-packages.md) for drivers.
 
