@@ -40,5 +40,5 @@ def test_script_that_was_written_runs_as_a_node_with_its_own_arguments(
 def test_script_without_any_ros_says_what_is_missing(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_VERSION", "0")
     (folder / "look.py").touch()
-    with pytest.raises(UserError, match="no ROS on this computer"):
+    with pytest.raises(UserError, match="nodes run without ROS"):
         run_script("look.py", [], apply=lambda _: None)

@@ -103,7 +103,7 @@ def run_script(
             raise user_error(message, rule="not-here", help=there)
     apply(selection)
     if os.environ.get("ROS_VERSION") == "0":
-        message = "no ROS on this computer, expected ROS 1 or ROS 2 between a script and the robot"
+        message = "nodes run without ROS, expected ROS 1 or ROS 2 between a script and the robot"
         raise user_error(message, rule="no-ros", help="install it: ur setup; 'ur use --ros 2' needs no Debian package")
     sys.stdout.flush()
     node = str(launch_library() / "lib" / "node")

@@ -30,10 +30,7 @@ class ProcessMiddleware(DomainMiddleware):
     """See `Middleware`."""
 
     def describe(self) -> str:
-        return (
-            "no ROS on this computer: all nodes are in one process, "
-            "out of reach of other programs, other runs, RViz and robots"
-        )
+        return "no ROS: all nodes are in one process, out of reach of other programs, other runs, RViz and robots"
 
     def arrange(
         self, programs: tuple[UnitProgram, ...], nodes: Sequence[NodeSpec], folder: str

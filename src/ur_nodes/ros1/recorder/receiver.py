@@ -63,7 +63,8 @@ def connect_topic(caller: str, address: Address, topic: str) -> tuple[socket.soc
             raise TopicConnectionError(f"{topic}: {header.get('error', 'a header without a type')}")
         if is_remote(sock):
             watch_peer(sock)
-        sock.setsockopt(socket.SOL_SOCKET, _SO_TIMESTAMPNS, 1)
+        with suppress(OSError):  # an emulated kernel has no such times
+            sock.setsockopt(socket.SOL_SOCKET, _SO_TIMESTAMPNS, 1)
         sock.setblocking(False)
     except (OSError, rosgraph.network.ROSHandshakeException) as problem:
         sock.close()
