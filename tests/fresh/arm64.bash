@@ -4,16 +4,18 @@
 #
 # Its packages are unpacked and their scripts are not run, which under emulation would take longer than all that is tried:
 # no package of ROS is installed, and it calls itself Ubuntu 24.04, whose nodes run in one process on arm64.
-# shellcheck disable=SC2154 # root, target, fresh and folder are those of tests/fresh/run
+# shellcheck disable=SC2034,SC2154 # variables of tests/fresh/run
 kept="${XDG_CACHE_HOME:-/var/cache}/ur-arm64"
-arm64_packages=(base-files base-passwd bash coreutils dash diffutils findutils gawk grep hostname libc-bin libstdc++6 libgomp1
+arm64_packages=(base-files base-passwd bash coreutils dash diffutils findutils grep hostname libc-bin libgomp1 libstdc++6 mawk
   procps python3 python3-venv sed util-linux)
 sample_packages="click markdown-it-py mdurl msgspec numpy packaging platformdirs pygments pyyaml rich rich-click typing-extensions"
 test_packages="hypothesis iniconfig pluggy psutil pytest pytest-asyncio pytest-timeout sortedcontainers"
+slowness=30 # times as long as this computer an emulated one takes for what it computes
+arm64_tests=(tests/ur_nodes/{geometry,slam,navigation,drivers} tests/launchfile)
 
 # emulate COMMAND...: replace this process by the command as root of a user namespace in which arm64 programs run.
 emulate() {
-  local code outside
+  local outside
   outside="$(readlink /proc/self/ns/user)"
   { # the namespace's users can be written from outside only
     until [[ "$(readlink "/proc/$$/ns/user")" != "$outside" ]]; do sleep 0.05; done
@@ -31,26 +33,38 @@ let_arm64_run() {
     >"$fresh/binfmt/register"
 }
 
-# unpack_arm64 FOLDER: a Debian 13 of arm64, and qemu-aarch64 of the same release beside it: Debian 12's is too old.
+# unpack_arm64 FOLDER: a Debian 13 of arm64 in `root`, and in `native` one that runs here, with the same Python and with
+# qemu-aarch64: that of Debian 12 is too old.
 unpack_arm64() {
-  local names="${arm64_packages[*]}"
-  mmdebstrap --quiet --mode=root "${apt_settings[@]/#/--aptopt=}" --architectures=arm64,amd64 --variant=extract \
-    --include="${names// /,},qemu-user:amd64" trixie "$1/root" - <"$fresh/sources" || return
-  mv "$1/root/usr/bin/qemu-aarch64" "$1/" && rm "$1"/root/usr/bin/qemu-* || return
-  for name in passwd group; do cp "$1/root/usr/share/base-passwd/$name.master" "$1/root/etc/$name"; done
+  local names="${arm64_packages[*]}" each folder arch more
+  for each in "native amd64 ,qemu-user" "root arm64"; do
+    read -r folder arch more <<<"$each"
+    mmdebstrap --quiet --mode=root --skip=chroot/mount/sys "${apt_settings[@]/#/--aptopt=}" --architectures="$arch" \
+      --variant=extract --include="${names// /,}$more" trixie "$1/$folder" - <"$fresh/sources" || return
+  done
+  mv "$1/native/usr/bin/qemu-aarch64" "$1/native/usr/bin/arm64" && rm "$1"/native/usr/bin/qemu-* || return
+  # What the packages' scripts would have done:
+  for each in passwd group; do cp "$1/root/usr/share/base-passwd/$each.master" "$1/root/etc/$each"; done
+  ln -s mawk "$1/root/usr/bin/awk"
+  compile_python "$1/native" "$1/root" /mnt/usr/lib/python3.13
   echo 'pat:x:1000:1000::/home/pat:/bin/bash' >>"$1/root/etc/passwd" && echo 'pat:x:1000:' >>"$1/root/etc/group"
-  mkdir "$1/root/home/pat"
-  # Without the packages' scripts Python's files are not compiled: pat, who runs them first, may do so.
-  chown -R 1000:1000 "$1/root/home/pat" "$1"/root/usr/lib/python3*
+  mkdir -p "$1/root/home/pat" "$1/root/etc/apt/preferences.d"
+}
+
+# compile_python NATIVE ROOT FOLDER...: compile Python files of the emulated computer on this one, which is much faster.
+compile_python() {
+  mkdir -p "$1/mnt" && mount --bind "$2" "$1/mnt" || return
+  chroot "$1" python3 -m compileall -q -s /mnt -p / "${@:3}" >/dev/null
+  umount "$1/mnt"
 }
 
 # find_arm64: the folder of the unpacked computer, made now where the cache has none.
 find_arm64() {
   local key unfinished
-  key="$( (declare -f unpack_arm64 && echo "${arm64_packages[@]}") | sha256sum | cut -c 1-12)"
+  key="$( (declare -f unpack_arm64 compile_python && echo "${arm64_packages[@]}") | sha256sum | cut -c 1-12)"
   mkdir -p "$kept" && exec 8>"$kept/lock" && flock 8 || return
   if [[ ! -d $kept/$key ]]; then
-    rm -rf --one-file-system "$kept"/*/
+    rm -rf --one-file-system "${kept:?}"/*/
     unfinished="$(mktemp -d "$kept/unfinished.XXXXXX")" && unpack_arm64 "$unfinished" && mv -T "$unfinished" "$kept/$key" || return
   fi
   exec 8>&-
@@ -66,6 +80,7 @@ locked() {
 # try_arm64: the parts.
 try_arm64() {
   local begin=$SECONDS packages=/home/pat/packages python=.venv/bin/python
+  limit=900
   if runs sample; then
     step "arm64: tests of geometry and ur check, without the set-up"
     # shellcheck disable=SC2086 # words
@@ -73,9 +88,45 @@ try_arm64() {
     "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check --target "$target$packages" --require-hashes \
       --only-binary :all: --platform manylinux_2_28_aarch64 --platform manylinux_2_17_aarch64 --python-version 3.13 \
       --no-deps --no-compile -r "$fresh/lock" 2>/dev/null || { status=1 && echo "== failed: pip install"; }
-    chown -R 1000:1000 "$target$packages"
+    compile_python "$unpacked/native" "$target" "/mnt$packages" "/mnt/home/pat/$folder/src"
+    chown -R 1000:1000 "$target/home/pat"
     expect "tests" 0 " passed" "env PYTHONPATH=$packages:src python3 -m pytest -p no:cacheprovider tests/ur_nodes/geometry"
     expect "ur check" 0 "found in [0-9]* files" "env PYTHONPATH=$packages:src python3 -m ur check ubiquity_launches"
     echo "== sample: $((SECONDS - begin)) s"
+  fi
+  limit=1800
+  runs drive || runs check || runs page || runs test || return
+  step "the set-up, by a user who may not use sudo"
+  pretend_ubuntu
+  expect "set-up" 0 "no ROS: all nodes" "./ur use sim --ros none"
+  echo "== set up in $((SECONDS - begin)) s"
+  if runs drive; then
+    begin=$SECONDS
+    step "the first README command, told to drive to a goal and quit, while time passes $slowness times as slowly"
+    install -m 644 "$root/tests/fresh/slow_time.py" "$target/home/pat/$folder"/.venv/lib/python3*/site-packages
+    echo "import slow_time; slow_time.begin($slowness, $(date +%s))" >"$(echo "$target/home/pat/$folder"/.venv/lib/python3*/site-packages)/a_slow_time.pth"
+    expect "drive" 0 "g 0.5 0 0: reached" "bash -c \"printf 'g 0.5 0 0\nq\n' | ./ur run keyboard_navigate\""
+    rm "$target/home/pat/$folder"/.venv/lib/python3*/site-packages/a_slow_time.pth
+    echo "== driven in $((SECONDS - begin)) s"
+  fi
+  if runs check; then
+    step "ur check"
+    expect "ur check" 0 "found in [0-9]* files" "./ur check ubiquity_launches"
+  fi
+  if runs page; then
+    begin=$SECONDS
+    step "the page"
+    expect "page" 0 "frames of the page" "$python tests/fresh/page.py 8393 900"
+    echo "== page: $((SECONDS - begin)) s"
+  fi
+  if runs test; then
+    begin=$SECONDS
+    step "tests"
+    # shellcheck disable=SC2086 # words
+    locked dev $test_packages >"$target/home/pat/test.lock"
+    inside "$python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r ../test.lock" || { status=1 && echo "== failed: pip install"; }
+    run_tests "$python -m pytest -n 3 --timeout 1200 -m 'not ros and not slow and not hosts and not nightly' ${arm64_tests[*]}"
+    run_tests "$python -m pytest --timeout 1200 -m '' tests/ur_nodes/first_drive/test_first_drive.py"
+    echo "== tests: $((SECONDS - begin)) s"
   fi
 }

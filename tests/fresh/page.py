@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Try the page of a run: tests/fresh/page.py PORT. It starts a robot and `ur web`, logs in, and waits for frames.
+"""Try the page of a run: tests/fresh/page.py PORT [LIMIT]. It starts a robot and `ur web`, logs in, and
+waits for frames.
 
 Run it with .venv/bin/python. Prints the time until the first frame with data.
 """
@@ -14,7 +15,7 @@ import time
 from pathlib import Path
 
 UR = str(Path(__file__).resolve().parents[2] / "ur")
-LIMIT = 120.0  # s
+LIMIT = float(sys.argv[2]) if len(sys.argv) > 2 else 120.0  # s
 FRAMES = 10  # with content of more than a header
 
 
