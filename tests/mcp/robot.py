@@ -57,10 +57,14 @@ class BusLink:
 
 
 class AssistedRobot:
-    """A robot, the server of an assistant, and what the robot did: `samples` are (s, m/s, rad/s, x, y)."""
+    """A robot, the server of an assistant, and what the robot did: `samples` are (s, m/s, rad/s, x, y).
+
+    What is sent on the topics `lost` gets lost.
+    """
 
     def __init__(self, folder: Path) -> None:
-        self.stage = FirstDrive()
+        self.lost: set[str] = set()
+        self.stage = FirstDrive(delay=lambda topic: None if topic in self.lost else 0)
         vars(self.stage.bus.nodes["/cmd_vel_mux"])["facts"].simulated_time = False  # ages count, as on a robot
         self.link = BusLink(self.stage)
         self.files = GrantFiles(folder / "mcp")

@@ -25,7 +25,6 @@ from ur.mcp.assistant import MARK
 from ur.mcp.calls import TOOLS
 from ur.mcp.grants import Area, DriveGrant
 from ur_nodes.client.mux import MuxLink
-from ur_nodes.client.navigation import RobotState
 from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.motion.lease.view import Identity
 from ur_nodes.ports.node import Publisher
@@ -98,13 +97,22 @@ async def test_robot_drives_to_a_place_within_the_speed_of_the_grant_and_is_at_r
 
 @pytest.mark.parametrize(("late", "answer"), [(1.0, "driven"), (60.0, "the pose of the robot is not known")])
 async def test_motion_begins_when_the_pose_of_the_robot_is_known(
-    robot: AssistedRobot, monkeypatch: pytest.MonkeyPatch, late: float, answer: str
+    robot: AssistedRobot, late: float, answer: str
 ) -> None:
     robot.grant()
-    known, age = robot.now + late, RobotState.age
-    monkeypatch.setattr(RobotState, "age", lambda self: age(self) if robot.now >= known else math.inf)
+    robot.lost.add("/tf")
+    robot.step(0.6)  # the last pose is older than a motion needs
+    known = robot.now + late
+
+    async def find_pose() -> None:
+        while robot.now < known:
+            await asyncio.sleep(0)
+        robot.lost.clear()
+
+    finder = asyncio.create_task(find_pose())
     async with robot.connect() as client:
         assert answer in text_of(await client.call_tool("drive", {"speed": 0.2, "seconds": 1.0}))
+    finder.cancel()
     assert max((speed for at, speed, *_ in robot.samples if at < known), default=0.0) < 0.01
 
 

@@ -13,7 +13,6 @@ from tests.ur_nodes.slam.drives import drive
 from tests.ur_nodes.slam.storage.test_merging import put, store
 
 from ur.cli.main import main
-from ur.cli.maps import merging
 from ur.maps.names import read_places, waypoint_path, write_places
 from ur.maps.store import MapStore
 from ur_nodes.geometry.pose import Pose2
@@ -44,9 +43,17 @@ def test_map_is_not_merged_with_itself(store: MapStore, capsys: pytest.CaptureFi
     assert store.names() == ["hall"]
 
 
-def test_places_where_the_maps_differ_are_shown(
-    store: MapStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+MERGED = """
+import sys
+from ur.cli.maps import merging
+from ur.maps.store import own_store
+merging.need_all = lambda *_: None
+sys.executable = sys.argv[1]
+print(merging.merge_maps(own_store({**__import__("os").environ}), "hall", "attic", "house"))
+"""
+
+
+def test_places_where_the_maps_differ_are_shown(store: MapStore, tmp_path: Path) -> None:
     program = tmp_path / "program"
     changes = [[1.0, -2.0, 1.25, 0.5]] * 12
     found = {"name": "house", "keyframes": 9, "links": 5, "place": [0.0, 0.0, 0.0], "changes": changes}
@@ -55,21 +62,11 @@ def test_places_where_the_maps_differ_are_shown(
     for name in ("hall", "attic"):
         store.path(name).mkdir(parents=True)
         store.picture(name).touch()
-    monkeypatch.setattr(sys, "executable", str(program))
-    monkeypatch.setattr(merging, "need_all", lambda *_: None)
-    first, *places = merging.merge_maps(store, "hall", "attic", "house").splitlines()
+    command = [sys.executable, "-c", MERGED, str(program)]
+    first, *places = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
     assert first == "house: 9 scans, 5 links between the two maps"
     assert places[0] == "The maps differ in 12 places, drawn as in attic:"
     assert places[1:] == ["  1.2 x 0.5 m at (1.0, -2.0)"] * 10
-
-
-KILLED = """
-from ur.cli.maps import merging
-from ur.maps.store import own_store
-merging.need_all = lambda *_: None
-merging.sys.executable = sys.argv[1]
-merging.merge_maps(own_store({**__import__("os").environ}), "hall", "attic", "house")
-"""
 
 
 def test_merging_process_ends_with_a_command_that_is_killed(store: MapStore, tmp_path: Path) -> None:
@@ -80,7 +77,7 @@ def test_merging_process_ends_with_a_command_that_is_killed(store: MapStore, tmp
     os.mkfifo(number)
     program.write_text(f"#!/bin/sh\necho $$ >{number}; exec sleep 1000\n")
     program.chmod(0o755)
-    command = subprocess.Popen([sys.executable, "-c", KILLED, program], stdout=subprocess.DEVNULL)
+    command = subprocess.Popen([sys.executable, "-c", MERGED, str(program)], stdout=subprocess.DEVNULL)
     with number.open() as pipe:  # waits until the process has begun
         child = os.pidfd_open(int(pipe.readline()))
     command.kill()

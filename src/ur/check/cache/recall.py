@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import msgspec
 
@@ -39,7 +39,7 @@ class KeptOutline(ForeignValue, frozen=True, array_like=True):
 
     digest: str
     includes: tuple[IncludeTag, ...]
-    comments: list[Any]
+    comments: list[object]
 
 
 def outline_of(view: LaunchView) -> IncludeOutline:
@@ -53,9 +53,12 @@ def outline_of(view: LaunchView) -> IncludeOutline:
 Kind = TypeVar("Kind")
 
 
-def _encode(value: object, texts: dict[SourceFile, int]) -> Any:
-    """Encode a value, with an index for each text, which is added to `texts`."""
-    return msgspec.to_builtins(value, enc_hook=lambda text: texts.setdefault(text, len(texts)), order="deterministic")
+def _encode(values: Sequence[object], texts: dict[SourceFile, int]) -> list[object]:
+    """Encode values, with an index for each text, which is added to `texts`."""
+    encoded: list[object] = msgspec.to_builtins(
+        values, enc_hook=lambda text: texts.setdefault(text, len(texts)), order="deterministic"
+    )
+    return encoded
 
 
 def _decode(value: object, kind: type[Kind], texts: Sequence[SourceFile]) -> Kind:
@@ -79,7 +82,7 @@ class KeptHits(ForeignValue, frozen=True, array_like=True):
     """The encoded hits of a file. `sources` are paths, each with its text if that is in no file."""
 
     sources: tuple[tuple[str, str | None], ...]
-    hits: list[Any]
+    hits: list[object]
 
 
 def encode_hits(hits: Sequence[Hit], read: ReadText) -> tuple[KeptHits, set[str]]:
