@@ -369,7 +369,8 @@ class MoveBase:
         return self._handle is not None and has_any_heading(self._handle.goal.id)
 
     def _plan(self, request: PlanRequest) -> PlanAnswer:
-        steering = Steering(self._settings.limits.radius, sideways=self._settings.limits.lateral > 0.0)
+        limits = self._settings.limits
+        steering = Steering(limits.radius, sideways=limits.lateral > 0.0, bend=limits.bend)
         return answer_request(request, self._settings.planner, self._settings.footprint, steering)
 
     def _on_plan(self, request: PlanRequest, answer: PlanAnswer) -> None:

@@ -12,11 +12,12 @@ from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.navigator_step import PlanAnswer
 from ur_nodes.navigation.people.tracked_people import MARGIN, NO_PEOPLE, TrackedPeople
+from ur_nodes.navigation.planning.blended_turns import blend_turns
 from ur_nodes.navigation.planning.global_plan import NoPathError, PlanSettings, plan_path, traversal_weights
 from ur_nodes.navigation.planning.legs import points_of_legs
 from ur_nodes.navigation.planning.outline_motions import SPINS, Steering
 from ur_nodes.navigation.planning.outline_plan import OutlineRequest, fit_outline, is_long
-from ur_nodes.navigation.planning.path_geometry import Points, arc_lengths
+from ur_nodes.navigation.planning.path_geometry import Points, arc_lengths, resample
 
 _STANDING = 0.3  # m/s: slower people are planned round
 _DETOUR, _DETOUR_SPEED = 3.0, 0.5  # m longer, and as much for each second that the robot has waited (m/s)
@@ -60,6 +61,12 @@ def answer_request(
     try:
         path = _plan_round_people(request, settings, footprint)
         if footprint is None or request.yaw is None or (steering.spins and not is_long(footprint)):
+            if request.yaw is not None and steering.bend:
+                weights = traversal_weights(settings)
+                path = blend_turns(
+                    path, request.yaw, request.heading, steering.bend, settings.room, request.costmap, weights
+                )
+                path = resample(path, settings.spacing)
             return PlanAnswer(path)
         start, weights = Pose2(*request.start, request.yaw), traversal_weights(settings)
         wanted = OutlineRequest(

@@ -186,7 +186,7 @@ class ClosedLoop:
             request,
             self.plan_settings,
             self.footprint,
-            Steering(self.limits.radius, sideways=self.limits.lateral > 0.0),
+            Steering(self.limits.radius, sideways=self.limits.lateral > 0.0, bend=self.limits.bend),
         )
 
     def _scan(self) -> None:

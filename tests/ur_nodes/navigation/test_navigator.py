@@ -54,6 +54,19 @@ def test_navigator_drives_fast_and_straight_in_the_open() -> None:
     assert drive.seconds < 1.15 * drive.length / 0.5
 
 
+@pytest.mark.parametrize("yaw", [1.2, -1.6, 2.6])
+def test_navigator_makes_part_of_its_turns_while_it_drives(yaw: float) -> None:
+    grid = Grid(np.zeros((200, 200), np.int8), 0.05, Pose2(-2.0, -5.0, 0.0))
+    goal = Pose2(5.0, 0.5, yaw)
+    drive = ClosedLoop(grid, pose=Pose2(0.0, 0.0, -yaw)).drive(goal)
+    check(drive, goal)
+    assert drive.plans == 1
+    assert math.hypot(drive.pose.x - goal.x, drive.pose.y - goal.y) < 0.02
+    assert drive.length < 1.12 * math.hypot(5.0, 0.5)
+    on_the_spot = 2.0 * abs(yaw)  # s, at 1 rad/s
+    assert drive.seconds < drive.length / 0.5 + on_the_spot - 0.5
+
+
 def test_navigator_keeps_out_of_a_zone_that_no_sensor_sees() -> None:
     grid = Grid(np.zeros((200, 200), np.int8), 0.05, Pose2(-2.0, -5.0, 0.0))
     zone = Grid(np.full((40, 20), 100, np.int8), 0.05, Pose2(2.0, -0.7, 0.0))  # across the straight line

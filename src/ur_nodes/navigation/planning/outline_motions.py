@@ -15,10 +15,14 @@ _SPIN = 2  # headings of one turn on the spot
 
 @dataclass(frozen=True, slots=True)
 class Steering:
-    """The steering of a robot: it turns on the spot, or in circles of `radius` m and more; some drive `sideways`."""
+    """The steering of a robot: it turns on the spot, or in circles of `radius` m and more; some drive `sideways`.
+
+    `bend` (m) is the radius of a turn at its full speed, 0 unknown.
+    """
 
     radius: float = 0.0
     sideways: bool = False
+    bend: float = 0.0
 
     @property
     def spins(self) -> bool:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.planning.path_geometry import Points, headings
 from ur_nodes.navigation.steering.speed_profile import DriveVelocity, SpeedLimits, speed_profile
 
@@ -20,11 +20,14 @@ Floats = NDArray[np.float64]
 FAST = 0.6
 """m/s: bases that drive no faster keep the margin of their footprint at any speed, and steer as they always have."""
 _BRAKING = 0.6  # of the acceleration: brakes so that a stop is reached without effort
+_STOPPING = 0.75  # likewise, at the end of the path
 _TURN_BRAKING = 0.7  # likewise, of turns on the spot
 _LAST_POINTS = 8  # too coarse to stop by: there the distance itself counts
 _SPARE_POINTS = 3  # beyond those that the robot can pass in a step, in the search for the nearest
 _NEAREST_SQUARED = 1e-4  # m2: bounds the curvature to a point that the robot is on
-_OVERRUN = 0.6  # m: a path is extended straight beyond its end for predictions
+_OVERRUN = 0.6  # m: a path is extended beyond its end for predictions
+_LAST_BEND = 4  # points at the end of a path, with whose bend it goes on
+_NEAR_END = 0.12  # m: distance of the steering point beyond the end of a path
 _STRAIGHT = 1e-6  # 1/m: smaller curvatures limit no speed
 
 
@@ -65,7 +68,7 @@ class ReferencePath:
     """A path to follow, in the frame of the local costmap.
 
     Points (n, 2) `spacing` m apart, speeds (n), unit normals (n, 2) to the left. Beyond index `end` it goes on
-    straight, so that steering does not end before the goal; `course` is the direction there.
+    as it bends there, so that steering does not end before the goal; `course` is the direction there.
     """
 
     points: Points
@@ -99,11 +102,17 @@ def make_reference(
     `course` is the direction at its end (rad), None: that of its last points.
     """
     spacing = float(np.hypot(*(points[1] - points[0])))
-    angle = float(headings(points)[max(0, len(points) - 4)]) if course is None else course
-    extra = np.arange(1, math.ceil(_OVERRUN / max(spacing, 0.01)) + 1)[:, None] * spacing
-    longer = np.concatenate((points, points[-1] + extra * (math.cos(angle), math.sin(angle))))
+    angle, bend = (0.0 if course is None else course), 0.0
+    if course is None:
+        last = headings(points)[-_LAST_BEND - 1 :]
+        bend = wrap_angle(float(last[-2] - last[0])) / max(1, len(last) - 2) if len(last) > 1 else 0.0
+        angle = float(last[-1]) + 0.5 * bend
+    count = math.ceil(_OVERRUN / max(spacing, 0.01))
+    onward = angle + bend * (np.arange(count) + 0.5)
+    extra = spacing * np.cumsum(np.stack((np.cos(onward), np.sin(onward)), axis=-1), axis=0)
+    longer = np.concatenate((points, points[-1] + extra))
     angles = headings(longer)
-    speeds = np.concatenate((speed_profile(points, limits, shares), np.zeros(len(extra))))
+    speeds = np.concatenate((speed_profile(points, limits, shares), np.zeros(count)))
     normals = np.stack((-np.sin(angles), np.cos(angles)), axis=-1)
     return ReferencePath(longer, normals, speeds, spacing, len(points) - 1, (math.cos(angle), math.sin(angle)))
 
@@ -200,7 +209,8 @@ def _steer(
     """Return the requested speed and turn with the path's nearest point, for the next `seconds`."""
     v = state.speed
     ahead = min(max(settings.preview * v, settings.preview_least), settings.preview_most)
-    aim = min(near + round(ahead / course.spacing), course.last) - course.first
+    beyond = max(near + round(_NEAR_END / course.spacing), course.end)  # not far: it would cut the bend at the end
+    aim = min(near + round(ahead / course.spacing), beyond, course.last) - course.first
     (x, y), (across, along) = course.points[aim], course.normals[aim]
     dx, dy = x + variant[1] * across - state.x, y + variant[1] * along - state.y
     c, s = math.cos(state.yaw), math.sin(state.yaw)
@@ -219,7 +229,7 @@ def _steer(
     if near > course.end - _LAST_POINTS:
         (c, s), x, y = course.direction, course.end_x - state.x, course.end_y - state.y
         left_over = x * c + y * s - settings.delay * v
-        wanted = min(wanted, math.sqrt(2.0 * _BRAKING * limits.acceleration * max(left_over, 0.0)))
+        wanted = min(wanted, math.sqrt(2.0 * _STOPPING * limits.acceleration * max(left_over, 0.0)))
     turning = wanted * curvature * share + (1.0 - share) * math.copysign(spin, bearing)
     return wanted, min(max(turning, -limits.turn), limits.turn)
 

@@ -38,6 +38,11 @@ class SpeedLimits:
     radius: float = 0.0
     lateral: float = 0.0
 
+    @property
+    def bend(self) -> float:
+        """The radius (m) of a bend that it drives at full speed, with some turn to spare for steering."""
+        return self.speed / (0.9 * self.turn)
+
     def turn_at(self, speed: float, turn: float) -> float:
         """The turn (rad/s) nearest to `turn` that the robot can make at a speed."""
         if not self.radius:
