@@ -44,6 +44,7 @@ Request = tuple[str, list[str], str, dict[str, "str | None"], str]
 def main() -> None:
     """Serve until the host closes the socket. In a forked node: run it, which raises SystemExit."""
     *modules, descriptor = sys.argv[1:]
+    _show_arguments(sys.orig_argv[:5])  # who looks for a node by its module finds the node alone
     link = socket.socket(fileno=int(descriptor))
     if (words := _serve(link, modules)) is None:
         return

@@ -19,7 +19,8 @@ ROBOT = Selection("robbie", "", "")
 
 
 def changes(selection: Selection, **environment: str) -> dict[str, str]:
-    return environment_changes(selection, environment, package=PACKAGE, hostname="laptop")
+    own = {"XDG_CONFIG_HOME": "/nowhere"} | environment  # a user's workspaces
+    return environment_changes(selection, own, package=PACKAGE, hostname="laptop")
 
 
 def test_simulation_is_on_this_computer() -> None:

@@ -9,6 +9,9 @@ from ur.robot.base.files import find_base_package, list_base_packages
 from ur.source.diagnostic import UserError
 from ur.source.user_folders import MARKER
 
+NO_OTHERS = {"XDG_CONFIG_HOME": "/nowhere"}
+"""A user without workspaces."""
+
 
 @pytest.fixture
 def prefix(tmp_path: Path) -> Path:
@@ -19,7 +22,7 @@ def prefix(tmp_path: Path) -> Path:
 
 
 def test_base_that_a_workspace_adds_is_found_there(prefix: Path) -> None:
-    environment = {"CMAKE_PREFIX_PATH": f"/nowhere:{prefix}"}
+    environment = {"CMAKE_PREFIX_PATH": f"/nowhere:{prefix}"} | NO_OTHERS
     assert find_base_package(PACKAGE, "added", environment) == prefix / "share" / PACKAGE.name
     assert list_base_packages(PACKAGE, environment) == (PACKAGE, prefix / "share" / PACKAGE.name)
 
@@ -33,8 +36,8 @@ def test_base_of_the_package_and_unknown_ones_lead_to_the_package(prefix: Path) 
 
 def test_folder_that_is_no_workspace_adds_nothing(prefix: Path) -> None:
     (prefix / ".catkin").unlink()
-    assert list_base_packages(PACKAGE, {"CMAKE_PREFIX_PATH": str(prefix)}) == (PACKAGE,)
-    assert list_base_packages(PACKAGE, {}) == (PACKAGE,)
+    assert list_base_packages(PACKAGE, {"CMAKE_PREFIX_PATH": str(prefix)} | NO_OTHERS) == (PACKAGE,)
+    assert list_base_packages(PACKAGE, NO_OTHERS) == (PACKAGE,)
 
 
 @pytest.mark.parametrize("name", ["../../outside", "/outside", "..", ".", "", "in/side", "a\0b"])

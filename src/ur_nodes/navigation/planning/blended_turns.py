@@ -24,8 +24,8 @@ def blend_turns(
 ) -> Points:
     """Return a path (n, 2) that leaves nearer to `yaw` and arrives nearer to `heading` (rad), where that saves time.
 
-    `bend` (m) is the radius of a turn at full speed. Bends keep `room` (m) to obstacles, as turns on the spot need it,
-    or what there is at the end of the path. Points are not evenly spaced.
+    `bend` (m) is the radius of a turn at full speed. Bends keep `room` (m) to obstacles, as turns on the spot need it;
+    there are none at an end with less. Points are not evenly spaced.
     """
     backwards = _blend_end(path[::-1], wrap_angle(yaw + math.pi), bend, room, costmap, weights)
     return backwards[::-1] if heading is None else _blend_end(backwards[::-1], heading, bend, room, costmap, weights)
@@ -38,7 +38,8 @@ def _blend_end(path: Points, heading: float, bend: float, room: float, costmap: 
     if abs(turn) < _LEAST_TURN:
         return path
     walls = _walls_near(path[-1], costmap)
-    room = min(room, float(walls.query(path[-1])[0]))
+    if walls.query(path[-1])[0] < room:
+        return path
     best, least = path, 0.0
     sizes = np.arange(_STEP, min(abs(turn), _MOST_TURN) + 0.5, _STEP).tolist()
     bends = [(size, _bend(size, bend) * (1.0, math.copysign(1.0, turn))) for size in sizes]
