@@ -41,9 +41,9 @@ Request = tuple[str, list[str], str, dict[str, "str | None"], str]
 """The name of the unit, the module and its arguments, the folder, changes of the environment, the session mode."""
 
 
-def main() -> None:
+def main(arguments: Sequence[str]) -> None:
     """Serve until the host closes the socket. In a forked node: run it, which raises SystemExit."""
-    *modules, descriptor = sys.argv[1:]
+    *modules, descriptor = arguments
     _show_arguments(sys.orig_argv[:5])  # who looks for a node by its module finds the node alone
     link = socket.socket(fileno=int(descriptor))
     if (words := _serve(link, modules)) is None:
@@ -149,4 +149,4 @@ def _show_arguments(arguments: Sequence[str]) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])
