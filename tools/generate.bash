@@ -14,7 +14,7 @@ if [[ ${1-} == base ]]; then
 fi
 ./ur check --package --fix ubiquity_launches
 [[ ! -d .ros2/share ]] || "$python" tools/make_message_stubs.py # needs messages of both versions of ROS
-for each in known_nodes wire_numbers base_page matrix verbs_page trust_table client_page; do
+for each in known_nodes wire_numbers base_page matrix verbs_page trust_table client_page hardware_page releases_page; do
   "$python" "tools/make_$each.py"
 done
 "$python" tools/make_rule_pages.py

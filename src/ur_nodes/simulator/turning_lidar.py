@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ur.robot.base import Base
-from ur.robot.base.own_drivers import CLOCKWISE
+from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur_nodes.geometry.pose import wrap_angle
 from ur_nodes.simulator.mujoco_model import TIME_STEP
 from ur_nodes.simulator.simulation import Simulation
@@ -19,7 +19,10 @@ def direction_of(base: Base) -> int:
     """Return 1 where the lidar of a base turns counter-clockwise, -1 clockwise, in its frame; 0: it has no real one."""
     drivers = [driver.protocol for driver in base.drivers if driver.part == "lidar"]
     drivers += [base.driver.protocol] if base.driver and base.driver.protocol == "neato" else []
-    return (-1 if drivers[0] in CLOCKWISE else 1) if base.lidar and drivers else 0
+    if not (base.lidar and drivers):
+        return 0
+    own = OWN_DRIVERS.get(drivers[0])
+    return -1 if own and own.clockwise else 1
 
 
 class TurningLidar:

@@ -11,7 +11,7 @@ from tests.ur_nodes.first_drive.stage import DrivenStage
 from tests.ur_nodes.simulator.conftest import PACKAGE
 
 from ur.robot.base import Base, load_base
-from ur.robot.base.own_drivers import CLOCKWISE, OWN_DRIVERS
+from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.worlds.world_file import WorldModel
 from ur_nodes.ports.values import Scan
 from ur_nodes.simulator.simulation import Simulation
@@ -97,4 +97,4 @@ def test_lidars_turn_as_the_stand_ins_of_their_drivers_do() -> None:
         if own.sensor == "lidar":
             firmware = getattr(import_module(f"ur_nodes.drivers.{module}"), f"{protocol}Firmware")
             clockwise |= {name} if firmware.clockwise else set()
-    assert clockwise == CLOCKWISE
+    assert clockwise == {name for name, driver in OWN_DRIVERS.items() if driver.clockwise}

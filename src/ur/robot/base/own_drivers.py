@@ -13,6 +13,7 @@ class OwnDriver:
     where there is no serial line.
     `fastest` are the m/s and rad/s that every robot with this board can drive, where its makers say so. `watchdog` is
     the time (s) after the last command, at which the board of a base stops its motors by itself; 0.0: never.
+    `clockwise` is whether a lidar turns clockwise as it measures, seen from above.
     """
 
     what: str
@@ -23,6 +24,7 @@ class OwnDriver:
     hardware: str = ""
     fastest: tuple[float, float] | None = None
     watchdog: float = 0.0
+    clockwise: bool = False
 
     @property
     def drives_on(self) -> bool:
@@ -45,9 +47,6 @@ GUARD_SOCKET = "/run/motor-guard"
 
 NO_WATCHDOG = "no watchdog: with driver and guard killed at once it drives on with its last command"
 """A warning about a board that `drives_on`."""
-
-CLOCKWISE = frozenset(("rplidar", "rplidar_express", "lds01", "lds02", "ld06", "ydlidar"))
-"""The drivers of lidars that turn clockwise as they measure, seen from above."""
 
 _EXECUTABLES = {"": "base_driver", "lidar": "lidar_driver", "sonars": "sonar_driver", "imu": "imu_driver"}
 OWN_DRIVERS: Mapping[str, OwnDriver] = {
@@ -73,19 +72,39 @@ OWN_DRIVERS: Mapping[str, OwnDriver] = {
         watchdog=0.5,
     ),
     "rplidar": OwnDriver(
-        "an RPLIDAR, standard scans", "lidars.rplidar:RplidarStandard", "lidar", "/dev/rplidar", 115200, "rplidar"
+        "an RPLIDAR, standard scans",
+        "lidars.rplidar:RplidarStandard",
+        "lidar",
+        "/dev/rplidar",
+        115200,
+        "rplidar",
+        clockwise=True,
     ),
     "rplidar_express": OwnDriver(
-        "an RPLIDAR, express scans", "lidars.rplidar:RplidarExpress", "lidar", "/dev/rplidar", 115200, "rplidar"
+        "an RPLIDAR, express scans",
+        "lidars.rplidar:RplidarExpress",
+        "lidar",
+        "/dev/rplidar",
+        115200,
+        "rplidar",
+        clockwise=True,
     ),
     "hokuyo": OwnDriver("a Hokuyo URG or UTM", "lidars.scip:Scip", "lidar", "/dev/hokuyo", 115200, "hokuyo"),
-    "lds01": OwnDriver("the LDS-01 of a TurtleBot3", "lidars.lds01:Lds01", "lidar", "/dev/lds", 230400, "lds-01"),
-    "lds02": OwnDriver("the LDS-02 of a TurtleBot3", "lidars.ldrobot:Lds02", "lidar", "/dev/lds", 115200, "lds-01"),
-    "ld06": OwnDriver("an LDROBOT LD06 or LD19", "lidars.ldrobot:LdRobot", "lidar", "/dev/ttyUSB0", 230400),
+    "lds01": OwnDriver(
+        "the LDS-01 of a TurtleBot3", "lidars.lds01:Lds01", "lidar", "/dev/lds", 230400, "lds-01", clockwise=True
+    ),
+    "lds02": OwnDriver(
+        "the LDS-02 of a TurtleBot3", "lidars.ldrobot:Lds02", "lidar", "/dev/lds", 115200, "lds-01", clockwise=True
+    ),
+    "ld06": OwnDriver(
+        "an LDROBOT LD06 or LD19", "lidars.ldrobot:LdRobot", "lidar", "/dev/ttyUSB0", 230400, clockwise=True
+    ),
     "xv11": OwnDriver(
         "the lidar of a Neato XV-11, alone", "lidars.xv11:Xv11", "lidar", "/dev/xv11_lidar", 115200, "xv11-lidar"
     ),
-    "ydlidar": OwnDriver("a YDLIDAR X2 or X4", "lidars.ydlidar:Ydlidar", "lidar", "/dev/ydlidar", 128000, "ydlidar"),
+    "ydlidar": OwnDriver(
+        "a YDLIDAR X2 or X4", "lidars.ydlidar:Ydlidar", "lidar", "/dev/ydlidar", 128000, "ydlidar", clockwise=True
+    ),
     "magni_sonars": OwnDriver("the board of sonars of a Magni", "sonars.echoes:magni_pins", "sonars", "/dev/gpiochip0"),
     "bno055": OwnDriver("a Bosch BNO055 on I2C", "imus.bno055:Bno055", "imu", "/dev/i2c-1"),
     "mpu6050": OwnDriver("an InvenSense MPU-6050 on I2C", "imus.mpu6050:Mpu6050", "imu", "/dev/i2c-1"),
