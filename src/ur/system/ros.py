@@ -22,6 +22,11 @@ WHEELS_DISTRO = "kilted"
 SUPPORTED_UNTIL = {"humble": "May 2027", "jazzy": "May 2029", "kilted": "December 2026", "lyrical": "May 2031"}
 """The end of the releases of ROS 2 on which nodes run, by REP 2000."""
 
+QUIET_MASTER = ("--master-logger-level", "warn")  # it logs each parameter, as amcl keeps its pose every 2 s
+MASTER_WORKERS = 32
+"""The threads by which a master informs nodes of new publishers. Each waits up to two minutes for a node that the
+network has lost; with rosmaster's 3, three nodes of a viewer delay all updates of the robot's own nodes."""
+
 NONE = "none"
 """The choice of no ROS."""
 

@@ -11,14 +11,11 @@ from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import user_error
 from ur.source.foreign.numbers import parse_integer
 from ur.source.project import STATE_FOLDER
+from ur.system.ros import MASTER_WORKERS, QUIET_MASTER
 
 PREFIX = "ubiquity-"
 GUARD = "motor-guard"
 MASTER = "master"
-QUIET_MASTER = ("--master-logger-level", "warn")  # it logs each parameter, as amcl keeps its pose every 2 s
-# The number of threads by which a master informs nodes of new publishers. Each waits up to two minutes for a node that
-# the network has lost; with rosmaster's 3, three nodes of a viewer delay all updates of the robot's own nodes.
-MASTER_WORKERS = 32
 MASTER_OPTIONS = ("-w", str(MASTER_WORKERS), *QUIET_MASTER)
 FOLDER = "/etc/systemd/system"
 # The folders of this project on a robot: a clone, the copy that `ur robot setup` makes, or one from a wheel.

@@ -19,6 +19,7 @@ from ur.run.supervisor.events import Event, MasterAnswered, SetupFailed
 from ur.run.supervisor.state import Unit
 from ur.source.diagnostic import UserError, user_error
 from ur.source.printable import printable
+from ur.system.ros import MASTER_WORKERS, QUIET_MASTER
 
 NAMED_SECONDS = 1.5  # s after which a silent server is named: a master answers within milliseconds
 BUSY_SECONDS = 3.0  # s for which a silent server may be a busy or ending master
@@ -160,8 +161,6 @@ def find_master_programs(master: Master, world: World, options: RunOptions) -> t
                 help=f"sudo apt-get install {package}",
             )
     assert rosmaster is not None
-    from ur.robot.boot.units import MASTER_WORKERS, QUIET_MASTER  # imported late: only if a master is started
-
     argv = (
         rosmaster,
         "--core",
