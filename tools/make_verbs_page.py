@@ -60,7 +60,8 @@ def _describe(command: click.Command, path: str, shared: Sequence[str]) -> Itera
         own.append(f"- [also](#{SHARED.lower().replace(' ', '-')}) {', '.join(also)}")
     yield from [f"    ur {path} {' '.join(usage)}".rstrip(), ""]
     if " " not in path:
-        yield from (f"    {line}  # {meaning}" for line, meaning in dict(list_pages())[path].examples[:_EXAMPLES])
+        examples = dict(list_pages())[path].examples[:_EXAMPLES]
+        yield from (f"    {line}  # {meaning}" for line, meaning in examples if line != f"ur {path}")
         yield ""
     yield from [*own, ""] if own else ()
 

@@ -34,7 +34,7 @@ def render_rule_page(rule: Rule) -> str:
     """Return the page of a rule in Markdown, with its first examples; the others are for tests."""
     kinds = [f"group `{rule.group.value}`", rule.severity.value]
     if rule.group is RuleGroup.CONVENTIONS:
-        kinds.append("only for packages that follow the conventions")
+        kinds.append("for packages that follow them")
     if rule.fix is not None:
         kinds.append("repaired by `--fix`, where that is safe")
     parts = [f"# {rule.id}\n", f"{rule.summary}\n", f"*{', '.join(kinds)}*\n", f"{rule.explanation.strip()}\n"]

@@ -110,9 +110,9 @@ refuses the file as soon as the place takes part.
         severity=Severity.WARNING,
         summary="An argument is declared and nothing uses it.",
         explanation="""
-A user who gives the argument expects an effect. It is a warning because the file works. Files that hand on
-everything with `pass_all_args`, or into YAML with `subst_value`, are left alone, and so are arguments that another file
-passes: roslaunch refuses a file that does not declare what it is passed.
+The file works, but who gives the argument expects an effect. Files that hand on everything with `pass_all_args`, or
+into YAML with `subst_value`, are left alone, and so are arguments that another file passes: roslaunch refuses a file
+that does not declare what it is passed.
 """,
         bad=launch_examples(make_launch('<arg name="«speed»" default="0.3"/>', '<param name="limit" value="0.5"/>')),
         good=launch_examples("""

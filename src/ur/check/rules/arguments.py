@@ -147,8 +147,7 @@ only where the argument is used, and accepts it silently where it is not.
         severity=Severity.ERROR,
         summary="An argument is passed that the included file does not declare.",
         explanation="""
-roslaunch refuses an argument that the included file does not declare. Most often it is misspelt, or the file
-has changed since.
+roslaunch refuses it. Most often it is misspelt, or the file has changed since.
 """,
         bad=(passing_example('<arg name="«sped»" value="0.3"/>'),),
         good=(passing_example(),),
@@ -159,8 +158,8 @@ has changed since.
         severity=Severity.ERROR,
         summary="$(env NAME) names a variable that is not set.",
         explanation="""
-`ur launch` reports it, `ur check` does not: a variable may be set on the computer where the file is used, so
-there is no example here. `$(optenv NAME DEFAULT)` works without it.
+`ur launch` reports it, `ur check` does not: a variable may be set on the computer where the file is used.
+`$(optenv NAME DEFAULT)` works without it.
 """,
         bad=(),
         good=(),
@@ -171,8 +170,7 @@ there is no example here. `$(optenv NAME DEFAULT)` works without it.
         severity=Severity.ERROR,
         summary="A value grows beyond 1 MB when its $(...) are replaced.",
         explanation="""
-Arguments that repeat one another grow without end. Put long texts into files. The limit is part of what keeps
-`ur` from hanging, so there is no example here.
+Arguments that repeat one another grow without end. Put long texts into files. The limit keeps `ur` from hanging.
 """,
         bad=(),
         good=(),

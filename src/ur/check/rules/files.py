@@ -172,9 +172,8 @@ RULES = (
         severity=Severity.ERROR,
         summary="A package.xml on the package path cannot be read.",
         explanation="""
-rospack reads every `package.xml` on ROS_PACKAGE_PATH; one that is broken keeps roslaunch from finding any
-package. Repair or remove the file that the message names. It is about the computer, so there is no example
-here.
+rospack reads every `package.xml` on ROS_PACKAGE_PATH; one that is broken keeps roslaunch from finding any package.
+Repair or remove the file that the message names.
 """,
         bad=(),
         good=(),
@@ -218,8 +217,7 @@ roslaunch goes on until Python gives up. A condition that becomes false ends the
         severity=Severity.ERROR,
         summary="Files are included 200 levels deep.",
         explanation="""
-Each level of includes is one more place to look at when something is wrong; 200 is more than anybody can
-follow. The limit is part of what keeps `ur` from hanging, so there is no example here.
+200 levels are more than anybody can follow. The limit keeps `ur` from hanging.
 """,
         bad=(),
         good=(),
@@ -230,8 +228,7 @@ follow. The limit is part of what keeps `ur` from hanging, so there is no exampl
         severity=Severity.ERROR,
         summary="More than 20,000 files are included.",
         explanation="""
-Files that include others twice each double their number with every level. The limit is part of what keeps `ur`
-from hanging, so there is no example here.
+Files that include others twice each double their number with every level. The limit keeps `ur` from hanging.
 """,
         bad=(),
         good=(),
@@ -242,8 +239,7 @@ from hanging, so there is no example here.
         severity=Severity.ERROR,
         summary="A file cannot be read as text.",
         explanation="""
-Launch files, YAML files and programs are UTF-8 texts. The message says whether permission or an encoding is the
-reason. It depends on bytes and permissions, so there is no example here.
+Launch files, YAML files and programs are UTF-8 texts. The message says whether permission or an encoding is the reason.
 """,
         bad=(),
         good=(),

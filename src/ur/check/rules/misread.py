@@ -129,8 +129,7 @@ RULES = (
         summary="A value is read otherwise than it looks.",
         explanation="""
 YAML 1.1 needs a point and a sign in `1.0e-3`; `1e-3` is a text, and a node that expects a number takes its default.
-`010` is 8, `12:30` is 750, `2026-01-02` is a date, and `on`, `off`, `yes` and `no` are true or false, also in a list
-of texts.
+`010` is 8, `12:30` is 750, `2026-01-02` is a date, and `on`, `off`, `yes` and `no` are true or false.
 `<param value=...>` without `type` has rules of its own: `1e-3`, `0x1F`, `inf`, `on` and `yes` are texts.
 Beside launch files, only YAML files that one of them loads are examined.
 """,

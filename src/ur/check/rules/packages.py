@@ -195,8 +195,8 @@ CMakeLists.txt builds or installs count as there, and nodes of other computers a
         severity=Severity.WARNING,
         summary="A package that is needed is not installed on this computer.",
         explanation="""
-The launch file may well be right, and what it takes from that package cannot be checked here. `ur check` lists all such
-packages in one paragraph after the other findings.
+What the launch file takes from that package cannot be checked here. `ur check` lists all such packages in one paragraph
+after the other findings.
 """,
         bad=(
             launch_example(
@@ -223,9 +223,9 @@ packages in one paragraph after the other findings.
         severity=Severity.ERROR,
         summary="A package cannot be found.",
         explanation="""
-`$(find PACKAGE)` and `pkg` name packages that are installed or on ROS_PACKAGE_PATH; packages beside the checked one
-are found, too. Only a name that is nearly that of another package is an error; every other package that is not found is
-reported as `package-not-installed` instead, a warning.
+`$(find PACKAGE)` and `pkg` name packages that are installed or on ROS_PACKAGE_PATH; packages beside the checked one are
+found, too. Only a name that is nearly that of another package is an error; others are reported as
+`package-not-installed`, a warning.
 """,
         bad=(
             launch_example(make_launch('<rosparam command="load" file="«$(find my_robto)»/params/speed.yaml"/>')),

@@ -156,8 +156,8 @@ Without `param`, a `<rosparam>` holds names with values.
         severity=Severity.ERROR,
         summary="More than 500,000 parameters are set.",
         explanation="""
-The parameter server is not made for data of this size: load it in the node, from a file. The limit is part of
-what keeps `ur` from hanging, so there is no example here.
+The parameter server is not made for data of this size: load it in the node, from a file. The limit keeps `ur` from
+hanging.
 """,
         bad=(),
         good=(),

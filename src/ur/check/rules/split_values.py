@@ -97,13 +97,12 @@ RULES = (
         summary="A value in launch-prefix can become a command of its own.",
         explanation="""
 roslaunch splits `launch-prefix` into words as a shell does, and starts the first one. Quotation marks do not help: a
-value with an apostrophe ends them, and the rest of it becomes further words. So the name of a file, which may come from
-a download, can run a command, and a folder such as `/home/o'brien` breaks the file. Pass the value in a variable:
-`<env>` inside of the node, and `"$NAME"` in the program that the prefix names.
+value with an apostrophe ends them, and the rest of it becomes further words. So the name of a downloaded file can run a
+command, and a folder such as `/home/o'brien` breaks the file. Pass the value in a variable: `<env>` inside of the node,
+and `"$NAME"` in the program that the prefix names.
 
-Arguments that are numbers, `true` or `false` by their default are left alone, and so is an argument at the
-beginning of the prefix: its words, such as `gdb --args`, are what it is for. What `$(eval ...)` computes is not
-examined.
+Left alone are arguments that are numbers, `true` or `false` by their default, an argument at the beginning of the
+prefix (its words, such as `gdb --args`, are what it is for), and what `$(eval ...)` computes.
 """,
         bad=launch_examples("""
 <launch>
@@ -132,12 +131,11 @@ examined.
         summary="A value in args can become further arguments.",
         explanation="""
 roslaunch splits `args` into words as a shell does. A value with a blank becomes several arguments of the node, and one
-with an apostrophe ends a quotation, so no way of writing it is safe for all folders and names. Paths and topics travel
-in a parameter, a remap or a variable (`<env>`). The same holds for `$(find ...)`, `$(dirname)` and `$(env ...)`, in
-`launch-prefix` as well: the folder of the package may be below `/home/o'brien`.
+with an apostrophe ends a quotation. Paths and topics travel in a parameter, a remap or a variable (`<env>`). The same
+holds for `$(find ...)`, `$(dirname)` and `$(env ...)`, in `launch-prefix` as well.
 
-Arguments that are numbers, `true` or `false` by their default are left alone, and so is an argument that is all of
-`args` and no path: it is a list of options. What `$(eval ...)` computes is not examined.
+Left alone are arguments that are numbers, `true` or `false` by their default, one that is all of `args` and no path,
+and what `$(eval ...)` computes.
 """,
         bad=(
             directory_example(make_talk_launch(_FILE, "<!--map_file: The map.-->", says="'«$(arg map_file)»'")),

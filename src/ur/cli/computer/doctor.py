@@ -84,10 +84,10 @@ def command(
 ) -> int:
     """Find problems of this computer, of a robot and of their connection.
 
-    Inspects both computers; each finding has a fix, as a command where possible. ROBOT is a name, HOST or USER@HOST;
-    without it, the selected robot is inspected, or this computer alone if a simulated one is selected. Requirements of
-    real robots are then left out, unless one was set up from here. Several robots are inspected in parallel, with a
-    line for each. The exit code is 0 without a problem, 1 with one, 2 when a robot could not be reached.
+    Inspects both computers; each finding has a fix, as a command where possible. Without ROBOT, the selected one is
+    inspected, or this computer alone if a simulated one is selected. Requirements of real robots are then left out,
+    unless one was set up from here. The exit code is 0 without a problem, 1 with one, 2 when a robot could not be
+    reached.
 
     With --wireless, carry this computer or the robot around to find the places where the connection is bad. Without an
     answer, 'no answer' is printed and the measurement continues; the exit code is 1 without any.

@@ -53,8 +53,7 @@ def command(
 ) -> int:
     """Check launch files, YAML files and programs.
 
-    PATH is a file, a folder or a package; without one, the current folder is checked. Required arguments need not be
-    given, and packages with bases are checked for every base and variant; NAME:=VALUE checks with that value only.
+    Required arguments need not be given, and packages with bases are checked for every base and variant.
 
     With --package, every package that a launch file or program uses has to be a dependency, and all of them have to be
     installed; --fix adds what is missing. A comment in package.xml lists optional packages: <!--ur: optional NAME NAME:

@@ -47,9 +47,8 @@ PAGE = "launches.md"
 def command(path: str, check: bool, output: str | None) -> int:
     """Write a page of documents of launch files.
 
-    PATH is a package, a folder of packages, or any folder with launch files; without one, the current folder. The page
-    is resolved for every base and variant, so that it also shows includes that depend on the base. It is the same on
-    every computer.
+    The page is resolved for every base and variant, so that it also shows includes that depend on the base. It is the
+    same on every computer.
 
     Exit code: 0, or 1 when --check finds a difference, or 2 when there is nothing to document. Files that cannot be
     read are reported and documented as broken; `ur check` explains them.

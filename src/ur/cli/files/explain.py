@@ -11,9 +11,8 @@ import click
 def command(argv: tuple[str, ...]) -> int:
     """Explain where a name in a launch file got its value.
 
-    NAME is a parameter, an argument, a remap or a node. It may lack its namespace: `rate` finds `/talker/rate`.
-    The file and its arguments are given as for `ur launch`, in any order before or after NAME; arguments about the
-    robot come from the selection. Nothing is started.
+    NAME may lack its namespace: `rate` finds `/talker/rate`. The file and its arguments are given as for `ur launch`,
+    in any order before or after NAME; arguments about the robot come from the selection. Nothing is started.
     """
     from ur.check.worlds import make_world
     from ur.launchfile.address import join_addresses

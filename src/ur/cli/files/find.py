@@ -26,9 +26,8 @@ _KINDS = ("arg", "node", "topic", "param", "file")  # as ur.tools.find.search ha
 def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: bool) -> int:
     """Find where a name in launch files is defined and used.
 
-    NAME may lack its namespace or folder (`scan` finds `/robot/scan`), and `*` stands for any characters. PATH is a
-    file, a folder or a package; without one, everything below the current folder is searched. Launch files are resolved
-    for each base and variant, so names that depend on arguments are found, too.
+    NAME may lack its namespace or folder (`scan` finds `/robot/scan`), and `*` stands for any characters. Launch files
+    are resolved for each base and variant, so names that depend on arguments are found, too.
 
     Exit code: 0 when something is found, 1 when nothing is.
     """

@@ -29,9 +29,8 @@ _STANDARD_INPUT = "-"
 def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
     """Format launch files: a standard order and layout.
 
-    PATH is a launch file, a folder or a package; without one, the launch files below the current folder; `-` formats
-    standard input to standard output. Comments stay. The plan of each file is compared, for every base and variant: a
-    file whose plan would change keeps its order.
+    Comments stay. The plan of each file is compared, for every base and variant: a file whose plan would change keeps
+    its order.
 
     Exit code: 0, or 1 when a file has errors (it stays as it is) or, with --check and --diff, would
     change; 2 when there are launch files of ROS 2 only.

@@ -36,9 +36,8 @@ OF_FILES = frozenset({"nodes", "files", "find-node", "args"})
 def launch(argv: Sequence[str]) -> int:
     """Start a launch file, in place of roslaunch.
 
-    The file is given by path, or as a package and a file name; '-' reads it from standard input. Starts a master where
-    none runs, and stops everything again at the end: on Ctrl-C, when a required node ends, or when all nodes have
-    ended. Options have the same meaning as for roslaunch.
+    Starts a master where none runs, and stops everything again at the end: on Ctrl-C, when a required node ends, or
+    when all nodes have ended. Options have the same meaning as for roslaunch.
     """
     gc.disable()  # garbage collection is useless before a run
     from ur.cli.launch.options import read_launch

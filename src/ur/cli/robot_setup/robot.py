@@ -126,7 +126,7 @@ def setup(
     Inspects first and changes only what is missing; after an interruption, a second run finishes the set-up. A robot
     without internet fetches its packages over this computer's connection. At the end it checks the connection from both
     ends and prints the result; the robot is then ready to run programs. A single robot is selected (`ur use`), unless
-    another one is. Several robots are set up in parallel, with a line for each, after all questions.
+    another one is.
 
     --take-over changes the unit of a driver of others. --undo reverts that; with ROS 1, a Raspberry Pi's header alone.
 

@@ -49,8 +49,7 @@ def install(
     Both wait for the robot's address; a service that ends is restarted, after pauses that grow if it keeps ending. The
     launch file has to be on the robot: `ur sync` copies it. Its arguments get the robot's base and variant, and that
     nothing is simulated. All services run as the robot's user, with the environment of that user's login shell; on a
-    robot with ROS 2, without a master, in the domain and namespace of its nodes. Several robots are changed in
-    parallel, with a line for each.
+    robot with ROS 2, without a master, in the domain and namespace of its nodes.
     """
     chosen = choose_robots(robots, every=every)
     if is_fleet(chosen, every=every):
@@ -118,7 +117,7 @@ def link(robot: str | None, look: bool) -> int:
 def status(robots: tuple[str, ...], every: bool) -> int:
     """Show what the robot starts when it boots, its state, and its last lines.
 
-    Several robots are asked in parallel. The exit code is 1 when one of the services does not run.
+    The exit code is 1 when one of the services does not run.
     """
     chosen = choose_robots(robots, every=every)
     if is_fleet(chosen, every=every):

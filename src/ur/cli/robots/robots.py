@@ -42,9 +42,8 @@ def command(names: tuple[str, ...], seconds: float, as_json: bool, access_points
 
     Robots announce themselves once `ur robot setup` has set them up. `runs` lists what runs at the robot's ROS master
     and what it starts at boot; `clock` is the offset of its clock from ours, or why that is unknown. The command waits
-    some seconds longer than `--seconds` for a robot that is starting. With ROBOTs, only these are listed, as soon as
-    all of them have answered. The exit code is 1 when no robot answers, one of the ROBOTs is away, or a robot has a
-    problem with its name.
+    some seconds longer than `--seconds` for a robot that is starting. The exit code is 1 when no robot answers, one of
+    the ROBOTs is away, or a robot has a problem with its name.
     """
     wanted = read_names(names)
     if access_points:

@@ -42,9 +42,8 @@ _STILL_OPEN = 124  # timeout(1)
 def command(robot: str | None, argv: tuple[str, ...], windows: bool, check: bool) -> int:
     """Open a shell on a robot, or run one command there.
 
-    ROBOT is a name, HOST or USER@HOST; without it, the selected robot. Its host key must be known, as it is after `ur
-    robot setup`. The exit code is that of the command. A COMMAND of one argument is a command line for the shell there
-    ('ls | wc'); several arguments are passed unchanged.
+    The robot's host key must be known, as it is after `ur robot setup`. The exit code is that of the command. A COMMAND
+    of one argument is a command line for the shell there ('ls | wc'); several arguments are passed unchanged.
     """
     if check and not windows:
         raise click.UsageError("--check requires -X")

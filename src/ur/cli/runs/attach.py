@@ -35,7 +35,7 @@ from ur.source.render import shows_colour
 def command(run: str | None, as_json: bool, plain: bool, calm: bool) -> int:
     """Show what a run prints, from any terminal.
 
-    Returns the run's exit code when it ends. Ctrl-C leaves it running. RUN may be left out where there is only one.
+    Returns the run's exit code when it ends. Ctrl-C leaves it running.
     """
     entry = choose_run(run)
     if not (as_json or plain):

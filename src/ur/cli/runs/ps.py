@@ -20,9 +20,8 @@ from ur.run.remote.own_clients import read_clients
 def command(as_json: bool, ended: bool) -> int:
     """List the runs on this computer.
 
-    Lists detached runs and those of terminals. RUN is the argument of `ur attach`, `ur stop` and `ur wait`; a unique
-    beginning of it is enough. USED BY names the runs that have joined a run, and on a robot the computers whose
-    programs use it.
+    Lists detached runs and those of terminals. USED BY names the runs that have joined a run, and on a robot the
+    computers whose programs use it.
     """
     if ended:
         return _list_ended(as_json=as_json)

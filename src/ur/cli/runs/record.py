@@ -28,9 +28,8 @@ def command(
 ) -> int:
     """Record topics to MCAP files, for as long as you like.
 
-    TOPICS are names, in which `*` stands for any characters; all topics unless given. The files are compressed and
-    split, and the disk is never filled. On a selected robot they are on the robot, and the recording continues without
-    this computer until `ur record --stop`. On this computer, Ctrl-C ends the recording.
+    The files are compressed and split, and the disk is never filled. On a selected robot they are on the robot, and the
+    recording continues without this computer until `ur record --stop`. On this computer, Ctrl-C ends the recording.
     """
     from ur.request.environment import current_selection
 

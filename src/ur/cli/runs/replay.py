@@ -31,8 +31,8 @@ def command(
 ) -> int:
     """Play a recording, into a program if one is named.
 
-    FILE is an MCAP file, of the black box or another recorder. The program starts without the nodes of the robot, and
-    shows what the recording holds. Without FILE, this terminal shows the replay that runs, and takes keys.
+    The program starts without the nodes of the robot, and shows what the recording holds. Without FILE, this terminal
+    shows the replay that runs, and takes keys.
     """
     if recording is None:
         if (state := ask_replay(ReplayCommand("state"), os.environ)) is None:

@@ -27,8 +27,7 @@ IMPATIENCE = 8.0  # s after which the request is repeated, which sends stronger 
 def command(run: str | None, node: str | None, every: bool) -> int:
     """End a run, or one of its nodes.
 
-    A run ends as with Ctrl-C; the command returns when all of its processes have ended. RUN may be left out where there
-    is only one.
+    A run ends as with Ctrl-C; the command returns when all of its processes have ended.
     """
     return stop_run(run, node, every=every)
 

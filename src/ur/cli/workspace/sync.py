@@ -59,12 +59,10 @@ def command(
     Synchronises ~/catkin_ws/src of both computers, in both directions. Shows its plan and asks. A file that was changed
     on both sides since the last sync is a conflict: it is reported and left unchanged on both, until --take chooses for
     its PATH which one is used; the other one is kept. A deletion is copied only if the other side has not changed the
-    file. With PATHs, only these and what is below them are synchronised. Not copied: .git, build, devel, __pycache__,
-    and what .ursyncignore in the workspace names.
+    file. Not copied: .git, build, devel, __pycache__, and what .ursyncignore in the workspace names.
 
-    ROBOT may be several, joined by commas; with --all, every word is a PATH. They are synchronised in parallel: first
-    all plans are shown, then one question is asked about all of them. Changes of one robot reach the others with the
-    next sync.
+    With --all, every word is a PATH. The plans of several robots are shown first, then one question is asked. Changes
+    of one robot reach the others with the next sync.
     """
     if every and robot is not None:
         paths, robot = (robot, *paths), None

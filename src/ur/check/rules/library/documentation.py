@@ -145,8 +145,7 @@ After each `<arg>` follows `<!--name: ...-->`: what it means, in which unit, wha
         severity=Severity.WARNING,
         summary="A comment documents an argument that does not exist.",
         explanation="""
-A comment `<!--name: ...-->` is about the argument `name`. Where there is none, the argument was renamed or removed, or
-the comment is misspelt.
+A comment `<!--name: ...-->` is about the argument `name`.
 """,
         bad=(
             directory_example(

@@ -216,8 +216,8 @@ A directory `n_x`, `m_x` or `rviz_x` holds one launch file of this name, so that
         severity=Severity.WARNING,
         summary="Nothing uses a launch file.",
         explanation="""
-A `.launch.xml` file is there to be included, or to be started by a program in `bin`. One that nothing uses is not tried
-by anybody, and soon does not work. Only looked at when the whole package is checked.
+A `.launch.xml` file is there to be included, or to be started by a program in `bin`. Only looked at when the whole
+package is checked.
 """,
         bad=(Example({_INCLUDED_PATH: make_talk_launch(tag=MARKED_LAUNCH)}),),
         good=(Example({_INCLUDED_PATH: make_talk_launch(), "bin/ur_talk": _PROGRAM}),),

@@ -33,7 +33,7 @@ RULES = (
         explanation="""
 `<!--ur: ignore RULE: REASON-->` hides findings of a rule in the element that follows, `ignore-file` in the whole file.
 In YAML and programs it is `# ur: ignore RULE: REASON`, at the end of a line or alone above it. Several rules are
-separated by commas. The reason is for the next reader of the file, so it may not be left out.
+separated by commas. The reason may not be left out.
 """,
         bad=(
             launch_example("""

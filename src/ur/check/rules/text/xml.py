@@ -11,8 +11,7 @@ RULES = (
         severity=Severity.ERROR,
         summary="An attribute's value is longer than 1 MB.",
         explanation="""
-Put the text into a file and name that with `textfile=` or `<rosparam file=...>`. The limit is part of what
-keeps `ur` from hanging, so there is no example here.
+Put the text into a file and name that with `textfile=` or `<rosparam file=...>`. The limit keeps `ur` from hanging.
 """,
         bad=(),
         good=(),
@@ -69,9 +68,8 @@ used for.
         severity=Severity.ERROR,
         summary="The file is larger than any launch file.",
         explanation="""
-A launch file of more than 8 MB, or of more than 200,000 elements, is not read: it would take the memory that
-nodes need. Split it, or load large data with `<rosparam file=...>` and `textfile=`. The limit is part of what
-keeps `ur` from hanging, so there is no example here.
+A launch file of more than 8 MB, or of more than 200,000 elements, is not read: split it, or load large data with
+`<rosparam file=...>` and `textfile=`. The limit keeps `ur` from hanging.
 """,
         bad=(),
         good=(),
@@ -108,8 +106,7 @@ Everything in a launch file stands inside one `<launch>` element, which is the o
         severity=Severity.ERROR,
         summary="Elements or mappings are nested too deep.",
         explanation="""
-More than 900 elements inside one another, or 100 mappings in YAML, are not read. The limit is part of what
-keeps `ur` from hanging, so there is no example here.
+More than 900 elements inside one another, or 100 mappings in YAML, are not read. The limit keeps `ur` from hanging.
 """,
         bad=(),
         good=(),
