@@ -30,8 +30,7 @@ def make_page(package: Path = PACKAGE) -> str:
     """The page as Markdown."""
     bases = {name: load_all(package, name) for name in list_bases(package)}
     every = [base for variants in bases.values() for base in variants]
-    overview = [[_name(base), base.summary, ", ".join(list_sensors(base)) or "none"] for base in every]
-    parts = [_INTRODUCTION, *_table(["base", "what it is", "it has"], overview), "\n"]
+    parts = [_INTRODUCTION, *_table(["base", "what it is"], [[_name(base), base.summary] for base in every]), "\n"]
     for name, variants in bases.items():
         parts += [f"## {name}\n\n", *_pictures(variants), *_figures(variants), "\n", *_drivers(variants)]
     return "".join(parts).rstrip() + "\n"
@@ -49,11 +48,6 @@ def explain_sensors(page: str) -> str:
 def load_all(package: Path, name: str) -> list[Base]:
     """The plain base and its variants."""
     return [load_base(package, name, variant) for variant in ("", *list_variants(package, name))]
-
-
-def list_sensors(base: Base) -> list[str]:
-    """In words, of the overview."""
-    return [text for _, sensor in base.list_sensors() if (text := sensor.overview())]
 
 
 def _name(base: Base) -> str:

@@ -60,10 +60,6 @@ battery: # Ah, V, A
         """The topic of the battery's state."""
         return {self.topic: "sensor_msgs/BatteryState"}
 
-    def overview(self) -> str:
-        """An empty text, since every robot has a battery."""
-        return ""
-
     def describe(self) -> str:
         """Topic, technology, capacity and voltages, as Markdown."""
         volts = f"{self.voltage_full:g} to {self.voltage_empty:g} V"

@@ -39,10 +39,6 @@ class Sensor(ABC):
     def describe(self) -> str:
         """The sensor's properties in one line of Markdown."""
 
-    def overview(self) -> str:
-        """The sensor in one or two words for the list of bases; '' to leave it out of the list."""
-        return self.title
-
     def frames(self) -> tuple[str, ...]:
         """The frame_ids of the sensor's messages."""
         return ()

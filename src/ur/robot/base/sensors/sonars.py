@@ -80,10 +80,6 @@ sonars: # on one topic, told apart by frame; the rate is that of each
             yield from link(sonar.frame, parts)
             yield from mount(sonar.frame, sonar.pose, axle)
 
-    def overview(self) -> str:
-        """The number of sonars, in words for the list of bases."""
-        return f"{len(self.at)} sonars"
-
     def describe(self) -> str:
         """Topic, number of sonars, rate, field of view and maximum range, as Markdown."""
         cone = f"{math.degrees(self.field_of_view):.0f}°, {self.range_min:g} to {self.range_max:g} m"
