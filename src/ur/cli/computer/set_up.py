@@ -84,9 +84,9 @@ def command(context: click.Context, dry_run: bool, undo: bool, only_mine: bool, 
 def debian(action: str, argv: tuple[str, ...]) -> None:
     """Inspect, change or remove the Debian root that ROS runs in.
 
-    It exists if this computer's release has no ROS 1. The first start of ur creates it, also after a removal. Commands
-    of ur and programs of ROS run in it automatically. sudo may ask for your password. An update also allows bwrap to
-    make user namespaces where AppArmor refuses them.
+    On a release without ROS 1, `ur use sim --ros 1` makes it. Commands of ur and programs of ROS run in it
+    automatically. sudo may ask for your password. An update also allows bwrap to make user namespaces where AppArmor
+    refuses them.
     """
     if action == "install" and not argv:
         raise click.UsageError("missing argument 'PACKAGE'")

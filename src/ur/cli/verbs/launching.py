@@ -150,7 +150,7 @@ LAUNCHING = (
         examples=(
             ("ur record", "Record all topics until Ctrl-C."),
             ("ur record /scan /odom '/camera/*' --to ~/recordings", "Choose the topics and the folder."),
-            ("ur record --detach", "Record in the background; 'ur stop n_record' ends it."),
+            ("ur record --detach", "Record in the background, until 'ur record --stop'."),
         ),
         trust=Trust(
             "messages of all nodes, as bytes",
