@@ -33,8 +33,9 @@ if __name__ == "__main__":
     from ur_nodes.run import backend_name
 
     if backend_name() == "ros1":
-        from ur_nodes.ros1.repairs.log_link import skip_log_link
+        from ur_nodes.ros1.repairs.start_up import defer_catkin, skip_log_link
 
+        defer_catkin()
         skip_log_link()
     elif backend_name() == "ros2":
         from ur_nodes.ros2.messages.packages import load_when_used

@@ -29,9 +29,10 @@ IDLE = 30.0  # s
 _NOT_STARTED = 127  # exit code
 _ALL_LATER = {
     "ros1": (
-        *("configparser", "encodings.idna", "actionlib", "dynamic_reconfigure.server", "std_srvs.srv"),
-        *(f"ur_nodes.ros1.{name}" for name in ("run", "goals", "services", "topics")),
-        *(f"ur_nodes.codecs.{name}" for name in ("maps", "motion", "sensors", "services", "simple")),
+        *("configparser", "encodings.idna", "importlib.readers", "netifaces"),
+        *("actionlib", "dynamic_reconfigure.server", "std_srvs.srv"),
+        *(f"ur_nodes.ros1.{name}" for name in ("run", "goals", "services", "topics", "recorder.recorder")),
+        *(f"ur_nodes.codecs.{name}" for name in ("maps", "motion", "nav2.services", "sensors", "services", "simple")),
     ),
     "ros2": ("ur_nodes.ros2.run",),
 }
@@ -62,6 +63,8 @@ def _serve(link: socket.socket, modules: Sequence[str]) -> list[str] | None:
             return None
         with suppress(Exception):  # the node that needs it reports this
             import_module(module)
+    if (node_start := sys.modules.get("ur_nodes.ros1.run")) is not None:
+        node_start.repair()  # once for all nodes: it writes to many pages
     gc.collect()
     gc.freeze()
     host = os.getppid()

@@ -19,6 +19,7 @@ from ur_nodes.ros1.node import RosNode
 from ur_nodes.ros1.repairs.connections import bound_connections
 from ur_nodes.ros1.repairs.log_errors import discard_line, report_log_errors
 from ur_nodes.ros1.repairs.sending import send_at_once
+from ur_nodes.ros1.repairs.start_up import choose_log_configuration
 
 _OURS = "ur_nodes"
 _END_LIMIT = 10.0  # s
@@ -84,6 +85,12 @@ def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = Fals
     return code or int(any(node.failed for node in nodes))
 
 
+def repair() -> None:
+    """Replace what does not suit robots in this process's rospy; again: nothing happens."""
+    bound_connections()
+    send_at_once()
+
+
 def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False) -> int:
     """Register with the master as `name` (remappable), call `start`, spin until shutdown.
 
@@ -93,8 +100,8 @@ def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False
     """
     if own_terminal:
         os.environ.pop("ROSCONSOLE_CONFIG_FILE", None)
-    bound_connections()
-    send_at_once()
+    choose_log_configuration()
+    repair()
     try:
         with shut_down_aside():
             rospy.init_node(name, disable_signals=True)

@@ -1,0 +1,43 @@
+"""The start of rospy: what it does in every node, and no node needs."""
+
+import os
+import sys
+from types import ModuleType
+from typing import Any
+
+_CATKIN = "catkin.find_in_workspaces"
+
+
+def defer_catkin() -> None:
+    """Import what finds packages in workspaces when it is used: 4 MB, which rospy imports and never calls."""
+    module = ModuleType(_CATKIN)
+
+    def find_in_workspaces(*arguments: Any, **options: Any) -> Any:
+        if sys.modules.get(_CATKIN) is module:
+            del sys.modules[_CATKIN]
+        from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import-untyped]
+
+        return find_in_workspaces(*arguments, **options)
+
+    module.find_in_workspaces = find_in_workspaces  # type: ignore[attr-defined]
+    sys.modules.setdefault(_CATKIN, module)
+
+
+def skip_log_link() -> None:
+    """Stop rospy from making the link `latest` to the newest folder of logs, which the program that starts a run makes.
+
+    Nodes that all make it collide, and log that.
+    """
+    from rosgraph import roslogging
+
+    roslogging.renew_latest_logdir = lambda _folder: True
+
+
+def choose_log_configuration() -> None:
+    """Name the file that rospy finds in ROS_HOME or /etc/ros; it would read all packages before it looks there."""
+    import rospkg
+
+    folders = f"{rospkg.get_ros_home()}/config", rospkg.get_etc_ros_dir()
+    files = [f"{folder}/python_logging.{kind}" for folder in folders for kind in ("conf", "yaml")]
+    if found := next(filter(os.path.isfile, files), None):
+        os.environ.setdefault("ROS_PYTHON_LOG_CONFIG_FILE", found)
