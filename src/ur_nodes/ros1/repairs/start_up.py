@@ -3,7 +3,6 @@
 import os
 import sys
 from types import ModuleType
-from typing import Any
 
 _CATKIN = "catkin.find_in_workspaces"
 
@@ -12,7 +11,7 @@ def defer_catkin() -> None:
     """Import what finds packages in workspaces when it is used: 4 MB, which rospy imports and never calls."""
     module = ModuleType(_CATKIN)
 
-    def find_in_workspaces(*arguments: Any, **options: Any) -> Any:
+    def find_in_workspaces(*arguments: object, **options: object) -> object:
         if sys.modules.get(_CATKIN) is module:
             del sys.modules[_CATKIN]
         from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import-untyped]
