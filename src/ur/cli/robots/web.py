@@ -5,7 +5,6 @@ import os
 
 import click
 
-from ur.cli.robots.shell import is_over_ssh, serve_there
 from ur.request.environment import CHOSEN, apply_selection, current_selection, watch_selection
 from ur.request.requirements.python_packages import need_all
 from ur.robot.selection import Selection, parse_selection
@@ -60,8 +59,11 @@ def command(
         return 0
     stored = current_selection(os.environ)
     selection = _choose(robot, stored)
-    if not (service or prepare) and is_over_ssh(selection):
-        return serve_there(selection, port, [*(["--look"] if look else []), "--days", str(days)])
+    if not (service or prepare or selection.simulated):
+        from ur.cli.robots.shell import is_over_ssh, serve_there  # 8 MB
+
+        if is_over_ssh(selection):
+            return serve_there(selection, port, [*(["--look"] if look else []), "--days", str(days)])
     viewers = [_read_origin(each) for each in origins]
     need_all(["aiohttp", "segno"], "web.lock", "what the page needs (2 MB to download)")
     if prepare:  # for `ur boot install web`, which then runs a service with --service
