@@ -32,15 +32,15 @@ if __name__ == "__main__":
 
     from ur_nodes.run import backend_name
 
+    if backend_name() == "ros2" or sys.argv[1] != "ur_nodes.fork_server":  # nodes share all messages of ROS 1
+        from ur_nodes.message_packages import load_when_used
+
+        load_when_used()
     if backend_name() == "ros1":
         from ur_nodes.ros1.repairs.start_up import defer_catkin, skip_log_link
 
         defer_catkin()
         skip_log_link()
-    elif backend_name() == "ros2":
-        from ur_nodes.ros2.messages.packages import load_when_used
-
-        load_when_used()
     if sys.flags.isolated:
         sys.path += list_message_folders(os.environ.get("PYTHONPATH", ""))
     if backend_name() == "ros2" and find_spec("rclpy") is None:

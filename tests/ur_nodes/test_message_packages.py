@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from ur_nodes.ros2.messages.packages import MessageFinder, load_when_used, read_imports
+from ur_nodes.message_packages import MessageFinder, load_when_used, read_imports
 
 _LOADED = "a message was imported"
 
@@ -79,8 +79,9 @@ def test_finder_is_installed_once_and_leaves_other_modules_alone(package: Path) 
     ("text", "expected"),
     [
         ("", {}),
+        ("from ._Bool import *\nfrom ._Byte import *\n", {"Bool": "a.msg._Bool", "Byte": "a.msg._Byte"}),
         ("from a.msg._b import B\n\nfrom a.msg._c import C # noqa\n", {"B": "a.msg._b", "C": "a.msg._c"}),
-        ("from ._Bool import *\n", None),
+        ("from .Bool import *\n", None),
         ("import os\n", None),
         ("from a import b as c\n", None),
     ],
@@ -88,4 +89,8 @@ def test_finder_is_installed_once_and_leaves_other_modules_alone(package: Path) 
 def test_imports_of_a_package_are_read_only_where_there_is_nothing_else(
     text: str, expected: dict[str, str] | None
 ) -> None:
-    assert read_imports(text) == expected
+    assert read_imports(text, "a.msg") == expected
+
+
+def test_services_of_ros_1_are_loaded_as_they_are() -> None:
+    assert read_imports("from ._Empty import *\n", "a.srv") is None
