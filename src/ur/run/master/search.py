@@ -19,6 +19,7 @@ from ur.run.supervisor.events import Event, MasterAnswered, SetupFailed
 from ur.run.supervisor.state import Unit
 from ur.source.diagnostic import UserError, user_error
 from ur.source.printable import printable
+from ur.source.project import launch_library
 from ur.system.ros import MASTER_WORKERS, QUIET_MASTER
 
 NAMED_SECONDS = 1.5  # s after which a silent server is named: a master answers within milliseconds
@@ -171,8 +172,12 @@ def find_master_programs(master: Master, world: World, options: RunOptions) -> t
         *QUIET_MASTER,
         *options.master_words,  # the last level counts
     )
+    slim: tuple[tuple[str, str | None], ...] = (("MALLOC_ARENA_MAX", "1"),)
+    own = Path(world.environment.get("ROS_HOME") or Path.home() / ".ros", "config")
+    if "ROS_PYTHON_LOG_CONFIG_FILE" not in world.environment and not own.is_dir():
+        slim += (("ROS_PYTHON_LOG_CONFIG_FILE", str(launch_library() / "lib/master_log.conf")),)
     return (
-        UnitProgram(Unit(MASTER, core=True, required=True), argv, (("MALLOC_ARENA_MAX", "1"),), log_name="master"),
+        UnitProgram(Unit(MASTER, core=True, required=True), argv, slim, log_name="master"),
         UnitProgram(
             Unit(ROSOUT, core=True, respawn=True),
             (rosout[0], "__name:=rosout"),
