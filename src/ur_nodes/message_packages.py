@@ -8,9 +8,14 @@ import re
 import sys
 from collections.abc import Mapping, Sequence
 from importlib import import_module
-from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from types import ModuleType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from importlib.abc import Loader, MetaPathFinder  # which import 1.5 MB
+else:
+    Loader = MetaPathFinder = object
 
 _KINDS = (".msg", ".srv", ".action")
 _IMPORT = re.compile(r"from (?:([\w.]+) import (\w+)|\._(\w+) import \*)(?:\s*#.*)?")

@@ -4,7 +4,6 @@ import io
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from ur.source.foreign.pictures import open_picture
 from ur_nodes.ports.values import Picture
@@ -70,4 +69,6 @@ def fit_picture(pixels: Pixels, columns: int, rows: int) -> Pixels:
     height, width = pixels.shape[:2]
     scale = min(columns / width, rows / height)
     size = max(1, round(width * scale)), max(1, round(height * scale))
+    from PIL import Image  # 1 MB, which a node without a camera does without
+
     return np.asarray(Image.fromarray(pixels).resize(size, Image.Resampling.BOX), np.uint8)
