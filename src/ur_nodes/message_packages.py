@@ -10,19 +10,13 @@ from collections.abc import Mapping, Sequence
 from importlib import import_module
 from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from types import ModuleType
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from importlib.abc import Loader, MetaPathFinder  # which import 1.5 MB
-else:
-    Loader = MetaPathFinder = object
 
 _KINDS = (".msg", ".srv", ".action")
 _IMPORT = re.compile(r"from (?:([\w.]+) import (\w+)|\._(\w+) import \*)(?:\s*#.*)?")
 _GENERATOR = "rosidl_generator_py.generate_py_impl"
 
 
-class MessagePackage(Loader):
+class MessagePackage:
     """Makes a package whose classes, `modules` by name, are imported on first use."""
 
     def __init__(self, modules: Mapping[str, str]) -> None:
@@ -44,7 +38,7 @@ class MessagePackage(Loader):
         module.__dict__.update(__getattr__=find, __all__=sorted(self._modules), __dir__=lambda: sorted(self._modules))
 
 
-class MessageFinder(MetaPathFinder):
+class MessageFinder:
     """Finds packages of messages."""
 
     def find_spec(
@@ -59,7 +53,7 @@ class MessageFinder(MetaPathFinder):
         modules = read_imports(spec.loader.get_data(spec.loader.path).decode(errors="replace"), fullname)
         if modules is None:
             return None
-        spec.loader = MessagePackage(modules)
+        spec.loader = MessagePackage(modules)  # type: ignore[assignment]  # its class imports 1.5 MB
         return spec
 
 
