@@ -49,11 +49,17 @@ def main(arguments: Sequence[str]) -> None:
     link = socket.socket(fileno=int(descriptor))
     if (words := _serve(link, modules)) is None:
         return
-    sys.argv = words
-    if (names := sys.modules.get("rospy.names")) is not None:
-        names.reload_mappings(words)  # rospy reads them when it is imported
+    read_arguments(words)
     sys.modules.pop(words[0], None)  # runpy warns where a module is imported already
     runpy.run_module(words[0], run_name="__main__", alter_sys=True)
+
+
+def read_arguments(words: list[str]) -> None:
+    """Have Python and rospy read the arguments and the namespace of a node, in place of those of the server."""
+    sys.argv = words
+    if (names := sys.modules.get("rospy.names")) is not None:
+        names.reload_mappings(words)
+        names._set_caller_id(f"{names.get_ros_namespace()}unnamed")  # noqa: SLF001 - as rospy does it on import
 
 
 def _serve(link: socket.socket, modules: Sequence[str]) -> list[str] | None:
