@@ -18,6 +18,7 @@ _COUNTER = struct.Struct("<Q")
 _LENGTH = struct.Struct("<I")
 _MAGIC = b"urring01"
 _TAIL, _HEAD, _DATA = 16, 24, 64
+_PIECE = 1 << 20  # bytes
 
 
 def copy_ring(block: mmap.mmap) -> Ring:
@@ -77,9 +78,14 @@ class Ring:
         return self._read(self._tail + _LENGTH.size, length if most is None else min(length, most))
 
     def drop(self) -> None:
-        """Drop the oldest record."""
+        """Drop the oldest record. Its memory is given back to the system, by pieces of 1 MB, where that is mapped."""
+        piece = (_DATA + self._tail % self.size) // _PIECE * _PIECE
         self._tail += _LENGTH.size + self._length(self._tail)
         self._set(_TAIL, self._tail)
+        left = not 0 <= _DATA + self._tail % self.size - piece < _PIECE
+        dead = (_DATA + self._tail - piece) % self.size <= self.free  # else the newest records are in it
+        if left and dead and piece and isinstance(self._block.obj, mmap.mmap):
+            self._block.obj.madvise(mmap.MADV_REMOVE, piece, min(_PIECE, len(self._block) - piece))
 
     def records(self) -> Iterator[bytes]:
         """Return all records, oldest first; those after damage are left out."""

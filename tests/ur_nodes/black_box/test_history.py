@@ -1,9 +1,11 @@
 """Messages in a bounded ring, read back in order of time."""
 
+import mmap
+import os
 from collections import deque
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ur_nodes.black_box.history import (
@@ -46,6 +48,29 @@ def test_ring_holds_the_newest_records_that_fit(records: list[bytes]) -> None:
         kept.append(record)
     assert list(ring.records()) == list(kept)
     assert list(Ring(memoryview(block), kept=True).records()) == list(kept)
+
+
+@given(st.lists(st.integers(1, 1_500_000), min_size=5, max_size=40), st.integers(1, 3_500_000))
+@settings(max_examples=20, deadline=None)
+def test_ring_gives_the_memory_of_dropped_records_back(sizes: list[int], most: int) -> None:
+    memory = os.memfd_create("ring")
+    os.ftruncate(memory, 5_000_000)
+    try:
+        with mmap.mmap(memory, 5_000_000) as block, memoryview(block) as view:
+            ring, kept = Ring(view), deque[bytes]()
+            for number, size in enumerate(sizes):
+                record = bytes([number + 1]) * size
+                while kept and (sum(map(len, kept)) > most or ring.free < size + 4):
+                    kept.popleft()
+                    ring.drop()
+                ring.append(record)
+                kept.append(record)
+                assert list(ring.records()) == list(kept)
+            whole = os.fstat(memory).st_blocks * 512
+            assert whole <= sum(map(len, kept)) + 2 * max(sizes) + 3_200_000
+            del ring
+    finally:
+        os.close(memory)
 
 
 def test_block_without_a_ring_is_refused() -> None:
