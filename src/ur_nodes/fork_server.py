@@ -70,7 +70,8 @@ def _serve(link: socket.socket, modules: Sequence[str]) -> list[str] | None:
         with suppress(Exception):  # the node that needs it reports this
             import_module(module)
     if (node_start := sys.modules.get("ur_nodes.ros1.run")) is not None:
-        node_start.repair()  # once for all nodes: it writes to many pages
+        node_start.bound_connections()  # once for all nodes: it writes to many pages
+        node_start.send_at_once()
     gc.collect()
     gc.freeze()
     host = os.getppid()

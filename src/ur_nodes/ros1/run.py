@@ -85,12 +85,6 @@ def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = Fals
     return code or int(any(node.failed for node in nodes))
 
 
-def repair() -> None:
-    """Replace what does not suit robots in this process's rospy; again: nothing happens."""
-    bound_connections()
-    send_at_once()
-
-
 def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False) -> int:
     """Register with the master as `name` (remappable), call `start`, spin until shutdown.
 
@@ -101,7 +95,8 @@ def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False
     if own_terminal:
         os.environ.pop("ROSCONSOLE_CONFIG_FILE", None)
     choose_log_configuration()
-    repair()
+    bound_connections()
+    send_at_once()
     try:
         with shut_down_aside():
             rospy.init_node(name, disable_signals=True)

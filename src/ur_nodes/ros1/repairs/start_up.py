@@ -12,8 +12,7 @@ def defer_catkin() -> None:
     module = ModuleType(_CATKIN)
 
     def find_in_workspaces(*arguments: object, **options: object) -> object:
-        if sys.modules.get(_CATKIN) is module:
-            del sys.modules[_CATKIN]
+        del sys.modules[_CATKIN]
         from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import-untyped]
 
         return find_in_workspaces(*arguments, **options)
@@ -23,10 +22,7 @@ def defer_catkin() -> None:
 
 
 def skip_log_link() -> None:
-    """Stop rospy from making the link `latest` to the newest folder of logs, which the program that starts a run makes.
-
-    Nodes that all make it collide, and log that.
-    """
+    """Stop rospy from making the link `latest`, which the program that starts a run makes: nodes collide there."""
     from rosgraph import roslogging
 
     roslogging.renew_latest_logdir = lambda _folder: True
