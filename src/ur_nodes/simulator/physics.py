@@ -22,8 +22,8 @@ class BodyMotion:
     """
 
     attitude: Quaternion
-    velocity: npt.NDArray[np.float64]
-    turning: npt.NDArray[np.float64]
+    velocity: tuple[float, float, float]
+    turning: tuple[float, float, float]
 
 
 class Physics:
@@ -118,8 +118,8 @@ class Physics:
     def motion(self, robot: int) -> BodyMotion:
         """Return the motion of a robot's base_footprint in three dimensions."""
         q, v = self._joints[robot]
-        (a, b, c, d), speeds = self.data.qpos[q + 3 : q + 7].tolist(), self.data.qvel[v : v + 6].copy()
-        return BodyMotion((b, c, d, a), speeds[:3], speeds[3:])
+        (a, b, c, d), speeds = self.data.qpos[q + 3 : q + 7].tolist(), self.data.qvel[v : v + 6].tolist()
+        return BodyMotion((b, c, d, a), tuple(speeds[:3]), tuple(speeds[3:]))
 
     def touching(self) -> frozenset[int]:
         """The robots whose chassis touches something: a wall, a box, an obstacle, another robot."""

@@ -20,6 +20,7 @@ from ur_nodes.simulator.physics import BodyMotion
 from ur_nodes.simulator.sensors.sense import Noise, Send, Sense, Site
 
 Floats = npt.NDArray[np.float64]
+Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +33,7 @@ class ImuReading:
 
 
 _ORIENTATION_VARIANCE = 1e-6  # rad^2
-_STILL = BodyMotion((0.0, 0.0, 0.0, 1.0), np.zeros(3), np.zeros(3))
+_STILL = BodyMotion((0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 class InertialUnit:
@@ -40,7 +41,7 @@ class InertialUnit:
 
     def __init__(self, imu: ImuErrors) -> None:
         self._imu = imu
-        self._place = np.array(imu.pose[:3], np.float64)
+        self._place = imu.pose[0], imu.pose[1], imu.pose[2]
         self._mount = to_quaternion(from_angles(imu.pose[:3], imu.pose[3:]))  # unit to body
         self._span: tuple[tuple[BodyMotion, float], tuple[BodyMotion, float]] | None = None
 
@@ -61,21 +62,22 @@ class InertialUnit:
         still = (_STILL, 0.0)
         (before, then), (after, now) = self._span or (still, still)
         period = now - then if now > then else math.inf
-        force = _turn_back(self._mount, specific_force(before, after, self._place, period))
-        turning = _turn_back(self._mount, (before.turning + after.turning) / 2.0)
-        gx, gy, gz = (turning + self._imu.gyro_noise * noise[:3]).tolist()
-        ax, ay, az = (force + self._imu.accel_noise * noise[3:]).tolist()
-        return ImuReading(with_positive_w(multiply(after.attitude, self._mount)), (gx, gy, gz), (ax, ay, az))
+        ax, ay, az = _turn_back(self._mount, specific_force(before, after, self._place, period))
+        gx, gy, gz = _turn_back(self._mount, _mean(before.turning, after.turning))
+        gyro, accel, (a, b, c, d, e, f) = self._imu.gyro_noise, self._imu.accel_noise, noise.tolist()
+        turning = gx + gyro * a, gy + gyro * b, gz + gyro * c
+        force = ax + accel * d, ay + accel * e, az + accel * f
+        return ImuReading(with_positive_w(multiply(after.attitude, self._mount)), turning, force)
 
 
-def specific_force(before: BodyMotion, after: BodyMotion, point: Floats, period: float) -> Floats:
+def specific_force(before: BodyMotion, after: BodyMotion, point: Vector, period: float) -> Vector:
     """The mean force per mass (m/s^2, in the body's axes) at `point` (m, in the body) between two instants.
 
     It is what an accelerometer there feels: its acceleration, less that of free fall.
     """
-    acceleration = (_velocity_at(after, point) - _velocity_at(before, point)) / period
-    felt = acceleration + np.array([0.0, 0.0, GRAVITY])
-    return (_turn_back(before.attitude, felt) + _turn_back(after.attitude, felt)) / 2.0
+    (x, y, z), (a, b, c) = _velocity_at(after, point), _velocity_at(before, point)
+    felt = (x - a) / period, (y - b) / period, (z - c) / period + GRAVITY
+    return _mean(_turn_back(before.attitude, felt), _turn_back(after.attitude, felt))
 
 
 def with_positive_w(rotation: Quaternion) -> Quaternion:
@@ -84,15 +86,20 @@ def with_positive_w(rotation: Quaternion) -> Quaternion:
     return (x, y, z, w) if w >= 0.0 else (-x, -y, -z, -w)
 
 
-def _velocity_at(motion: BodyMotion, point: Floats) -> Floats:
-    (a, b, c), (x, y, z) = motion.turning.tolist(), point.tolist()
-    return motion.velocity + rotate(motion.attitude, (b * z - c * y, c * x - a * z, a * y - b * x))
+def _velocity_at(motion: BodyMotion, point: Vector) -> Vector:
+    (u, v, w), (a, b, c), (x, y, z) = motion.velocity, motion.turning, point
+    x, y, z = rotate(motion.attitude, (b * z - c * y, c * x - a * z, a * y - b * x))
+    return u + x, v + y, w + z
 
 
-def _turn_back(rotation: Quaternion, vector: Floats) -> Floats:
+def _mean(one: Vector, other: Vector) -> Vector:
+    return (one[0] + other[0]) / 2.0, (one[1] + other[1]) / 2.0, (one[2] + other[2]) / 2.0
+
+
+def _turn_back(rotation: Quaternion, vector: Vector) -> Vector:
     """Turn a vector by the inverse of a rotation."""
     x, y, z, w = rotation
-    return np.array(rotate((-x, -y, -z, w), vector.tolist()))
+    return rotate((-x, -y, -z, w), vector)
 
 
 class ImuSense(Sense):

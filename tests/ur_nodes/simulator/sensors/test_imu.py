@@ -18,6 +18,7 @@ from ur_nodes.simulator.simulation import Simulation
 PERIOD = 0.02
 LEVEL = (0.0,) * 6
 Drive = Callable[..., None]
+ORIGIN = (0.0, 0.0, 0.0)
 number = st.floats(-3.0, 3.0)
 vector = st.tuples(number, number, number)
 
@@ -29,7 +30,7 @@ def unit(pose: tuple[float, ...] = LEVEL, gyro: float = 0.0, accel: float = 0.0)
 def motion(rotation: Rotation) -> BodyMotion:
     """A body that lies still."""
     x, y, z, w = rotation.as_quat().tolist()
-    return BodyMotion((x, y, z, w), np.zeros(3), np.zeros(3))
+    return BodyMotion((x, y, z, w), ORIGIN, ORIGIN)
 
 
 def read(simulation: Simulation) -> ImuReading:
@@ -45,7 +46,7 @@ def read(simulation: Simulation) -> ImuReading:
 def test_unit_at_rest_feels_gravity_upwards_however_it_lies(turn: tuple[float, float, float]) -> None:
     rotation = Rotation.from_rotvec(turn)
     still = motion(rotation)
-    force = specific_force(still, still, np.zeros(3), PERIOD)
+    force = specific_force(still, still, ORIGIN, PERIOD)
     assert np.allclose(force, rotation.inv().apply([0.0, 0.0, GRAVITY]))
 
 
@@ -53,18 +54,19 @@ def test_unit_at_rest_feels_gravity_upwards_however_it_lies(turn: tuple[float, f
 def test_unit_in_free_fall_feels_nothing(
     turn: tuple[float, float, float], velocity: tuple[float, float, float]
 ) -> None:
-    before = replace(motion(Rotation.from_rotvec(turn)), velocity=np.array(velocity))
-    after = replace(before, velocity=before.velocity - [0.0, 0.0, GRAVITY * PERIOD])
-    assert np.allclose(specific_force(before, after, np.zeros(3), PERIOD), 0.0, atol=1e-9)
+    x, y, z = velocity
+    before = replace(motion(Rotation.from_rotvec(turn)), velocity=velocity)
+    after = replace(before, velocity=(x, y, z - GRAVITY * PERIOD))
+    assert np.allclose(specific_force(before, after, ORIGIN, PERIOD), 0.0, atol=1e-9)
 
 
 @given(st.floats(0.1, 3.0), st.floats(0.05, 0.5))
 def test_unit_off_the_axis_feels_that_it_goes_round(rate: float, radius: float) -> None:
     def at(angle: float) -> BodyMotion:
-        return replace(motion(Rotation.from_euler("z", angle)), turning=np.array([0.0, 0.0, rate]))
+        return replace(motion(Rotation.from_euler("z", angle)), turning=(0.0, 0.0, rate))
 
     period = 0.001
-    force = specific_force(at(0.3), at(0.3 + rate * period), np.array([radius, 0.0, 0.0]), period)
+    force = specific_force(at(0.3), at(0.3 + rate * period), (radius, 0.0, 0.0), period)
     assert force == pytest.approx([-(rate**2) * radius, 0.0, GRAVITY], abs=1e-4 * (1 + rate**2))
 
 
@@ -78,7 +80,7 @@ def test_quaternion_is_that_of_the_rotation(roll: float, pitch: float, yaw: floa
 
 def test_unit_that_is_mounted_upside_down_says_so() -> None:
     imu = InertialUnit(unit((0.0, 0.0, 0.1, math.pi, 0.0, 0.0)))
-    still = replace(motion(Rotation.identity()), turning=np.array([0.0, 0.0, 0.5]))
+    still = replace(motion(Rotation.identity()), turning=(0.0, 0.0, 0.5))
     imu.sample(still, 0.0)
     reading = imu.read(np.zeros(6))
     assert reading.force == pytest.approx((0.0, 0.0, -GRAVITY))
