@@ -67,8 +67,13 @@ class CellFrame:
 
     def cells_of_points(self, points: NDArray[np.floating]) -> NDArray[np.intp]:
         """Return the cells (..., 2), (row, column), of points (..., 2), x, y in m; they may be outside the grid."""
-        fractions = self.fractions_of_points(points)
-        cells: NDArray[np.intp] = np.floor(fractions, out=fractions).astype(np.intp)
+        return self.cells_at(points[..., 0], points[..., 1])
+
+    def cells_at(self, xs: NDArray[np.floating], ys: NDArray[np.floating]) -> NDArray[np.intp]:
+        """Return the cells (..., 2), (row, column), of points with coordinates (...) in m, as `cells_of_points`."""
+        rows, columns = self.fractions_at(xs, ys)
+        cells = np.empty((*rows.shape, 2), np.intp)
+        cells[..., 0], cells[..., 1] = np.floor(rows), np.floor(columns)
         return cells
 
     def points_of_cells(self, cells: NDArray[np.integer] | NDArray[np.floating]) -> NDArray[np.float64]:

@@ -34,11 +34,16 @@ class Beams:
     ranges: NDArray[np.float64]
     hits: NDArray[np.bool_]
 
-    def ends(self, sensor: Pose2, reach: float = math.inf) -> NDArray[np.float64]:
-        """The points (n, 2) at which they end on something within `reach` m, from a sensor at a pose."""
-        hits = self.hits & (self.ranges <= reach)
-        directions = np.stack((np.cos(self.angles[hits]), np.sin(self.angles[hits])), axis=-1)
-        return sensor.transform_points(self.ranges[hits, None] * directions)
+    def points(self) -> NDArray[np.float64]:
+        """The points (n, 2) in the sensor's frame at which they end on something."""
+        angles, ranges = self.angles[self.hits], self.ranges[self.hits]
+        points = np.empty((len(angles), 2))
+        points[:, 0], points[:, 1] = ranges * np.cos(angles), ranges * np.sin(angles)
+        return points
+
+    def ends(self, sensor: Pose2) -> NDArray[np.float64]:
+        """The points (n, 2) at which they end on something, from a sensor at a pose."""
+        return sensor.transform_points(self.points())
 
 
 def level_beams(mount: Pose3, beams: Beams) -> tuple[Pose2, Beams]:
@@ -78,7 +83,7 @@ def trace_beams(
     """
     width = frame.width
     bearing = beams.angles + sensor.yaw
-    directions = np.stack((np.cos(bearing), np.sin(bearing)), axis=-1)
+    directions = np.cos(bearing), np.sin(bearing)
     flat = occupied.reshape(-1)
     cleared = np.empty(0, np.intp)
     if len(bearing):
@@ -91,8 +96,9 @@ def trace_beams(
             np.minimum(beams.ranges + behind - frame.resolution / 2, reach.raytrace),
         )
     near = beams.hits & (beams.ranges <= reach.obstacle)
-    points = (sensor.x, sensor.y) + (beams.ranges[near, None] + behind) * directions[near]
-    cells = frame.cells_of_points(points)
+    ranges = beams.ranges[near] + behind
+    x, y = (start + ranges * each[near] for start, each in zip((sensor.x, sensor.y), directions, strict=True))
+    cells = frame.cells_at(x, y)
     cells = cells[frame.contains(cells)]
     if ignore is not None:
         cells = cells[~ignore(cells)]
@@ -111,11 +117,11 @@ def _find_passed(
     occupied: NDArray[np.bool_],
     frame: CellFrame,
     sensor: Pose2,
-    directions: NDArray[np.float64],
+    directions: tuple[NDArray[np.float64], NDArray[np.float64]],
     bearing: NDArray[np.float64],
     free: NDArray[np.float64],
 ) -> NDArray[np.intp]:
-    """The numbers of the occupied cells (flat) that rays with `directions` (n, 2) pass on their first `free` (n) m.
+    """The numbers of the occupied cells (flat) that rays with `directions` (n), (n) pass on their first `free` (n) m.
 
     `occupied` is (height, width). Rays are sampled from where the nearest occupied cell of their sector begins.
     """
@@ -128,7 +134,7 @@ def _find_passed(
     counts = np.maximum(np.searchsorted(steps, free) - begins, 0)  # of the steps that are less than the free length
     ends = np.cumsum(counts)
     along = steps[np.arange(ends[-1]) + np.repeat(begins - (ends - counts), counts)]
-    x, y = (np.repeat(each, counts) * along for each in directions.T)
+    x, y = (np.repeat(each, counts) * along for each in directions)
     rows, columns = (np.floor(each, out=each) for each in frame.fractions_at(sensor.x + x, sensor.y + y))
     inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
     cells = np.where(inside, rows * width + columns, 0.0).astype(np.intp)

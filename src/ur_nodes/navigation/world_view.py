@@ -152,15 +152,20 @@ class WorldView:
             self.local_costmap.overlay(robot.newest, self.global_costmap.zones or _NOTHING, place)
             self._laid = self.global_costmap.zones is not None
         sensor, beams = level_beams(mount, beams_of_scan(scan, inf_is_valid=source.inf_is_valid))
-        self._see(robot.in_odom, beams.ends(sensor), sensor)
+        points, placed = beams.points(), robot.in_odom.compose(sensor)
+        ends = placed.transform_points(points)
+        self._see(robot.in_odom, sensor.transform_points(points), sensor)
         if robot.in_map is not None:
             self._look(robot.in_map, sensor, beams, seconds_of(scan.stamp))
-        self.local_costmap.update(robot.newest, robot.in_odom.compose(sensor), beams)
-        self._points = beams.ends(robot.in_odom.compose(sensor), source.reach.obstacle)
+        self.local_costmap.update(robot.newest, placed, beams)
+        self._points = ends[beams.ranges[beams.hits] <= source.reach.obstacle]
         if self.global_costmap is not None and robot.in_map is not None:
-            walkers = self._track_people(seconds_of(scan.stamp), sensor, beams, robot, self.global_costmap)
-            lasting = Beams(beams.angles, beams.ranges, beams.hits & ~walkers)
-            self.global_costmap.update(robot.in_map.compose(sensor), lasting)
+            mapped = robot.in_map.compose(sensor)
+            explained = self.global_costmap.explains(mapped.transform_points(points))
+            self._tracker.update(seconds_of(scan.stamp), placed[:2], ends, explained)
+            lasting = beams.hits.copy()
+            lasting[beams.hits] = ~self._tracker.are_walkers(ends)  # who walks will not stay there
+            self.global_costmap.update(mapped, Beams(beams.angles, beams.ranges, lasting))
 
     @property
     def touched(self) -> bool:
@@ -286,19 +291,6 @@ class WorldView:
         """The costs of the whole map: with obstacles, which change with the next update, without, and zones alone."""
         layered = self.global_costmap
         return (layered.costmap, layered.static, layered.zones) if layered else None
-
-    def _track_people(
-        self, stamp: float, sensor: Pose2, beams: Beams, robot: _Place, world: MapCostmap
-    ) -> NDArray[np.bool_]:
-        """Track people in a scan. Return the beams (n) that end at people who walk, who will not stay there."""
-        assert robot.in_map is not None
-        walkers = np.zeros(len(beams.angles), bool)
-        placed = robot.in_odom.compose(sensor)
-        points = beams.ends(placed)
-        explained = world.explains(beams.ends(robot.in_map.compose(sensor)))
-        self._tracker.update(stamp, placed[:2], points, explained)
-        walkers[beams.hits] = self._tracker.are_walkers(points)
-        return walkers
 
     def _forbid(self) -> None:
         if self.global_costmap is not None:
