@@ -261,7 +261,7 @@ class ParticleLocaliser:
     def match_alone(self, pose: Pose2, points: NDArray[np.float64]) -> RefinedPose:
         """Match a scan near a pose, as if next to nothing was known of that: odometry has no influence."""
         if len(points) < LEAST_BEAMS:
-            return RefinedPose(pose, _UNKNOWN, 0.0)
+            return RefinedPose(pose, np.linalg.inv(_UNKNOWN), 0.0)
         return match_scan(self._field, pose, _UNKNOWN, points, self._match)
 
     def find_along(
