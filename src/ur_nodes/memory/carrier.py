@@ -12,6 +12,7 @@ from typing import Any, Protocol
 
 from ur_nodes.ports.graph import Graph, make_graph
 from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.validation import problem_of
 from ur_nodes.ports.values import Result
 
 DEPTH = 100
@@ -105,6 +106,7 @@ class Carrier:
         self._events: list[tuple[int, int, Callable[[], None]]] = []
         self._due: deque[Callable[[], None]] = deque()  # for the present, after what _events has for it
         self._numbers = itertools.count()
+        self._judged: tuple[object, str] = (None, "")
 
     @property
     def now(self) -> int:
@@ -135,6 +137,12 @@ class Carrier:
                 return condition()
             self._run_next()
         return True
+
+    def problem_of(self, value: object) -> str:
+        """Return what is wrong with a value; one that several nodes get one after the other is judged once."""
+        if value is not self._judged[0]:
+            self._judged = value, problem_of(value)
+        return self._judged[1]
 
     def graph(self) -> Graph:
         """Return the graph of all topics and services."""

@@ -384,7 +384,7 @@ class MemoryNode:
         refusals = Refusals(full, self.log.error, unreadable)
 
         def on_request(value: Value, sender: str, kept: bool) -> None:
-            if kind is not object and (problem := problem_of(value)):  # raw messages are recorded as they are
+            if kind is not object and (problem := self._bus.problem_of(value)):  # raw ones are recorded as they are
                 refusals.report(problem, sender)
             else:
                 deliver(value, sender, kept)
