@@ -114,10 +114,9 @@ def admit_stamped(
     if age is None:
         return admission, "late"
     lease = step_lease(admission.lease, ClientCommand(client, motion), now, unix)
-    admission = replace(admission, lease=lease)
     if not may_drive(lease, client, follows=follows):
-        return admission, "not the driver"
-    admission = replace(admission, stamped_at={**admission.stamped_at, source: now})
+        return replace(admission, lease=lease), "not the driver"
+    admission = replace(admission, lease=lease, stamped_at={**admission.stamped_at, source: now})
     return admission, age if client and client == lease.lease.client else hold_to_terms(admission, age, now)
 
 
