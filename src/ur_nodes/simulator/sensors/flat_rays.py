@@ -80,12 +80,12 @@ _NO_SIDES: Floats = np.zeros((4, 0))
 
 
 class UprightShapes:
-    """The sides of all that lidars detect, seen from above, at a height (m) above the floor.
+    """The sides of all that lidars detect but `without` a body, seen from above, at a height (m) above the floor.
 
     `flat` is false where something is no upright prism, or begins or ends near that height.
     """
 
-    def __init__(self, model: mujoco.MjModel, height: float) -> None:
+    def __init__(self, model: mujoco.MjModel, height: float, without: int = -1) -> None:
         self.flat = True
         self._height = height
         data = mujoco.MjData(model)
@@ -100,14 +100,14 @@ class UprightShapes:
                 self.flat = False
             elif prism.low < height < prism.high and model.body_weldid[body] == 0:
                 fixed.append(_sides_of(prism.corners))
-            elif prism.low < height < prism.high:
+            elif prism.low < height < prism.high and body != without:
                 turn, place = data.xmat[body].reshape(3, 3)[:2, :2], data.xpos[body, :2]
                 moving.append(_sides_of((prism.corners - place) @ turn))
                 bodies += [body] * moving[-1].shape[1]
         self._fixed, self._moving = np.concatenate(fixed, axis=1), np.concatenate(moving, axis=1)
         self._bodies = np.array(bodies, np.int64)
         self._heights = data.xpos[self._bodies, 2]
-        self._movers, self._poses = np.unique(self._bodies), b""
+        self._movers, self._poses = np.unique(self._bodies), b"none yet"
         self._others: dict[int, npt.NDArray[np.int64]] = {}
         self._seen: dict[tuple[int, int], Floats] = {}
         self._asked: dict[tuple[int, int], int] = {}
@@ -299,5 +299,6 @@ class LidarBeams:
 
 def make_lidars(model: mujoco.MjModel, lidar: Lidar, robots: int) -> list[LidarBeams]:
     """The lidars of robots, by number."""
-    shapes = UprightShapes(model, lidar.pose[2])
+    alone = int(model.site_bodyid[mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, "lidar_0")]) if robots == 1 else -1
+    shapes = UprightShapes(model, lidar.pose[2], alone)  # no lidar sees a robot that is alone
     return [LidarBeams(model, lidar, robot, shapes) for robot in range(robots)]
