@@ -69,14 +69,39 @@ def test_burst_that_answers_an_old_challenge_does_not_drive(home: Path) -> None:
     assert robot.speeds(1.0) == []
 
 
-def test_challenges_are_never_repeated_and_come_on_time(home: Path) -> None:
+def test_challenges_are_never_repeated_and_come_more_often_while_commands_arrive(home: Path) -> None:
     robot = MuxRobot(home)
     got: list[tuple[int, int]] = []
     robot.person.subscribe("cmd_vel_mux/challenge", Time, lambda each: got.append((robot.bus.now, each.stamp)))
-    robot.bus.run(2.0)
-    assert len(got) == 100
-    assert len({stamp for _, stamp in got}) == 100
-    assert {after - before for (before, _), (after, _) in pairwise(got)} == {20_000_000}
+
+    def gaps(seconds: float) -> list[int]:
+        del got[:-1]
+        robot.bus.run(seconds)
+        assert len({stamp for _, stamp in got}) == len(got)
+        return [after - before for (before, _), (after, _) in pairwise(got)]
+
+    gaps(2.0)
+    assert set(gaps(1.0)) == {50_000_000}
+    driver = LeaseDriver(robot.bus, "a")
+    driver.wanted = AHEAD
+    first = gaps(0.3)
+    assert first[0] <= 50_000_000
+    assert max(first[1:]) == 20_000_000
+    driver.wanted = None
+    assert set(gaps(0.9)) == {20_000_000}
+    gaps(0.3)
+    assert set(gaps(1.0)) == {50_000_000}
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.01, 0.02, 0.03, 0.04])
+def test_commander_that_begins_after_a_silence_drives_with_its_first_command(home: Path, phase: float) -> None:
+    robot = MuxRobot(home, lambda _topic: 40_000_000)  # a slow network, both ways
+    driver = LeaseDriver(robot.bus, "a")
+    robot.bus.run(3.0 + phase)
+    del robot.outputs[:]
+    driver.wanted = AHEAD
+    robot.bus.run(0.11)  # at most 0.02 until it sends, and 0.04 to the mux and on to the base
+    assert robot.outputs[-1][1].forward > 0.0
 
 
 @pytest.mark.parametrize(("pause", "count", "drives"), [(0.033, 30, True), (0.0, 250, False), (0.4, 5, False)])

@@ -25,6 +25,8 @@ _EVERY = 5.0  # s
 _PERIOD = 1.0  # s
 _AGAIN = 60.0  # s until the log has the same again
 _SHOWN = 10.0  # s after the last command that was refused
+_SILENCE = 1.0  # s without a stamped command, after which challenges come less often
+_QUIET_PERIOD = 0.05  # s between them: the newest one is then still young enough for a command that begins
 
 
 class RefusalReports:
@@ -157,7 +159,8 @@ class AdmissionGate:
         self._lease = node.publish("~lease", str, Quality.LATCHED)
         node.on_end(self._end)
         node.after(0.0, self._issue, steady=True)
-        node.every(1.0 / rate, self._issue, steady=True)
+        self._commanded_at, self._period, self._quiet = node.steady(), 1.0 / rate, False
+        self._timer = node.every(self._period, self._issue, steady=True)
         for index, source in enumerate(settings.sources):
             if source.foreign:
                 self._foreign[index] = ForeignCommands(node, source.topic, partial(self._on_plain, index))
@@ -187,6 +190,17 @@ class AdmissionGate:
         )
         self._pass(index, velocity, now, verdict, _name(sender), stamped=True)
         self._announce()
+        self._commanded_at = now
+        if self._quiet:  # what follows answers a young challenge
+            self._set_quiet(False)
+            self._issue()
+
+    def _set_quiet(self, quiet: bool) -> None:
+        """Issue challenges at the full rate, or less often while commanders are silent."""
+        self._quiet = quiet
+        self._timer.cancel()
+        period = max(self._period, _QUIET_PERIOD) if quiet else self._period
+        self._timer = self._node.every(period, self._issue, steady=True)
 
     def _on_plain(self, index: int, twist: Twist, sender: Sender | None) -> None:
         velocity = _velocity_of(twist)
@@ -245,6 +259,8 @@ class AdmissionGate:
     def _issue(self) -> None:
         """Issue a challenge, and report what was dropped."""
         now = self._node.steady()
+        if not self._quiet and now - self._commanded_at > _SILENCE:
+            self._set_quiet(True)
         self._admission, stamp, slow = challenge(self._admission, now, time.time())
         self._challenge.send(Time(stamp[0] * SECOND + stamp[1]))
         self._announce()

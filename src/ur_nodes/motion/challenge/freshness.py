@@ -1,9 +1,9 @@
 """Age of messages from commanders, measured by one clock: that of the computer that executes them.
 
-The mux issues *challenges*, one every 20 ms, each a number that is never issued again. A commander puts the newest
-challenge that it has received into its message. So the message was written after that challenge was issued, and its
-age is at most the time since then, for any delay of the message and any time of the commander's clock. An answer
-that the mux did not issue within the horizon has no age.
+The mux issues *challenges*, one every 20 ms, or 50 ms while commanders are silent, each a number that is never issued
+again. A commander puts the newest challenge that it has received into its message. So the message was written after
+that challenge was issued, and its age is at most the time since then, for any delay of the message and any time of the
+commander's clock. An answer that the mux did not issue within the horizon has no age.
 
 All functions are pure; `now` is in seconds of a steady clock that also runs while the computer sleeps.
 """
