@@ -35,10 +35,10 @@ class Beat:
 
 
 class Beats:
-    """Beats in the order in which they are due by `read` (s)."""
+    """Beats in the order in which they are due by `read` (s); `steady`: that is never set back."""
 
-    def __init__(self, read: Callable[[], float]) -> None:
-        self._read = read
+    def __init__(self, read: Callable[[], float], *, steady: bool = False) -> None:
+        self._read, self._steady = read, steady
         self._beats: list[tuple[float, int, Beat]] = []
         self._numbers = itertools.count()
 
@@ -59,7 +59,7 @@ class Beats:
             return None
         due, number, beat = self._beats[0]
         now = self._read()
-        if any(then - now > each.period + _ROUNDING for then, _, each in self._beats):  # time was set back
+        if not self._steady and any(then - now > each.period + _ROUNDING for then, _, each in self._beats):  # set back
             self._beats = [(now + each.period, count, each) for _, count, each in self._beats]
             heapq.heapify(self._beats)
             return None
@@ -82,8 +82,8 @@ class Loop:
     def __init__(self, read: Callable[[], float], *, steady: bool) -> None:
         self._calls: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._read = read
-        self._beats = Beats(read)
-        self._steady_beats = self._beats if steady else Beats(time.monotonic)
+        self._beats = Beats(read, steady=steady)
+        self._steady_beats = self._beats if steady else Beats(time.monotonic, steady=True)
         self._all_beats = (self._beats,) if steady else (self._beats, self._steady_beats)
         self._awaited = math.inf  # the time by `read` of the beat that `passed` has to wake the thread for
         self._passed = -math.inf  # the newest time that `passed` has read

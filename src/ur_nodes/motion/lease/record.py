@@ -103,9 +103,9 @@ def _drive(record: LeaseRecord, event: ClientCommand, now: float, unix: float) -
     if not event.client:
         return record
     if record.lease.client == event.client:
-        return replace(
-            record, lease=replace(record.lease, state="held", until=None), received_at=now, forget_at=math.inf
-        )
+        held = record.lease.state == "held" and record.lease.until is None
+        lease = record.lease if held else replace(record.lease, state="held", until=None)
+        return replace(record, lease=lease, received_at=now, forget_at=math.inf)
     if record.lease.state == "free" and event.motion:
         known = record.known.get(event.client) or LeaseRequest(event.client, event.client[:8], "", "acquire")
         return _grant(record, known, now, unix, taken=False)
