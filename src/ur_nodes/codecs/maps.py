@@ -12,14 +12,12 @@ from ur.source.diagnostic import user_error
 from ur_nodes.codecs import poses
 from ur_nodes.codecs.codec import Codec, ServiceCodec, fill_header, frame_of, response_or_fail, value_or_fail
 from ur_nodes.codecs.dialect import ROS_2, array_of, field_of, parts_of, stamp_of, time_of
-from ur_nodes.codecs.geometry import checked_pose_of, fill_pose, pose_message, pose_of_message
+from ur_nodes.codecs.geometry import checked_pose_of, fill_pose, pose_of_message
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.ports.services import AskMap, Place, UseMap
 from ur_nodes.ports.values import Map, MapInfo, MapUpdate, PoseEstimate, Result
 
 if TYPE_CHECKING:
-    from genpy import Time
-
     from ur_nodes.codecs.genpy.grid import GridResponse
 
 if ROS_2 and not TYPE_CHECKING:  # as in `dialect`
@@ -40,8 +38,9 @@ _UseRequest, _UseResponse = parts_of(SetMap)
 def fill_map(message: OccupancyGrid, value: Map) -> None:
     """Write a nav_msgs/OccupancyGrid; the message shares the cells."""
     fill_header(message, value.stamp, value.frame)
-    message.info = metadata_message(value.grid, time_of(value.stamp))
-    message.data = field_of(value.grid.values.ravel())
+    grid = value.grid
+    _fill_info(message.info, MapInfo(value.stamp, grid.resolution, grid.width, grid.height, grid.origin))
+    message.data = field_of(grid.values.ravel())
 
 
 def map_of(message: OccupancyGrid) -> Map:
@@ -62,26 +61,6 @@ def grid_of_message(message: OccupancyGrid) -> Grid:
     # The message carries a float32 (0.0500000007...): take the shortest decimal of that value.
     resolution = float(np.format_float_positional(np.float32(info.resolution), unique=True))
     return Grid(values.reshape(info.height, info.width), resolution, pose_of_message(info.origin))
-
-
-def metadata_message(grid: Grid, stamp: Time) -> MapMetaData:
-    """Size, resolution and origin of the grid; `stamp` is when it was loaded."""
-    return MapMetaData(
-        map_load_time=stamp,
-        resolution=grid.resolution,
-        width=grid.width,
-        height=grid.height,
-        origin=pose_message(grid.origin),
-    )
-
-
-def grid_message(grid: Grid, frame: str, stamp: Time) -> GridMessage:
-    """A message with the grid, whose values it shares; `stamp` is a message's."""
-    message = GridMessage()
-    message.header.frame_id, message.header.stamp = frame, stamp
-    message.info = metadata_message(grid, stamp)
-    message.data = field_of(grid.values.ravel())
-    return message
 
 
 def _fill_info(message: MapMetaData, value: MapInfo) -> None:

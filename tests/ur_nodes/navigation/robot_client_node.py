@@ -26,8 +26,9 @@ from tests.ur_nodes.navigation.closed_loop import two_rooms
 from tf2_msgs.msg import TFMessage
 
 from ur_nodes.codecs.geometry import pose_message, transform_message
-from ur_nodes.codecs.maps import grid_message
+from ur_nodes.codecs.maps import fill_map
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.ports.values import Map
 
 BEAMS = 180
 
@@ -45,7 +46,9 @@ class RobotClient:
         self.tf = rospy.Publisher("/tf", TFMessage, queue_size=10)
         self.scan = rospy.Publisher("scan", LaserScan, queue_size=2)
         self.map = rospy.Publisher("map", OccupancyGrid, queue_size=1, latch=True)
-        self.map.publish(grid_message(self.grid, "map", rospy.Time.now()))
+        message = OccupancyGrid()
+        fill_map(message, Map(rospy.Time.now().to_nsec(), "map", self.grid))
+        self.map.publish(message)
         self.simple = rospy.Publisher("move_base_simple/goal", PoseStamped, queue_size=1)
         rospy.Subscriber("cmd_vel", Twist, self._on_command)
         rospy.Subscriber("move_base/NavfnROS/plan", Path, self._on_plan)

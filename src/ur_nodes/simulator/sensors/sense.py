@@ -79,11 +79,9 @@ def open_switches(node: Node, topics: Mapping[str, str], read: Callable[[float],
     sent: dict[str, bool] = {}
 
     def send(time: float, _stamp: int) -> None:
-        states = read(time)
-        if states != sent:
-            for name, state in states.items():
-                if sent.get(name) is not state:
-                    publishers[name].send(state)
-            sent.update(states)
+        for name, state in read(time).items():
+            if sent.get(name) is not state:
+                sent[name] = state
+                publishers[name].send(state)
 
     return send

@@ -12,16 +12,23 @@ from nav_msgs.srv import GetMapResponse
 
 from ur.source.diagnostic import UserError
 from ur_nodes.codecs.genpy.grid import GridMessage, GridResponse
-from ur_nodes.codecs.maps import grid_message, grid_of_message
+from ur_nodes.codecs.maps import fill_map, grid_of_message
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.validation import problem_of
+from ur_nodes.ports.values import Map
+
+
+def grid_message(grid: Grid) -> GridMessage:
+    message = GridMessage()
+    fill_map(message, Map(3_000_000_004, "map", grid))
+    return message
 
 
 def test_grid_survives_the_way_through_a_message() -> None:
     grid = Grid(np.array([[0, 100, -1], [50, 1, 99]], dtype=np.int8), 0.05, Pose2(-1.5, 2.0, 0.5))
     wire = io.BytesIO()
-    grid_message(grid, "map", rospy.Time(3, 4)).serialize(wire)
+    grid_message(grid).serialize(wire)
     message = OccupancyGrid().deserialize(wire.getvalue())
 
     got = grid_of_message(message)
@@ -47,7 +54,7 @@ def test_map_with_a_resolution_of_zero_has_a_problem() -> None:
 def test_grid_messages_are_on_the_wire_what_upstreams_are() -> None:
     grid = Grid(np.array([[0, 100, -1], [50, 1, 99]], dtype=np.int8), 0.05, Pose2(-1.5, 2.0, 0.5))
     ours, theirs = io.BytesIO(), io.BytesIO()
-    GridResponse(grid_message(grid, "map", rospy.Time(3, 4))).serialize(ours)
+    GridResponse(grid_message(grid)).serialize(ours)
     GetMapResponse(OccupancyGrid().deserialize(ours.getvalue())).serialize(theirs)
     assert ours.getvalue() == theirs.getvalue()
     assert np.array_equal(grid_of_message(GridResponse().deserialize(ours.getvalue()).map).values, grid.values)
@@ -55,7 +62,7 @@ def test_grid_messages_are_on_the_wire_what_upstreams_are() -> None:
 
 def test_grid_message_refuses_bytes_that_end_too_early() -> None:
     wire = io.BytesIO()
-    grid_message(Grid(np.zeros((2, 3), np.int8), 0.05, Pose2(0.0, 0.0, 0.0)), "map", rospy.Time(3, 4)).serialize(wire)
+    grid_message(Grid(np.zeros((2, 3), np.int8), 0.05, Pose2(0.0, 0.0, 0.0))).serialize(wire)
     for length in (0, 10, 60, len(wire.getvalue()) - 1):
         with pytest.raises(DeserializationError):
             GridMessage().deserialize(wire.getvalue()[:length])
