@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ur_nodes.camera.calibration.board import Board, Floats, draw_page
+from ur_nodes.camera.calibration.board import Board, Floats
 from ur_nodes.camera.calibration.session import (
     CELLS,
     BoardView,
@@ -74,6 +74,28 @@ def test_advice_goes_from_places_to_tilts_to_more_views() -> None:
     assert done.is_complete
     assert advise(done) == ""
     assert done.share == 1.0
+
+
+PAGE = (297.0, 210.0)  # mm: A4
+
+
+def draw_page(board: Board) -> str:
+    """Draw the board as SVG in its true size, on a page of A4."""
+    edge = board.square * 1000.0
+    left, top = (PAGE[0] - (board.columns + 1) * edge) / 2.0, (PAGE[1] - (board.rows + 1) * edge) / 2.0
+    squares = "".join(
+        f'<rect x="{left + column * edge:g}" y="{top + row * edge:g}" width="{edge:g}" height="{edge:g}"/>'
+        for row in range(board.rows + 1)
+        for column in range(board.columns + 1)
+        if (row + column) % 2 == 0
+    )
+    text = f"{board.columns} x {board.rows} inner corners, squares of {edge:g} mm; print it on A4 without scaling"
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{PAGE[0]:g}mm" height="{PAGE[1]:g}mm"'
+        f' viewBox="0 0 {PAGE[0]:g} {PAGE[1]:g}">'
+        f'<rect width="{PAGE[0]:g}" height="{PAGE[1]:g}" fill="white"/>{squares}'
+        f'<text x="{left:g}" y="{PAGE[1] - 6:g}" font-family="sans-serif" font-size="5">{text}</text></svg>\n'
+    )
 
 
 def test_page_has_a_square_for_each_second_field_in_its_true_size() -> None:
