@@ -149,7 +149,6 @@ def score_poses(
 
     With `value`, the mean of that function of the ends' distances to walls instead.
     """
-    entries = field.log_hits if value is None else field.distances
     grid = field.grid
     scale = 1.0 / grid.resolution
     yaws = (poses[:, 2] - grid.origin.yaw).astype(np.float32)
@@ -159,11 +158,11 @@ def score_poses(
     along, across = (points * scale).astype(np.float32).T
     columns = (base[:, 1:] + c * along - s * across).astype(np.int32)
     rows = (base[:, :1] + s * along + c * across).astype(np.int32)
-    height, width = entries.shape
+    height, width = field.distances.shape
     np.clip(columns, 0, width - 1, out=columns)
     np.clip(rows, 0, height - 1, out=rows)
     field.cover(rows, columns)
-    entries = field.log_hits if value is None else field.distances  # others, where tiles were forgotten
+    entries = field.log_hits if value is None else field.distances  # after `cover`, which may replace them
     rows *= width
     rows += columns
     found = entries.ravel().take(rows)

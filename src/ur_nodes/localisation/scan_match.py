@@ -48,9 +48,8 @@ def match_scan(
 ) -> RefinedPose:
     """Find the most likely pose for a Gaussian prior and beams that end at points (m, 2) in the robot's frame.
 
-    Residuals are signed distances to walls, read with bilinear interpolation; weights are Geman-McClure's, and none
-    for ends on the far side of a wall. Along
-    directions that the scan does not determine (a long corridor) the prior decides.
+    Residuals are signed distances to walls, read with bilinear interpolation; weights are Geman-McClure's, and none for
+    ends on the far side of a wall. Along directions that the scan does not determine (a corridor) the prior decides.
     """
     information = np.linalg.inv(covariance + _LEAST)
     pose = np.array(prior, dtype=np.float64)
