@@ -169,6 +169,7 @@ FOUND = 5  # updates in a row in which the scan fits in one place: a robot that 
 _ALONG = 0.05  # m between two poses along a way without a place
 _CLEARLY = 0.08  # mean log likelihood of a beam: 2 % of the beams meet a wall in place of nothing
 _UNKNOWN = np.diag(np.square((0.3, 0.3, 0.15)))  # m, m, rad
+_SLIP = np.diag(np.square((0.1, 0.1, 0.05)))  # m, m, rad: the cluster lags behind wheels that slip, as on a carpet
 FARTHEST_MATCH = 0.4  # m, rad: a refined pose farther from its cluster has slipped to other walls
 
 
@@ -359,7 +360,7 @@ class ParticleLocaliser:
         raw = ClusterEstimate(cluster.pose, cluster.covariance, cluster.share)
         if not self.settings.refine or len(points) < LEAST_BEAMS:
             return raw
-        match = match_scan(self._field, cluster.pose, cluster.covariance, points, self._match)
+        match = match_scan(self._field, cluster.pose, cluster.covariance + _SLIP, points, self._match)
         far = math.hypot(match.pose.x - cluster.pose.x, match.pose.y - cluster.pose.y)
         turned = abs(wrap_angle(match.pose.yaw - cluster.pose.yaw))
         if far > FARTHEST_MATCH or turned > FARTHEST_MATCH:

@@ -59,6 +59,13 @@ def test_localiser_follows_a_robot_whose_odometry_drifts(
     assert max(errors) < worst
 
 
+def test_localiser_follows_a_robot_whose_wheels_slip_on_a_carpet(field: LikelihoodField) -> None:
+    localiser = start(field)
+    robot = Drifter(Pose2(1.0, -0.6, 0.0), np.random.default_rng(4), slip=0.15)
+    localiser.set_pose(robot.truth, SURE)
+    assert np.mean(errors_of_drive(localiser, robot, field, 60)) < 0.004
+
+
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_localiser_finds_a_robot_that_may_be_anywhere(field: LikelihoodField, seed: int) -> None:
     localiser = start(field, seed=seed)

@@ -55,8 +55,9 @@ def scan_points(grid: Grid, robot: Pose2, rng: np.random.Generator, noise: float
 class Drifter:
     """A robot that drives exactly, and odometry that does not: 2 % too far, half a degree per metre to the left."""
 
-    def __init__(self, truth: Pose2, rng: np.random.Generator) -> None:
-        self.truth = truth
+    def __init__(self, truth: Pose2, rng: np.random.Generator, slip: float = 0.0) -> None:
+        """`slip`: the share of all motion by which the wheels turn more than that."""
+        self.truth, self._claimed = truth, 1.0 + slip
         self.odometry = Pose2(5.0, 5.0, 1.0)  # odometry starts anywhere
         self._rng = rng
 
@@ -64,5 +65,6 @@ class Drifter:
         """Drive, then turn."""
         self.truth = self.truth.compose(Pose2(distance, 0.0, turn))
         noise = self._rng.normal(0.0, (0.002, 0.002))
+        distance, turn = self._claimed * distance, self._claimed * turn
         seen = Pose2(distance * 1.02 + noise[0] * distance, 0.0, turn * 1.01 + 0.009 * distance + noise[1] * distance)
         self.odometry = self.odometry.compose(seen)
