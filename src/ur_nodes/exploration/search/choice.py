@@ -13,19 +13,18 @@ from ur_nodes.exploration.search.viewpoints import Viewpoint
 _SAME = 1.0  # m: a frontier so near to the pursued one is the same, after the map has changed
 _PURSUED = 0.5  # of the limit: what is pursued becomes a corner later, so that the robot does not turn back and forth
 _SOON = 3.0  # m: after a way so long without news what is pursued becomes no corner at all
+_BESIDE = 0.5  # m: of two corners that are nearer, that which hides less is left out first
+_PASSED = 1.0  # m: nearer corners that will be visited are visited before the rooms
 
 
 @dataclass(frozen=True, slots=True)
 class CornerSettings:
-    """A frontier with less than `area` m2 behind it, or less than `share` of the known floor, is a corner.
+    """A frontier with less than `area` m2 behind it is a corner. A doorway of 0.75 m or more has more.
 
-    One with `room` m2 is none however large the map is: the gain of a doorway is counted as its width squared at most.
     `left_out`: corners may be left out that hide so much of the known floor together, as a share; 0: none is.
     """
 
-    area: float = 0.3
-    share: float = 0.005
-    room: float = 0.5
+    area: float = 0.5
     left_out: float = 0.02
 
 
@@ -54,26 +53,29 @@ def sort_corners(
 
     `idle_distance` (m): how far it has driven since the map last grew.
 
-    `now` is empty if no viewpoint is worth its distance.
+    `now` is empty if no viewpoint is worth its distance. Corners that hide the least for the way to them are left out
+    first; what several of them hide is counted once.
     """
-    least = max(settings.area, min(settings.share * known, settings.room))
 
-    def worth(each: Viewpoint) -> bool:
+    def is_corner(each: Viewpoint) -> bool:
         pursued = kept is not None and math.dist(each.frontier.point, kept) < _SAME
-        limit = 0.0 if idle_distance > _SOON else _PURSUED * least
-        return each.frontier.gain >= (limit if pursued else least)
+        limit = 0.0 if idle_distance > _SOON else _PURSUED * settings.area
+        return each.frontier.gain < (limit if pursued else settings.area)
 
-    rooms = tuple(each for each in viewpoints if worth(each))
-    corners = sorted((each for each in viewpoints if not worth(each)), key=lambda each: each.frontier.gain)
+    rooms = tuple(each for each in viewpoints if not is_corner(each))
+    corners = sorted(filter(is_corner, viewpoints), key=lambda each: each.frontier.gain / (_BESIDE + each.distance))
     left_out: list[Viewpoint] = []
-    hidden = 0.0
+    hidden, counted = 0.0, set[int]()
     for each in corners:
-        hidden += each.frontier.gain
+        behind = each.frontier.hidden
+        hidden += each.frontier.gain * (len(behind - counted) / len(behind) if behind else 1.0)
+        counted |= behind
         if hidden > settings.left_out * known:
             break
         left_out.append(each)
     visited = tuple(corners[len(left_out) :])
-    return Viewpoints(rooms, visited, tuple(left_out)) if rooms else Viewpoints(visited, (), tuple(left_out))
+    near = tuple(each for each in visited if each.distance < _PASSED) if rooms else visited
+    return Viewpoints(rooms + near, tuple(each for each in visited if each not in near), tuple(left_out))
 
 
 _MOST = 9  # places of a tour: the nearest ones
@@ -84,10 +86,12 @@ _COARSE = 0.2  # m, side of the cells that ways between places are measured on
 class Weights:
     """`distance` weighs a metre of the way, `gain` a square metre behind a frontier: potential and gain scale.
 
+    `first` weighs the way to the first place against that through the others, which what is found on it will change.
     `keep` (m) is the advantage of the place that the robot is driving to.
     """
 
     distance: float = 1.0
+    first: float = 1.5
     gain: float = 0.1
     keep: float = 0.5
 
@@ -112,7 +116,7 @@ def choose_viewpoint(
     onward = np.array([best[1 << index, index] for index in range(count)])
     scores = []
     for index, each in enumerate(near):
-        score = weights.distance * (each.distance + onward[index]) - weights.gain * each.frontier.gain
+        score = weights.distance * (weights.first * each.distance + onward[index]) - weights.gain * each.frontier.gain
         if kept is not None and np.hypot(each.frontier.point[0] - kept[0], each.frontier.point[1] - kept[1]) < 1.0:
             score -= weights.keep
         scores.append(score)

@@ -76,7 +76,8 @@ _CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], bool)
 class Frontier:
     """Cells (n, 2) of free floor beside unknown space, as rows and columns. `size` in m, `gain` in m2.
 
-    `middle` (2) is the cell nearest to the middle, and `point` its centre, m.
+    `middle` (2) is the cell nearest to the middle, and `point` its centre, m. `hidden` are the cells behind it, each
+    as one number; other frontiers may have the same ones.
     """
 
     cells: NDArray[np.intp]
@@ -84,6 +85,7 @@ class Frontier:
     point: tuple[float, float]
     size: float
     gain: float
+    hidden: frozenset[int] = frozenset()
 
 
 def frontier_cells(floor: Floor) -> NDArray[np.bool_]:
@@ -133,13 +135,16 @@ def _cut(cells: NDArray[np.intp], resolution: float) -> list[NDArray[np.intp]]:
 def _frontier(floor: Floor, cells: NDArray[np.intp], walls: NDArray[np.bool_], centres: NDArray[np.bool_]) -> Frontier:
     middle = cells[int(np.argmin(np.hypot(*(cells - cells.mean(axis=0)).T)))]
     size = len(cells) * floor.resolution
-    gain = min(_hidden_floor(floor, cells, walls, centres), size**2)  # a narrow gap hides a corner, not a room
+    hidden = _hidden_floor(floor, cells, walls, centres)
+    gain = min(len(hidden) * floor.resolution**2, size**2)  # a narrow gap hides a corner, not a room
     x, y = floor.points_of_cells(middle)
-    return Frontier(cells, middle, (float(x), float(y)), size, gain)
+    return Frontier(cells, middle, (float(x), float(y)), size, gain, frozenset((hidden @ (floor.shape[1], 1)).tolist()))
 
 
-def _hidden_floor(floor: Floor, cells: NDArray[np.intp], walls: NDArray[np.bool_], centres: NDArray[np.bool_]) -> float:
-    """The unknown floor (m2) near the cells of a frontier that the robot's disc may cover when it drives on there.
+def _hidden_floor(
+    floor: Floor, cells: NDArray[np.intp], walls: NDArray[np.bool_], centres: NDArray[np.bool_]
+) -> NDArray[np.intp]:
+    """The cells (n, 2) of unknown floor near a frontier that the robot's disc may cover when it drives on there.
 
     `walls` (height, width): the occupied cells, and those where a wall probably goes on. `centres` (height, width): the
     cells where the middle of the robot has room among them.
@@ -154,10 +159,12 @@ def _hidden_floor(floor: Floor, cells: NDArray[np.intp], walls: NDArray[np.bool_
     hidden = floor.unknown[box] & (apart <= _DEPTH)
     begin = floor.reachable[box] & (apart <= floor.radius + 3 * floor.resolution)
     if not begin.any():  # the robot does not get there; what it would find is measured all the same
-        return float(np.count_nonzero(_connected(hidden & ~walls[box], ~away) & hidden)) * floor.resolution**2
-    reached = _connected(hidden & centres[box], begin)
-    covered = distance_transform_edt(~reached) * floor.resolution <= floor.radius
-    return float(np.count_nonzero(covered & hidden)) * floor.resolution**2
+        covered = _connected(hidden & ~walls[box], ~away)
+    else:
+        reached = _connected(hidden & centres[box], begin)
+        covered = distance_transform_edt(~reached) * floor.resolution <= floor.radius
+    found: NDArray[np.intp] = np.argwhere(covered & hidden) + low
+    return found
 
 
 def _connected(mask: NDArray[np.bool_], begin: NDArray[np.bool_]) -> NDArray[np.bool_]:

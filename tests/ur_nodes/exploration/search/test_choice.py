@@ -24,6 +24,13 @@ def test_side_with_less_to_do_comes_first_even_if_it_is_not_the_nearest() -> Non
     assert choose_viewpoint(floor, (near, left, middle, far), Weights()) is left
 
 
+def test_much_nearer_place_comes_first_though_the_whole_way_is_a_little_longer() -> None:
+    floor = read_floor(draw(HALL), place(8, 1.5, HALL), 0.2)
+    left, near, far = (viewpoint(floor, column) for column in (3, 9, 14))
+    assert choose_viewpoint(floor, (left, near, far), Weights(first=1.0)) is left
+    assert choose_viewpoint(floor, (left, near, far), Weights()) is near
+
+
 def test_place_that_is_pursued_is_kept_when_another_is_as_good() -> None:
     floor = read_floor(draw(HALL), place(9.5, 1.5, HALL), 0.2)
     left, right = viewpoint(floor, 2), viewpoint(floor, 17)

@@ -5,12 +5,13 @@ from ur_nodes.exploration.search.frontiers import Frontier
 from ur_nodes.exploration.search.viewpoints import Viewpoint
 from ur_nodes.geometry.pose import Pose2
 
-SETTINGS = CornerSettings(area=0.3, share=0.005, left_out=0.02)
+SETTINGS = CornerSettings(area=0.3, left_out=0.02)
 
 
-def view(gain: float, x: float = 0.0) -> Viewpoint:
+def view(gain: float, x: float = 0.0, distance: float = 1.0, hidden: frozenset[int] = frozenset()) -> Viewpoint:
     cell = np.array([0, 0])
-    return Viewpoint(Pose2(x, 0.0, 0.0), (0, 0), 1.0, Frontier(cell[None], cell, (x, 0.0), 0.5, gain))
+    frontier = Frontier(np.array([cell] * 10), cell, (x, 0.0), 0.5, gain, hidden)
+    return Viewpoint(Pose2(x, 0.0, 0.0), (0, 0), distance, frontier)
 
 
 def test_corners_come_after_rooms() -> None:
@@ -21,6 +22,16 @@ def test_corners_come_after_rooms() -> None:
     assert sort_corners((corner,), 10.0, SETTINGS).now == (corner,)
 
 
+def test_doorway_is_no_corner_however_large_the_map_is() -> None:
+    doorway = view(0.75**2)  # its gain is its width squared at most
+    assert sort_corners((doorway, view(0.05)), 400.0, CornerSettings()).now == (doorway,)
+
+
+def test_room_is_not_left_out_however_large_the_map_is() -> None:
+    room, corner = view(0.31), view(0.25)
+    assert sort_corners((corner, room), 1000.0, SETTINGS).ahead == (room,)
+
+
 def test_smallest_corners_are_left_out_as_far_as_they_hide_little() -> None:
     corners = [view(gain) for gain in (0.2, 0.1, 0.15, 0.25)]
     places = sort_corners(corners, 23.0, SETTINGS)
@@ -28,19 +39,27 @@ def test_smallest_corners_are_left_out_as_far_as_they_hide_little() -> None:
     assert places.ahead == (corners[3],)
 
 
+def test_corner_that_is_near_is_visited_rather_than_one_that_is_far() -> None:
+    near, far = view(0.2, distance=0.5), view(0.25, distance=8.0)
+    assert sort_corners((near, far), 20.0, SETTINGS).ahead == (near,)
+
+
+def test_what_two_corners_hide_together_counts_once() -> None:
+    sides = [view(0.2, hidden=frozenset(range(80))), view(0.22, hidden=frozenset(range(90)))]
+    assert sort_corners(sides, 15.0, SETTINGS).ahead == ()
+    apart = [view(0.2, hidden=frozenset(range(80))), view(0.22, hidden=frozenset(range(80, 170)))]
+    assert sort_corners(apart, 15.0, SETTINGS).ahead == (apart[1],)
+
+
+def test_corner_beside_the_robot_comes_before_rooms() -> None:
+    room, beside, away = view(2.0), view(0.25, distance=0.5), view(0.25, distance=4.0)
+    places = sort_corners((room, beside, away), 1.0, SETTINGS)
+    assert (places.now, places.later) == ((room, beside), (away,))
+
+
 def test_no_corner_is_left_out_when_all_are_asked_for() -> None:
     corner = view(0.01)
     assert sort_corners((corner,), 100.0, CornerSettings(left_out=0.0)).now == (corner,)
-
-
-def test_in_a_large_flat_more_counts_as_a_corner() -> None:
-    assert sort_corners((view(0.4),), 50.0, SETTINGS).left_out == ()
-    assert len(sort_corners((view(0.4),), 100.0, SETTINGS).left_out) == 1
-
-
-def test_doorway_is_no_corner_however_large_the_map_is() -> None:
-    doorway = view(0.8**2)  # its gain is its width squared at most
-    assert sort_corners((doorway, view(0.05)), 400.0, SETTINGS).now == (doorway,)
 
 
 def test_frontier_that_is_driven_to_becomes_a_corner_later() -> None:
