@@ -25,7 +25,7 @@ class CornerSettings:
     """
 
     area: float = 0.5
-    left_out: float = 0.02
+    left_out: float = 0.017
 
 
 @dataclass(frozen=True, slots=True)
