@@ -108,16 +108,16 @@ class TopicGoalServer:
             self._feedback.send(pose)
             reporter.report_pose(pose)
 
-        self._take(TopicGoalHandle(goal, self._node.now(), report_state, report))
+        self._handle_handle(TopicGoalHandle(goal, self._node.now(), report_state, report))
 
     def cancel_goal(self, id: str) -> None:
         """Have the goal with this id end; where there is none, nothing happens."""
         self._on_cancel(GoalId(id))
 
     def _on_goal(self, goal: Goal) -> None:
-        self._take(TopicGoalHandle(goal, self._node.now(), self._states.send, self._feedback.send))
+        self._handle_handle(TopicGoalHandle(goal, self._node.now(), self._states.send, self._feedback.send))
 
-    def _take(self, handle: TopicGoalHandle) -> None:
+    def _handle_handle(self, handle: TopicGoalHandle) -> None:
         if handle.goal.id not in self._handles:
             self._handles[handle.goal.id] = handle
             self._handlers.handle_goal(handle)

@@ -45,9 +45,9 @@ class LaunchSteps:
             self._node.end("all is done")
             return
         step = self._steps[0]
-        cast(ServiceCaller, self._node.raw).call(step.service, step.fields, self._take)
+        cast(ServiceCaller, self._node.raw).call(step.service, step.fields, self._on_result)
 
-    def _take(self, result: Result) -> None:
+    def _on_result(self, result: Result) -> None:
         step = self._steps[0]
         answer = result.value.fields if isinstance(result.value, ServiceAnswer) else {}
         if not result.success and _MISSING in result.text:

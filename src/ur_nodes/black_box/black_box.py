@@ -189,7 +189,7 @@ class BlackBox:
         self._triggers.subscribe(node, settings.mux, settings.navigation, settings.localiser)
         node.serve_later("~write", Trigger, self._write_on_request)
         node.on_end(self._end, within=10.0)
-        self._recorder = node.raw.record(self._take, steady_ns)
+        self._recorder = node.raw.record(self._on_batch, steady_ns)
         node.on_end(self._recorder.close)
         node.read_graph(self._compare)
 
@@ -225,7 +225,7 @@ class BlackBox:
             self._full_reported = True
             self._node.log.warn(f"{name} and later topics are not recorded: the limit is {MOST_TOPICS} topics")
 
-    def _take(self, batch: Sequence[RecordedMessage]) -> None:
+    def _on_batch(self, batch: Sequence[RecordedMessage]) -> None:
         for kind, moment, data in batch:
             topic = self._types.get(kind)
             if topic is None:

@@ -24,9 +24,9 @@ class EventSocket:
     def __init__(self, node: Node, environment: Mapping[str, str], happened: Callable[[str], None]) -> None:
         self._happened = happened
         without = "the end of other nodes is not noticed"
-        self._socket = DatagramSocket(node, sockets_folder(environment), _LOOK, MOST_BYTES, self._take, without)
+        self._socket = DatagramSocket(node, sockets_folder(environment), _LOOK, MOST_BYTES, self._on_data, without)
 
-    def _take(self, data: bytes) -> bytes:
+    def _on_data(self, data: bytes) -> bytes:
         self._happened(printable(data.decode("utf-8", "replace")).strip() or "unnamed event")
         return b""
 

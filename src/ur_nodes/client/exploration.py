@@ -29,14 +29,14 @@ class ExplorationStatus:
         self.newest = ExploreStatus()
         """The newest status; that of an exploration that has ended stays."""
         self._received = False
-        self._statuses = node.subscribe(topic, str, self._take, Quality.LATCHED)
+        self._statuses = node.subscribe(topic, str, self._on_text, Quality.LATCHED)
 
     def shown(self) -> ExploreStatus | None:
         """Return the newest status; None without an exploration."""
         there = self._received and (self.newest.ended or self._statuses.publishers())
         return self.newest if there else None
 
-    def _take(self, text: str) -> None:
+    def _on_text(self, text: str) -> None:
         status = read_status(text)
         if status is not None:
             self.newest, self._received = status, True

@@ -203,7 +203,7 @@ class PatrolLink:
         self._status = PatrolStatus()
         self._waiting: OrderedDict[str, Callable[[str], None]] = OrderedDict()
         self._requests = node.publish(f"{patrol}/request", str, Quality.EVERY)
-        self._statuses = node.subscribe(f"{patrol}/status", str, self._take, Quality.LATCHED)
+        self._statuses = node.subscribe(f"{patrol}/status", str, self._on_text, Quality.LATCHED)
 
     def status(self) -> PatrolStatus | None:
         """Return the newest status; None without a patrol node."""
@@ -224,7 +224,7 @@ class PatrolLink:
         self._requests.send(write_request(request))
         return True
 
-    def _take(self, text: str) -> None:
+    def _on_text(self, text: str) -> None:
         status = read_status(text)
         if status is None:
             self._node.log.warn("the status of the patrol cannot be read and is not shown", every=10.0)

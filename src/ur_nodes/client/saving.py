@@ -45,9 +45,9 @@ class Saving:
     def _ask(self) -> None:
         if not self._busy:
             self._busy, self._news = True, f"{self._doing} ..."
-            self._node.call(self._service, Trigger(), self._take, _PATIENCE)
+            self._node.call(self._service, Trigger(), self._on_result, _PATIENCE)
 
-    def _take(self, result: Result) -> None:
+    def _on_result(self, result: Result) -> None:
         self._busy, self.success = False, result.success
         self.line = self._news = self._describe(result)
         self.count += 1

@@ -261,12 +261,12 @@ class BaseDriver:
         late = (self._node.now() - stamp) / SECOND
         frames = 0
         for reading in self._board.receive(data):
-            self._take(reading, stamp, self._node.steady() - late)
+            self._on_reading(reading, stamp, self._node.steady() - late)
             frames += isinstance(reading, Counts)
         self._health.count(frames, self._board.rejected - self._rejected)
         self._rejected = self._board.rejected
 
-    def _take(self, reading: Reading, stamp: int, time: float) -> None:
+    def _on_reading(self, reading: Reading, stamp: int, time: float) -> None:
         if isinstance(reading, Counts):
             first = not self._odometer.begun
             motion = self._odometer.update(reading, time)

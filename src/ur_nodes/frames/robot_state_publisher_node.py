@@ -77,9 +77,9 @@ class RobotStatePublisher:
         self._transforms = node.transforms
         node.publish("robot_description", str, Quality.LATCHED).send(text)
         self._transforms.send(*fixed_frames(self._description, node.now()))
-        node.subscribe("joint_states", Joints, self._take)
+        node.subscribe("joint_states", Joints, self._on_joints)
 
-    def _take(self, joints: Joints) -> None:
+    def _on_joints(self, joints: Joints) -> None:
         if 0 <= joints.stamp - self._sent < self._period:
             return
         self._sent = joints.stamp

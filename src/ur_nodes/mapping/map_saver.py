@@ -36,10 +36,10 @@ class MapSaver:
         self._received = self._reported = self._busy = False
         self._newest: Map | str | None = None  # received while another one was being saved
         self.failed = True
-        node.subscribe("map", Map, self._take, Quality.LATCHED, unreadable=self._take)
+        node.subscribe("map", Map, self._on_map, Quality.LATCHED, unreadable=self._on_map)
         node.every(PATIENCE, self._explain_silence, steady=True)
 
-    def _take(self, given: Map | str) -> None:
+    def _on_map(self, given: Map | str) -> None:
         """Take a map, or the reason why it cannot be read."""
         if self._busy or (self._received and not self._keep):
             self._newest = given
@@ -72,7 +72,7 @@ class MapSaver:
         if not self._keep:
             self._node.end("done")
         elif newest:
-            self._take(newest)
+            self._on_map(newest)
 
     def _explain_silence(self) -> None:
         if not self._received:

@@ -118,12 +118,12 @@ class ZoneServer:
         self._file, self._resolution = ZoneFile(map_file, grid), grid.resolution
         self._answer = None
         self._busy += 1
-        self._node.work(partial(self._file.read, None), partial(self._take, renewed=True), "zones")
+        self._node.work(partial(self._file.read, None), partial(self._on_zones, renewed=True), "zones")
 
     def _look(self) -> None:
         if not self._busy:
             self._busy += 1
-            self._node.work(partial(self._file.read, self._zones), self._take, "zones")
+            self._node.work(partial(self._file.read, self._zones), self._on_zones, "zones")
 
     def _change(self, request: Mapping[str, object]) -> None:
         before, file = self._zones, self._file
@@ -138,9 +138,9 @@ class ZoneServer:
     def _finish(self, id: str, outcome: tuple[str, Zones]) -> None:
         problem, zones = outcome
         self._answer = {"id": id, "problem": problem}
-        self._take(zones, answered=True)
+        self._on_zones(zones, answered=True)
 
-    def _take(self, zones: Zones, *, answered: bool = False, renewed: bool = False) -> None:
+    def _on_zones(self, zones: Zones, *, answered: bool = False, renewed: bool = False) -> None:
         self._busy -= 1
         if zones is self._zones and not (answered or renewed):
             return

@@ -105,7 +105,7 @@ def step(state: MuxState, event: Event | None, now: float) -> tuple[MuxState, Ve
     """
     if now < state.now:
         state = _forget(state, now)
-    state = _take(state, event, now)
+    state = _apply(state, event, now)
     was_silent = math.isinf(state.next_at)
     active = _choose(state, now)
     if active != state.active:
@@ -125,7 +125,7 @@ def _forget(state: MuxState, now: float) -> MuxState:
     return replace(fresh, output=state.output, output_at=now, zeros_left=state.settings.zeros, next_at=now)
 
 
-def _take(state: MuxState, event: Event | None, now: float) -> MuxState:
+def _apply(state: MuxState, event: Event | None, now: float) -> MuxState:
     if isinstance(event, VelocityCommand):
         timeout = state.settings.sources[event.source].timeout
         received = list(state.received)

@@ -120,10 +120,10 @@ class PictureFeed:
         self._newest: tuple[Picture | PackedPicture | None, tuple[int, int]] = (None, (0, 0))
         self._number = 0
         self.view = FeedView(topic)
-        self._subscription = node.subscribe(topic, kind, self._take)
+        self._subscription = node.subscribe(topic, kind, self._on_picture)
         node.every(_PERIOD, self._update, steady=True)
 
-    def _take(self, picture: Picture | PackedPicture) -> None:
+    def _on_picture(self, picture: Picture | PackedPicture) -> None:
         try:
             size = read_size(picture.data) if isinstance(picture, PackedPicture) else (picture.width, picture.height)
         except BadPictureError as problem:

@@ -156,7 +156,7 @@ class RecordNode:
         self._left_out: dict[str, int] = {}
         self._busy = self._over = False
         self._announced = 0
-        self._recorder = node.raw.record(self._take, steady_ns)
+        self._recorder = node.raw.record(self._on_batch, steady_ns)
         node.on_end(self._recorder.close)
         node.on_end(self._end, within=10.0)
         node.read_graph(self._choose)
@@ -167,7 +167,7 @@ class RecordNode:
         if graph is not None and not self._over:
             self._recorder.record(choose_topics(graph.without(self._node.name), self._patterns, self._pictures))
 
-    def _take(self, batch: Sequence[RecordedMessage]) -> None:
+    def _on_batch(self, batch: Sequence[RecordedMessage]) -> None:
         if self._over:
             return
         for message in batch:

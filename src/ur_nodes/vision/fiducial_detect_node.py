@@ -30,9 +30,9 @@ class FiducialDetect:
         self._work = NewestWork(node, "pictures", partial(answer_request, detector), self._send)
         node.subscribe("camera_info", Calibration, self._on_calibration)
         if settings.raw:
-            node.subscribe("camera", Picture, self._take)
+            node.subscribe("camera", Picture, self._on_picture)
         else:
-            node.subscribe("camera/compressed", PackedPicture, self._take)
+            node.subscribe("camera/compressed", PackedPicture, self._on_picture)
 
     def _on_calibration(self, calibration: Calibration) -> None:
         self._camera = camera_model(calibration)
@@ -41,7 +41,7 @@ class FiducialDetect:
             topic = self._node.resolve("camera_info")
             self._node.log.warn(f"{topic}: the camera is not calibrated (K is 0): no poses")
 
-    def _take(self, picture: Picture | PackedPicture) -> None:
+    def _on_picture(self, picture: Picture | PackedPicture) -> None:
         draw = self._settings.draw
         self._work.ask(
             DetectionRequest(

@@ -69,14 +69,14 @@ class FiducialSlamNode:
         node.transforms.ignore((settings.odom_frame,))
         node.transforms.watch(self._try)
         node.subscribe("camera_info", Calibration, self._on_calibration)
-        node.subscribe("fiducial_vertices", SeenFiducials, self._take)
+        node.subscribe("fiducial_vertices", SeenFiducials, self._on_fiducials)
         FiducialMapRequests(node, settings, slam, output.forget)
         FiducialMapOutput(node, settings, sizes, slam)
 
     def _on_calibration(self, calibration: Calibration) -> None:
         self._camera = camera_model(calibration)
 
-    def _take(self, seen: SeenFiducials) -> None:
+    def _on_fiducials(self, seen: SeenFiducials) -> None:
         self._waiting = seen
         self._try()
 

@@ -31,9 +31,9 @@ class GraphReport:
         self._outlet = Outlet(node, connection)
         self._topics: dict[str, Subscription] = {}
         self._times: dict[str, list[float]] = {}
-        read_lines(node, {connection: self._take})
+        read_lines(node, {connection: self._on_request})
 
-    def _take(self, request: Mapping[str, object]) -> None:
+    def _on_request(self, request: Mapping[str, object]) -> None:
         topics = request.get("topics")
         wanted = set(map(str, topics)) if isinstance(topics, list) else set()
         for topic in self._topics.keys() - wanted:

@@ -135,7 +135,7 @@ class LinkReporter:
         self._reachable.set()
         self._over = threading.Event()
         master = Master(f"http://{host}:{DEFAULT_PORT}", host, DEFAULT_PORT)
-        self._thread = threading.Thread(target=watch_link, args=(master, self._take, self._over), daemon=True)
+        self._thread = threading.Thread(target=watch_link, args=(master, self._on_event, self._over), daemon=True)
 
     def __enter__(self) -> LinkReporter:
         self._thread.start()
@@ -150,7 +150,7 @@ class LinkReporter:
         while not self._reachable.wait(1.0):
             pass
 
-    def _take(self, event: Event) -> None:
+    def _on_event(self, event: Event) -> None:
         if not isinstance(event, (LinkLost, LinkRestored)):
             return
         lost = isinstance(event, LinkLost)

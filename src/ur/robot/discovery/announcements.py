@@ -165,7 +165,7 @@ class Browser:
             self._changed()
             return
         if is_complete:  # the whole announcement was in one packet, as avahi sends it
-            self._take(name, info)
+            self._on_service(name, info)
         elif self._pool is not None and self._crowd.may_ask(name):
             with suppress(RuntimeError):  # it is being closed
                 self._pool.submit(self._resolve, zeroconf, name, info)
@@ -173,7 +173,7 @@ class Browser:
     def _resolve(self, zeroconf: Zeroconf, name: str, info: ServiceInfo) -> None:
         # A host that announces itself but does not answer occupies one of a few threads for this long.
         if info.request(zeroconf, RESOLVE_SECONDS * 1000):
-            self._take(name, info)
+            self._on_service(name, info)
 
     def _look_up(self, name: str) -> None:
         # In the thread of zeroconf, so that robots that are away do not occupy one thread each.
@@ -189,12 +189,12 @@ class Browser:
 
         def finish(done: Future[bool]) -> None:
             if not done.cancelled() and done.exception() is None and done.result():
-                self._take(name, info)
+                self._on_service(name, info)
 
         lookup.add_done_callback(finish)
         self._lookups.append(lookup)
 
-    def _take(self, name: str, info: ServiceInfo) -> None:
+    def _on_service(self, name: str, info: ServiceInfo) -> None:
         found: Announcement | None = None
         with suppress(Exception):  # any error of the library from untrusted packets
             found = parse_sighting(info.server or "", info.parsed_addresses(), read_texts(info.properties))

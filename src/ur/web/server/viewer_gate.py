@@ -167,7 +167,7 @@ class _Viewer:
                 await self.socket.ping(mark)
                 await asyncio.sleep(_PING_EVERY)
 
-    def take_pong(self, mark: bytes) -> bool:
+    def on_pong(self, mark: bytes) -> bool:
         """Process the answer to a ping. Return whether it proves a newer challenge."""
         if mark not in self._pings:
             return False
@@ -258,7 +258,7 @@ class ViewerGate:
         async for message in viewer.socket:
             bucket, allowed = draw(bucket, time.monotonic())
             if message.type is WSMsgType.PONG and allowed:
-                if viewer.take_pong(bytes(message.data)) and publish:
+                if viewer.on_pong(bytes(message.data)) and publish:
                     self._send({"page": viewer.client, "m": json.dumps({"t": "alive", "n": viewer.proved})})
                 self._release(viewer)
                 continue
@@ -266,7 +266,7 @@ class ViewerGate:
                 await viewer.socket.pong(message.data)
                 continue
             try:
-                await self._take(viewer, topics, message.data, who, publish=publish)
+                await self._on_data(viewer, topics, message.data, who, publish=publish)
             except BadRequestError as problem:
                 bad += 1
                 viewer.show(str(problem))
@@ -274,7 +274,7 @@ class ViewerGate:
                 self._log(f"{who}: closed: too many {'messages' if not allowed else 'malformed messages'}")
                 return
 
-    async def _take(self, viewer: _Viewer, topics: Topics, data: object, who: str, *, publish: bool) -> None:
+    async def _on_data(self, viewer: _Viewer, topics: Topics, data: object, who: str, *, publish: bool) -> None:
         """Execute the request in a viewer's message. Raises BadRequestError."""
         found = read_message(data)
         if isinstance(found, SubscriptionMessage):

@@ -37,7 +37,7 @@ class CalibrationClient:
         Not for the node's thread. Raises UserError.
         """
         request = UseCalibration(calibration)
-        self._node.post(lambda: self._node.call(self._service, request, self._take, _LIMIT))
+        self._node.post(lambda: self._node.call(self._service, request, self._on_result, _LIMIT))
         while (result := self._result) is None:
             if ended.wait(_POLL):
                 return None
@@ -49,7 +49,7 @@ class CalibrationClient:
             )
         return result.text
 
-    def _take(self, result: Result) -> None:
+    def _on_result(self, result: Result) -> None:
         self._result = result
 
 

@@ -64,7 +64,7 @@ class ImuDriver:
             return
         silent = self._node.steady() - self._read > _SILENT
         if not self._known.problem:
-            self._device.ask(self._ask, self._take)
+            self._device.ask(self._ask, self._on_answer)
             if silent:
                 text = f"{self._unit.name} gives no sound reading; does the robot rest, and are the wires short?"
                 self._node.log.warn(f"{self._name}: {text}", every=REPORT)
@@ -78,7 +78,7 @@ class ImuDriver:
         except OSError as problem:
             return explain_error(problem)
 
-    def _take(self, answer: tuple[InertialReading | None, int], now: int) -> None:
+    def _on_answer(self, answer: tuple[InertialReading | None, int], now: int) -> None:
         reading, begun = answer
         self._health.count(int(reading is not None), int(reading is None))
         if reading is None:

@@ -216,9 +216,9 @@ class SerialLine:
         self._read(opened.fileno())
 
     def _read(self, number: int) -> None:
-        self._node.work(partial(_read, number, self._settings.batch, self._node.now), self._take, self.name)
+        self._node.work(partial(_read, number, self._settings.batch, self._node.now), self._on_read, self.name)
 
-    def _take(self, read: _Read) -> None:
+    def _on_read(self, read: _Read) -> None:
         if self._port is None:
             return
         if read.lost:

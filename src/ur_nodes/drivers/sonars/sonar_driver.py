@@ -50,9 +50,9 @@ class SonarDriver:
 
     def _beat(self) -> None:
         frame, pins = self._pairs[self._turn]
-        self._device.ask(lambda port: port.ping(pins), partial(self._take, frame, pins))
+        self._device.ask(lambda port: port.ping(pins), partial(self._on_echo, frame, pins))
 
-    def _take(self, frame: str, pins: SonarPins, listened: Listened, now: int) -> None:
+    def _on_echo(self, frame: str, pins: SonarPins, listened: Listened, now: int) -> None:
         self._turn = (self._turn + 1) % len(self._pairs)
         echo = None if listened.busy else find_echo(listened.edges, pins.echo, listened.triggered)
         if echo:

@@ -17,7 +17,7 @@ class ChallengeLink:
         self.node = node
         self._last = (0, -math.inf)  # the newest challenge (ns), and when it was received (s)
         self._on_challenge = on_challenge
-        node.subscribe(f"{mux}/challenge", Time, self._take)
+        node.subscribe(f"{mux}/challenge", Time, self._handle_challenge)
 
     def newest(self, limit: float = FRESHNESS) -> int | None:
         """The newest challenge (ns) if it was received within the last `limit` seconds."""
@@ -33,7 +33,7 @@ class ChallengeLink:
         """Return whether a challenge has ever been received."""
         return self._last[1] > -math.inf
 
-    def _take(self, challenge: Time) -> None:
+    def _handle_challenge(self, challenge: Time) -> None:
         self._last = (challenge.stamp, self.node.steady())
         if self._on_challenge:
             self._on_challenge()

@@ -75,10 +75,10 @@ class JoyOrigin:
         now = self._node.steady()
         if now - self._asked_at.get(publisher, float("-inf")) >= _AGAIN:
             self._asked_at[publisher] = now
-            self._node.work(partial(self._locate, publisher), partial(self._take, publisher), "origin")
+            self._node.work(partial(self._locate, publisher), partial(self._on_origin, publisher), "origin")
         return False
 
-    def _take(self, publisher: str, place: Location | None) -> None:
+    def _on_origin(self, publisher: str, place: Location | None) -> None:
         if place is not None and place.here:
             self._accepted.add(publisher)
             return

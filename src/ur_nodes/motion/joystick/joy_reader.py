@@ -89,9 +89,9 @@ class JoyReader:
 
     def _read(self) -> None:
         wait = max(0.0, min(self._due - self._node.steady(), _LONGEST_READ))
-        self._node.work(partial(self._device.read, wait), self._take, _LANE)
+        self._node.work(partial(self._device.read, wait), self._on_data, _LANE)
 
-    def _take(self, data: bytes | None) -> None:
+    def _on_data(self, data: bytes | None) -> None:
         if data is None:
             self._let_go()
             return

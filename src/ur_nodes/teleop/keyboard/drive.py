@@ -127,7 +127,7 @@ def step_drive(state: DriveState, event: KeyEvent | None, now: float) -> tuple[D
     Call it for each event, and at the publishing rate with None.
     """
     before = state
-    state = _take(state, event, now)
+    state = _apply(state, event, now)
     if state.held and (now - state.received_at > LOST_AFTER if state.reports_release else now > state.hold_until):
         state = replace(state, held=(), note="stopped: the terminal does not answer" if state.reports_release else "")
     if before.held and not state.held:
@@ -147,7 +147,7 @@ def motion_of(state: DriveState) -> KeyVelocity:
     return KeyVelocity(total[0] * state.speed, total[1] * state.speed, total[2] * state.speed, total[3] * state.turn)
 
 
-def _take(state: DriveState, event: KeyEvent | None, now: float) -> DriveState:
+def _apply(state: DriveState, event: KeyEvent | None, now: float) -> DriveState:
     if event is None:
         return state
     state = replace(state, received_at=now)

@@ -79,7 +79,7 @@ class KeyDriver:
         """Apply keys in their order."""
         self._alive_at = now = self._node.steady()
         for event in events:
-            self._node.post(lambda event=event: self._take(event, now))  # type: ignore[misc]  # mypy infers no default
+            self._node.post(lambda event=event: self._on_event(event, now))  # type: ignore[misc]  # mypy infers no default
 
     def view(self) -> DriveView:
         """Return the newest state."""
@@ -87,7 +87,7 @@ class KeyDriver:
         driver = line_of(commander.view(), commander.conduct)
         return DriveView(self._state, commander.link(), self._mux.view(), driver)
 
-    def _take(self, event: KeyEvent, pressed_at: float) -> None:
+    def _on_event(self, event: KeyEvent, pressed_at: float) -> None:
         """Apply a key that was pressed at a time (s)."""
         # Send the request to mux, lease, map or black box that a key stands for, if any
         for mux_request in (mux_request_of(event), obstacle_request_of(event, self._mux.view())):

@@ -123,7 +123,7 @@ class MapFeed:
         self._zoom: Zoom | float = Zoom.AUTOMATIC
         self._shown: tuple[float, tuple[int, int], list[str]] = (0.0, (0, 0), [])
         self._robot = RobotState(node, map_frame, base_frame)
-        work: NewestWork[Map, GrowingMap] = NewestWork(node, "map", lambda map: prepare_map(map.grid), self._take)
+        work: NewestWork[Map, GrowingMap] = NewestWork(node, "map", lambda map: prepare_map(map.grid), self._on_map)
         node.subscribe("map", Map, work.ask, Quality.LATCHED)
 
     def lines(self, columns: int, rows: int, now: float) -> list[str]:
@@ -148,5 +148,5 @@ class MapFeed:
             self._zoom = zoom
             self._shown = (0.0, (0, 0), [])
 
-    def _take(self, _map: Map, growing: GrowingMap) -> None:
+    def _on_map(self, _map: Map, growing: GrowingMap) -> None:
         self._map = growing

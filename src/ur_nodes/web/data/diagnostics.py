@@ -90,7 +90,7 @@ class StatusFeed:
     def step(self, pages: Collection[int]) -> None:
         """Send the state to these pages; to be called often."""
         if pages and self._subscription is None:
-            self._subscription = self._node.raw.subscribe(_TOPIC, self._take, Quality.EVERY)
+            self._subscription = self._node.raw.subscribe(_TOPIC, self._on_message, Quality.EVERY)
         elif not pages and self._subscription is not None:
             self._subscription.close()
             self._subscription, self._diagnostics = None, Diagnostics()
@@ -102,7 +102,7 @@ class StatusFeed:
             for page in self._pages:
                 self._send(pack_json(page, "status", {"t": "status", "components": components}))
 
-    def _take(self, message: RawMessage) -> None:
+    def _on_message(self, message: RawMessage) -> None:
         if message.type_name != KIND or len(message.data) > _LONGEST:
             return
         try:

@@ -63,13 +63,13 @@ class _Watched:
         self.newest: RawMessage | None = None
         self.count = 0
         self._node = node
-        self._subscription = node.raw.subscribe(topic.name, self._take, Quality.EVERY)
+        self._subscription = node.raw.subscribe(topic.name, self._on_message, Quality.EVERY)
 
     def end(self) -> None:
         """Unsubscribe."""
         self._subscription.close()
 
-    def _take(self, message: RawMessage) -> None:
+    def _on_message(self, message: RawMessage) -> None:
         self.meter.note(self._node.steady(), len(message.data))
         self.count += 1
         self.newest = message

@@ -76,7 +76,7 @@ class CameraView:
                 self._drop()
             if topic and self._subscription is None:
                 self._topic = topic
-                self._subscription = self._node.subscribe(topic, _KINDS[cameras[topic]], self._take)
+                self._subscription = self._node.subscribe(topic, _KINDS[cameras[topic]], self._on_picture)
 
     def _drop(self) -> None:
         if self._subscription is not None:
@@ -84,7 +84,7 @@ class CameraView:
             self._subscription = self._newest = None
             self._topic = ""
 
-    def _take(self, picture: PackedPicture | Picture) -> None:
+    def _on_picture(self, picture: PackedPicture | Picture) -> None:
         self._newest = picture
         self._begin()
 

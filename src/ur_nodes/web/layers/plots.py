@@ -70,13 +70,13 @@ class PlotFeed:
             self._subscriptions.pop(topic).close()
             self._newest.pop(topic, None)
         for topic in (topics & kinds.keys()) - self._subscriptions.keys():
-            self._subscriptions[topic] = self._node.raw.subscribe(topic, partial(self._take, topic))
+            self._subscriptions[topic] = self._node.raw.subscribe(topic, partial(self._on_message, topic))
         if self._open and not self._asking:
             self._asking = True
             new = {kind for kind in kinds.values() if kind not in self._fields}
             self._node.work(lambda: self._find_fields(new), partial(self._offer, kinds), "fields")
 
-    def _take(self, topic: str, message: RawMessage) -> None:
+    def _on_message(self, topic: str, message: RawMessage) -> None:
         self._newest[topic] = message
 
     def _find_fields(self, kinds: Collection[str]) -> dict[str, list[str]]:

@@ -32,7 +32,7 @@ class RequestTopic(Generic[State]):
         self._numbers = itertools.count(1)
         self._waiting: dict[str, Done] = {}
         self._requests = node.publish(f"{name}_request", str, Quality.EVERY)
-        self._states = node.subscribe(f"{name}s", str, self._take, Quality.LATCHED)
+        self._states = node.subscribe(f"{name}s", str, self._on_text, Quality.LATCHED)
 
     def served(self) -> bool:
         """Return whether a node takes requests."""
@@ -49,7 +49,7 @@ class RequestTopic(Generic[State]):
         self._requests.send(write_json({"id": key, **request}))
         return True
 
-    def _take(self, text: str) -> None:
+    def _on_text(self, text: str) -> None:
         """Take a state, and the answer in it if that is new."""
         try:
             found = read_json(text, dict, _LONGEST)

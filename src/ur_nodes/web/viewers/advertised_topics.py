@@ -104,7 +104,7 @@ class _Offer:
     def change(self, by: int) -> None:
         self._wanted = max(0, self._wanted + by)
         if self._wanted and self._subscription is None:
-            self._subscription = self._node.raw.subscribe(self._name, self._take, Quality.EVERY)
+            self._subscription = self._node.raw.subscribe(self._name, self._on_message, Quality.EVERY)
         elif self._wanted and by > 0:
             for data in self._latched.messages.values():
                 self._channel.log(data)
@@ -122,6 +122,6 @@ class _Offer:
             self._subscription = None
             self._latched = Latched()
 
-    def _take(self, message: RawMessage) -> None:
+    def _on_message(self, message: RawMessage) -> None:
         self._latched.note(message)
         self._channel.log(message.data)

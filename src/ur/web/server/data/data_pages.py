@@ -213,7 +213,7 @@ class DataPages:
         self._log = log
         self._pages: dict[int, _Page] = {}
         self._numbers = itertools.count(ALL + 1)
-        self._end = DataProcess(environment, is_up, self._take, self._show_again, log)
+        self._end = DataProcess(environment, is_up, self._handle_frame, self._show_again, log)
         self._ending: asyncio.Task[None] | None = None
         self._three = ThreeScript(CommandQueue(environment))
 
@@ -231,7 +231,7 @@ class DataPages:
             self._ending.cancel()
         await self._end.close()
 
-    def _take(self, frame: DataFrame) -> None:
+    def _handle_frame(self, frame: DataFrame) -> None:
         pages = self._pages.values() if frame.page == ALL else filter(None, [self._pages.get(frame.page)])
         for page in pages:
             page.put(frame)
