@@ -24,6 +24,7 @@ _AWAY, _NEAR = 0.3, 3.0  # m from the robot's outline, and from the sensor: a vi
 _SLACK = 0.12  # m between the end of a beam and a mark
 _GAP = 0.05  # rad between a beam and a mark
 _SAME = 0.04  # m between marks
+_DEPTH = 0.15  # m ahead by which a wider mark goes on: else the robot turns round its end into what it has touched
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +62,10 @@ def touched_points(
     push = normals.mean(axis=0)
     across = np.array((-push[1], push[0])) / max(float(np.hypot(*push)), 1e-9)
     offsets = np.arange(-widen, widen + _SAME / 2.0, _SAME)
-    wide: Floats = (points + _OUT * normals + offsets[:, None, None] * across).reshape(-1, 2)
-    return wide[hull.distances(wide) > _OUT / 2.0]
+    ahead = np.arange(0.0, _DEPTH if widen else _SAME, _SAME)[:, None, None, None] * np.array((across[1], -across[0]))
+    wide: Floats = (points + _OUT * normals + offsets[:, None, None] * across + ahead).reshape(-1, 2)
+    wide = wide[hull.distances(wide) > _OUT / 2.0]
+    return wide[np.unique((wide / _SAME).round(), axis=0, return_index=True)[1]]
 
 
 class TouchMarks:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.costmap.touched import BumperSource, touched_points
+from ur_nodes.geometry.hull import hull_of_outline
 from ur_nodes.geometry.motion_witness import MotionWitness
 from ur_nodes.geometry.pose import Pose2, rotate, wrap_angle
 from ur_nodes.navigation.steering.speed_profile import AT_REST, DriveVelocity
@@ -23,6 +24,7 @@ _STANDING = 2.0  # s under a command
 _MOVES, _TURNS = 0.03, 0.1  # m, rad: more in that time is no standing
 _STILL = 0.002  # m, rad in a control period
 _SELF = "navigation"  # the source of the mux that this node is
+_BESIDE = 0.2  # m from the outline: what is so near may stop the robot
 _SLOW, _SLOW_TURN = 0.05, 0.2  # m/s, rad/s: slower commands may not overcome friction
 
 
@@ -97,6 +99,7 @@ class ContactSense:
     ) -> None:
         self.detector = StallDetector()
         self._node, self._base_frame, self._outline = node, base_frame, outline
+        self._hull = hull_of_outline([(x, y) for x, y in outline.tolist()])
         self._pressed: dict[str, BumperSource] = {}
         self._new: BumperSource | None = None
         self._imu_at = 0
@@ -136,6 +139,13 @@ class ContactSense:
             return None
         self.detector.restart()
         return Contact(stalled, touched_points(self._outline, wanted, widen=widen))
+
+    def beside(self, marks: NDArray[np.float64], widen: float) -> NDArray[np.float64] | None:
+        """Return the points (n, 2) of a contact with the nearest of marks (n, 2) in the robot's frame, None if far."""
+        if not len(marks) or (away := self._hull.distances(marks)).min() > _BESIDE:
+            return None
+        x, y = marks[away.argmin()].tolist()
+        return touched_points(self._outline, (x, 0.0, y), widen=widen)
 
     def _on_active(self, source: str) -> None:
         self._driver = source

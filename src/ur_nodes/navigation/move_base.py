@@ -5,6 +5,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.geometry.pose import Pose2
@@ -108,7 +109,7 @@ _IDLE_PERIODS = 5  # control periods between two updates of the costmaps without
 _PATH_CHECK_PERIODS = 3  # likewise, between two checks of the path on the global costmap
 _REPORT_PERIODS = 2  # likewise, between two reports of the robot's pose
 _NO_MUX = 5.0  # s without a challenge, after which goals are taken without a mux; a mux on ROS 2 starts in up to 4 s
-_WIDER = 0.1, 0.3  # m to both sides by which more is marked when the robot touches something, and touches it again
+_WIDER = 0.2, 0.3  # m to both sides by which more is marked when the robot touches something, and touches it again
 _RESTART = 1.0  # s: a clock that goes back by more was reset, as by a simulator
 
 
@@ -255,6 +256,7 @@ class MoveBase:
         if self._tick % _PATH_CHECK_PERIODS == 0:
             self._path_blocked = self._is_path_blocked()
         answer, self._answer = self._answer, None
+        before, beside = self._navigator.phase, self._contacts.beside(self._world.touched_beside(), self._widening)
         out = self._navigator.step(
             NavigatorInputs(
                 now=now,
@@ -267,8 +269,11 @@ class MoveBase:
                 speed_mask=self._world.zones.speed,
                 share=self._output.share,
                 contact=contact,
+                beside=beside is not None,
             )
         )
+        if beside is not None and not contact and before is not self._navigator.phase is NavigatorPhase.BACKING_OFF:
+            self._touch(beside)  # the marks of before did not lead around it
         self._apply(out)
         if answer is not None and answer.path is not None:
             self._path_blocked = False
@@ -282,13 +287,20 @@ class MoveBase:
         place, before = self._world.robot_in_odom(), self._place
         self._place = place
         moved = before.inverse().compose(place) if before and place else Pose2(0.0, 0.0, 0.0)
-        widen = _WIDER[min(self._touches, 1)]
-        contact = self._contacts.step(now, self._in_force, place, DriveVelocity(moved.x, moved.yaw, moved.y), widen)
+        velocity = DriveVelocity(moved.x, moved.yaw, moved.y)
+        contact = self._contacts.step(now, self._in_force, place, velocity, self._widening)
         if contact is None:
             return ""
-        self._world.touch(contact.points)
-        self._touches += self._handle is not None
+        self._touch(contact.points)
         return contact.text
+
+    @property
+    def _widening(self) -> float:
+        return _WIDER[min(self._touches, 1)]
+
+    def _touch(self, points: NDArray[np.float64]) -> None:
+        self._world.touch(points)
+        self._touches += self._handle is not None
 
     def _held(self) -> str:
         """Return the reason not to drive on while a bumper stays pressed after the robot has backed off."""
@@ -308,7 +320,9 @@ class MoveBase:
         if verdict.act is Act.DRIVE:
             if idle and self._goal is not None:
                 self._node.log.info("the goal goes on")
-                self._navigator.start(self._goal, now, any_heading=has_any_heading(handle.goal.id))
+                self._navigator.start(
+                    self._goal, now, any_heading=has_any_heading(handle.goal.id), contacts=self._touches
+                )
             return True
         if not idle:
             self._node.log.warn(f"the goal is {verdict.text}")

@@ -68,13 +68,15 @@ class Navigator:
         run = self._run
         return run.legs.rest if run and run.legs is not None else None
 
-    def start(self, goal: Pose2, now: float, *, any_heading: bool = False) -> None:
+    def start(self, goal: Pose2, now: float, *, any_heading: bool = False, contacts: int = 0) -> None:
         """Pursue a goal (a pose in the map) in place of an earlier one; the motion continues smoothly.
 
-        `any_heading`: it is reached at its place with any heading.
+        `any_heading`: it is reached at its place with any heading. `contacts` were made on the way to it before.
         """
         sent = self._run.sent if self._run else AT_REST
-        self._run = GoalPursuit(goal, NavigatorPhase.PLANNING, now, any_heading, sent=sent, moved_at=now)
+        self._run = GoalPursuit(
+            goal, NavigatorPhase.PLANNING, now, any_heading, sent=sent, moved_at=now, contacts=contacts
+        )
 
     def stop(self) -> None:
         """Drop the goal. The caller stops the robot."""
@@ -307,7 +309,7 @@ class Navigator:
         return NavigatorOutputs(command=move.command)
 
     def _get_stuck(self, run: GoalPursuit, inputs: NavigatorInputs, reason: str) -> NavigatorOutputs:
-        if run.contacts and inputs.motion:
+        if run.contacts and inputs.beside:
             return self._on_contact(run, reason, inputs)
         if inputs.motion and inputs.local and not run.reason:  # there is a path, and it cannot be followed
             run.recovery = begin_recovery(run.recovery, inputs.motion, inputs.local, self._footprint, self._limits)

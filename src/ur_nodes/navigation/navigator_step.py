@@ -75,7 +75,7 @@ class NavigatorInputs:
     in that frame. `trouble` is the reason why the robot must not move, '' when it may. `path_blocked`: the map with all
     obstacles shows an obstacle on the path that is being followed. `speed_mask`: percentages of the speed limit, on the
     map. `share` (0 to 1) of all speeds is allowed by the client that limits the robot. `contact` is how something that
-    the lidar does not see has stopped the robot in this step; it is marked already.
+    the lidar does not see has stopped the robot in this step; it is marked already. `beside`: such a mark is near.
     """
 
     now: float
@@ -88,6 +88,7 @@ class NavigatorInputs:
     speed_mask: Grid | None = None
     share: float = 1.0
     contact: str = ""
+    beside: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

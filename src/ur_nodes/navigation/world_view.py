@@ -172,6 +172,11 @@ class WorldView:
         """Return whether there is something that the robot has touched."""
         return len(self._touched.points) > 0
 
+    def touched_beside(self) -> NDArray[np.float64]:
+        """Return what the robot has touched, points (n, 2) in its frame."""
+        robot = self.robot_in_map()
+        return robot.inverse().transform_points(self._touched.points) if robot is not None else np.empty((0, 2))
+
     def touch(self, points: NDArray[np.float64]) -> None:
         """Mark what the robot touches: points (n, 2) in its frame."""
         robot = self.robot_in_map()

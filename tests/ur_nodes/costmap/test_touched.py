@@ -60,6 +60,7 @@ def test_wider_marks_go_on_to_both_sides_and_never_into_the_robot() -> None:
     points = touched_points(SQUARE, (0.3, 0.0, 0.0), FRONT, widen=0.3)
     assert (points[:, 1].min(), points[:, 1].max()) == pytest.approx((-0.5, 0.5), abs=0.05)
     assert points[:, 0].min() > 0.2
+    assert points[np.abs(points[:, 1]) > 0.4, 0].max() == pytest.approx(0.35), "no path turns close round its ends"
 
 
 def test_unseen_marks_are_kept_for_ever() -> None:

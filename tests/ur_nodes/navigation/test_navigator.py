@@ -186,10 +186,21 @@ class NavigatorHistory:
         self.motion: RolloutState | None = RolloutState(HOME, 0.0, 0.0)
         self.local = Costmap(np.zeros((80, 80), np.uint8), 0.05, Pose2(-2.0, -2.0, 0.0))
 
-    def step(self, answer: PlanAnswer | None = None, trouble: str = "", *, blocked: bool = False) -> NavigatorOutputs:
+    def step(
+        self,
+        answer: PlanAnswer | None = None,
+        trouble: str = "",
+        *,
+        blocked: bool = False,
+        contact: str = "",
+        beside: bool = False,
+    ) -> NavigatorOutputs:
         self.now += 0.1
+        local = LocalObstacles(self.local)
         return self.navigator.step(
-            NavigatorInputs(self.now, self.motion, HOME, LocalObstacles(self.local), answer, trouble, blocked)
+            NavigatorInputs(
+                self.now, self.motion, HOME, local, answer, trouble, blocked, contact=contact, beside=beside
+            )
         )
 
     def start(self) -> NavigatorOutputs:
@@ -308,6 +319,27 @@ def test_navigator_notices_that_the_robot_does_not_move() -> None:
     history.step(PlanAnswer(STRAIGHT))
     outs = [history.step() for _ in range(30)]
     assert any("recovering" in out.log for out in outs)
+
+
+@pytest.mark.parametrize(("beside", "does"), [(True, "; backing off"), (False, "; recovering: ")])
+def test_stuck_robot_blames_what_no_lidar_sees_only_beside_what_it_touched(beside: bool, does: str) -> None:
+    history = NavigatorHistory()
+    history.start()
+    history.step(PlanAnswer(STRAIGHT))
+    assert "pressed; backing off" in history.step(contact="pressed").log
+    logs = [history.step(PlanAnswer(STRAIGHT), beside=beside).log for _ in range(150)]
+    first = next(filter(None, logs))
+    assert does in first
+    assert ("lidar does not see" in first) == beside
+
+
+def test_contacts_before_a_goal_was_held_count_after_it() -> None:
+    history = NavigatorHistory()
+    history.navigator.start(Pose2(3.0, 0.0, 0.0), history.now, contacts=2)
+    history.step(PlanAnswer(STRAIGHT))
+    out = history.step(contact="pressed")
+    assert out.ending is Ending.FAILED
+    assert out.text.endswith("pressed, for the 3rd time")
 
 
 def test_navigator_takes_a_new_goal_over_without_a_jerk() -> None:
