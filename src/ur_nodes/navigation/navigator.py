@@ -309,7 +309,8 @@ class Navigator:
         return NavigatorOutputs(command=move.command)
 
     def _get_stuck(self, run: GoalPursuit, inputs: NavigatorInputs, reason: str) -> NavigatorOutputs:
-        if run.contacts and inputs.beside:
+        pressed = run.waited_since is None and run.phase is not NavigatorPhase.PLANNING  # else it was at rest
+        if run.contacts and inputs.beside and pressed:
             return self._on_contact(run, reason, inputs)
         if inputs.motion and inputs.local and not run.reason:  # there is a path, and it cannot be followed
             run.recovery = begin_recovery(run.recovery, inputs.motion, inputs.local, self._footprint, self._limits)

@@ -333,6 +333,15 @@ def test_stuck_robot_blames_what_no_lidar_sees_only_beside_what_it_touched(besid
     assert ("lidar does not see" in first) == beside
 
 
+def test_robot_that_finds_no_path_does_not_blame_what_it_touched() -> None:
+    history = NavigatorHistory()
+    history.start()
+    history.step(contact="pressed")
+    shut = PlanAnswer(None, "no path: a person stands at the goal")
+    first = next(filter(None, (history.step(shut, beside=True).log for _ in range(150))))
+    assert first.startswith("no path: a person stands at the goal; recovering: ")
+
+
 def test_contacts_before_a_goal_was_held_count_after_it() -> None:
     history = NavigatorHistory()
     history.navigator.start(Pose2(3.0, 0.0, 0.0), history.now, contacts=2)
