@@ -10,7 +10,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar, TypeVar, cast
 
-from ur_nodes.loop import SerialQueues, steady_time
+from ur_nodes.loop import SerialQueues
 from ur_nodes.memory.bus import REPLACED, Bus
 from ur_nodes.memory.carrier import Carrier
 from ur_nodes.memory.node import MemoryNode
@@ -25,6 +25,7 @@ WriteLine = Callable[[str, str, str], None]
 """Takes a level, the name of a node, and a line of its log."""
 
 _LONGEST_WAIT = 1.0  # s
+_PATIENCE = 100_000_000  # ns by which an event may be late
 _END_LIMIT = 2.0  # s for the callback that runs
 
 
@@ -48,9 +49,6 @@ class LiveNode(MemoryNode):
         else:
             self._lanes.add(job, callback, queue, self.post)
 
-    def steady(self) -> float:
-        return steady_time()
-
     def read_graph(self, callback: Callable[[Graph | None], None]) -> None:
         self.post(lambda: callback(self._bus.graph()))
 
@@ -71,6 +69,7 @@ class LiveNode(MemoryNode):
 class LiveBus(Bus):
     """See Bus. `facts` are those of the run; `write_line` takes the lines of the nodes' logs.
 
+    Time waits for events that are late, and while `held`: on a slow computer all that is simulated takes longer.
     `failed` is true when a callback has failed: then nothing happens any more, and every node is over. `fail` takes
     the exception.
     """
@@ -83,8 +82,9 @@ class LiveBus(Bus):
         super().__init__()
         self._fail = fail
         self.run_facts, self.write_line = facts, write_line
-        self.failed = False
-        self._offset = time.time_ns() - time.monotonic_ns()  # a clock that is set does not disturb the nodes
+        self.failed = self.held = False
+        # What is added to the real time, and the latest time that is given
+        self._clock: tuple[int, float] = time.time_ns() - time.monotonic_ns(), time.time_ns()
         self._woken = threading.Event()
         self._closed = False
         self._thread = threading.Thread(target=self._spin, name="bus", daemon=True)
@@ -97,7 +97,8 @@ class LiveBus(Bus):
     @property
     def now(self) -> int:
         """Return the time, ns since the epoch."""
-        return time.monotonic_ns() + self._offset
+        offset, latest = self._clock
+        return int(min(time.monotonic_ns() + offset, latest))
 
     def begin(self) -> None:
         """Start to run events."""
@@ -142,9 +143,16 @@ class LiveBus(Bus):
         if self._thread.ident and threading.current_thread() is not self._thread:
             self._thread.join(_END_LIMIT)
 
+    def _let_pass(self) -> None:
+        """Let time pass until the next event is late, and leave out by how much the last one took longer."""
+        real, (offset, latest) = time.monotonic_ns(), self._clock
+        now = int(min(real + offset, latest))
+        self._clock = now - real, now if self.held else max(now, self._next_time() + _PATIENCE)
+
     def _spin(self) -> None:
         try:
             while not self._closed:
+                self._let_pass()
                 wait = (self._next_time() - self.now) * 1e-9
                 if wait > 0.0:
                     self._woken.wait(min(wait, _LONGEST_WAIT))

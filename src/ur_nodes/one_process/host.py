@@ -154,6 +154,7 @@ class Host:
             own = self._bus.node(self._plan.name)
             assert isinstance(own, LiveNode)
             own.at_over = self._over.set
+        self._bus.held = True  # until all nodes have started
         self._bus.begin()
         viewers = self._listen_for_viewers()
         others = [each for each in self._plan.nodes if not each.terminal]
@@ -189,6 +190,7 @@ class Host:
             first.wait()
         for node in nodes:
             self._threads.append(start_thread(node.name, partial(self._keep, node)))
+        self._bus.held = False
 
     def _keep(self, start: NodeStart, started: Callable[[], None]) -> None:
         """Run a node, and restart it as the plan requires."""

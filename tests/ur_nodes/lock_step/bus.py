@@ -26,10 +26,6 @@ class StepNode(LiveNode):
         """See Node."""
         MemoryNode.work(self, job, callback, queue)
 
-    def steady(self) -> float:
-        """See Node."""
-        return MemoryNode.steady(self)
-
     def locate(self, name: str) -> Location | None:
         """See Node. The nodes that were recorded count as nodes of this computer."""
         return super().locate(name) or cast("StepBus", self._bus).locate_recorded(name)

@@ -1,6 +1,7 @@
 """The bus in real time."""
 
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from ur.source.diagnostic import UserError
 from ur_nodes.file_facts import FileFacts
 from ur_nodes.one_process.bus import LiveBus, LiveNode
 from ur_nodes.one_process.context import NodeContext, current_context
+from ur_nodes.ports.node import SECOND
 from ur_nodes.ports.qualities import Quality
 
 LIMIT = 20.0  # s
@@ -32,6 +34,26 @@ def bus(tmp_path: Path, lines: list[tuple[str, str, str]], failures: list[BaseEx
     made.begin()
     yield made
     made.close()
+
+
+class LeapingTime:
+    """The real time, and leaps: what a slow computer takes."""
+
+    def __init__(self) -> None:
+        self.leaps, self._real = 0, time.monotonic_ns
+
+    def leap(self) -> None:
+        self.leaps += 60 * SECOND
+
+    def __call__(self) -> int:
+        return self._real() + self.leaps
+
+
+@pytest.fixture
+def leaping(monkeypatch: pytest.MonkeyPatch) -> LeapingTime:
+    made = LeapingTime()
+    monkeypatch.setattr(time, "monotonic_ns", made)
+    return made
 
 
 def fail(reason: str) -> None:
@@ -62,6 +84,25 @@ def test_values_jobs_and_beats_arrive_on_the_thread_of_the_bus(bus: LiveBus) -> 
     assert done.wait(LIMIT)
     assert threads.pop("job") != "bus"
     assert threads == {"value": "bus", "beat": "bus", "result": "bus"}
+
+
+def test_time_waits_for_a_callback_that_takes_long(leaping: LeapingTime, bus: LiveBus) -> None:
+    before, steady = bus.now, add(bus, "/one").steady
+    bus.do(leaping.leap)
+    assert before < bus.do(lambda: bus.now) < before + 30 * SECOND
+    assert steady() < before * 1e-9 + 30.0
+
+
+def test_held_time_passes_again_once_it_is_released(leaping: LeapingTime, bus: LiveBus) -> None:
+    bus.held = True
+    for _ in range(2):
+        bus.do(lambda: None)
+    before, done = bus.now, threading.Event()
+    leaping.leap()
+    assert bus.now == before
+    bus.do(lambda: add(bus, "/one").after(0.001, done.set))
+    bus.held = False
+    assert done.wait(LIMIT)
 
 
 def test_callback_that_fails_ends_all_nodes_and_calls_that_wait(

@@ -3,6 +3,7 @@
 import os
 import sys
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from ur.source.ansi import is_plain
@@ -27,6 +28,7 @@ class NavigateSession:
     limits: BatchTimeouts
     recording: Saving
     saving: MapSaving | None
+    clock: Callable[[], float]
 
 
 def start(node: Node) -> NavigateSession:
@@ -45,15 +47,15 @@ def start(node: Node) -> NavigateSession:
     saving = MapSaving(node, service, hint="save: save the map") if service else None
     growing = name_growing_map(node, service) if service and not map_name and not file else None
     navigator, stores = RobotNavigator(node, names, _NAME), StoreChoice(file, map_name, growing)
-    return NavigateSession(navigator, stores, limits, save_recordings(node), saving)
+    return NavigateSession(navigator, stores, limits, save_recordings(node), saving, node.steady)
 
 
 def navigate(wired: NavigateSession, ended: threading.Event) -> int:
     """Run until `q`, Ctrl-C, the end of the pipe, or the end of the node. Returns the exit code."""
     on_terminal = sys.stdin.isatty() and sys.stdout.isatty()
     if not on_terminal or is_plain(os.environ):
-        saves = wired.recording, wired.saving
-        return run_lines(_NAME, wired.navigator, wired.stores, wired.limits, *saves, ended, attended=on_terminal)
+        rest = wired.recording, wired.saving, ended, wired.clock
+        return run_lines(_NAME, wired.navigator, wired.stores, wired.limits, *rest, attended=on_terminal)
     from ur_nodes.teleop.navigate.screen_program import run_screen  # a pipe needs no Textual
 
     return run_screen(_NAME, wired.navigator, wired.stores, wired.recording, wired.saving, ended)

@@ -5,9 +5,8 @@ import select
 import signal
 import sys
 import threading
-import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from ur.source.diagnostic import UserError
 from ur_nodes.client.saving import MapSaving, Saving
@@ -83,6 +82,7 @@ def run_lines(
     recording: Saving,
     saving: MapSaving | None,
     ended: threading.Event,
+    clock: Callable[[], float],
     *,
     attended: bool,
     source: int = 0,
@@ -93,7 +93,7 @@ def run_lines(
     """
     lines, output = LineReader(source, ended), _Output(ended)
     urgent = lines.pop_urgent if attended else None
-    around = BatchContext(output.write, _write_err, time.monotonic, ended.wait, recording, urgent, saving)
+    around = BatchContext(output.write, _write_err, clock, ended.wait, recording, urgent, saving)
     if attended:
         around.out(f"{name}: one command a line; ? lists them, s stops, e is the emergency stop, q quits")
     try:

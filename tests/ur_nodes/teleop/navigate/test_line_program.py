@@ -61,7 +61,7 @@ class LineProgram:
             codes.append(
                 run_lines(
                     *("keyboard_navigate", self.navigator, self.stores, limits),
-                    *(save_recordings(self.node), self.saving, self.ended),
+                    *(save_recordings(self.node), self.saving, self.ended, self.node.steady),
                     attended=attended,
                     source=source,
                 )
