@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import queue
 import sys
 import threading
@@ -25,7 +26,7 @@ WriteLine = Callable[[str, str, str], None]
 """Takes a level, the name of a node, and a line of its log."""
 
 _LONGEST_WAIT = 1.0  # s
-_PATIENCE = 100_000_000  # ns by which an event may be late
+_PATIENCE = 100_000_000  # ns of which events may make up for
 _END_LIMIT = 2.0  # s for the callback that runs
 
 
@@ -69,7 +70,7 @@ class LiveNode(MemoryNode):
 class LiveBus(Bus):
     """See Bus. `facts` are those of the run; `write_line` takes the lines of the nodes' logs.
 
-    Time waits for events that are late, and while `held`: on a slow computer all that is simulated takes longer.
+    Time waits for events that are due, and while `held`: on a slow computer all that is simulated takes longer.
     `failed` is true when a callback has failed: then nothing happens any more, and every node is over. `fail` takes
     the exception.
     """
@@ -144,10 +145,11 @@ class LiveBus(Bus):
             self._thread.join(_END_LIMIT)
 
     def _let_pass(self) -> None:
-        """Let time pass until the next event is late, and leave out by how much the last one took longer."""
+        """Let time pass until the next event, and leave out by how much the computer is too slow for it."""
         real, (offset, latest) = time.monotonic_ns(), self._clock
         now = int(min(real + offset, latest))
-        self._clock = now - real, now if self.held else max(now, self._next_time() + _PATIENCE)
+        due = max(now, self._events[0][0]) if self._events else math.inf
+        self._clock = int(min(offset, due + _PATIENCE - real)), now if self.held else due
 
     def _spin(self) -> None:
         try:
@@ -157,7 +159,8 @@ class LiveBus(Bus):
                 if wait > 0.0:
                     self._woken.wait(min(wait, _LONGEST_WAIT))
                     self._woken.clear()
-                else:
+                    continue
+                for _ in range(len(self._due) or 1):  # all of them before more time passes
                     self._run_next()
         except BaseException:
             self.failed = True
