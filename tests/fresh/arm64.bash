@@ -10,7 +10,7 @@ arm64_packages=(base-files base-passwd bash coreutils dash diffutils findutils g
   procps python3 python3-venv sed util-linux)
 sample_packages="click markdown-it-py mdurl msgspec numpy packaging platformdirs pygments pyyaml rich rich-click typing-extensions"
 test_packages="hypothesis iniconfig pluggy psutil pytest pytest-asyncio pytest-timeout sortedcontainers"
-slowness=30 # times as long as this computer an emulated one takes for what it computes
+processor=cortex-a72 # of a Raspberry Pi 4; the wider vectors of qemu's own one give numpy wrong products of matrices
 arm64_tests=(tests/ur_nodes/{geometry,slam,navigation,drivers} tests/launchfile)
 
 # emulate COMMAND...: replace this process by the command as root of a user namespace in which arm64 programs run.
@@ -102,11 +102,8 @@ try_arm64() {
   echo "== set up in $((SECONDS - begin)) s"
   if runs drive; then
     begin=$SECONDS
-    step "the first README command, told to drive to a goal and quit, while time passes $slowness times as slowly"
-    install -m 644 "$root/tests/fresh/slow_time.py" "$target/home/pat/$folder"/.venv/lib/python3*/site-packages
-    echo "import slow_time; slow_time.begin($slowness, $(date +%s))" >"$(echo "$target/home/pat/$folder"/.venv/lib/python3*/site-packages)/a_slow_time.pth"
+    step "the first README command, told to drive to a goal and quit"
     expect "drive" 0 "g 0.5 0 0: reached" "bash -c \"printf 'g 0.5 0 0\nq\n' | ./ur run keyboard_navigate\""
-    rm "$target/home/pat/$folder"/.venv/lib/python3*/site-packages/a_slow_time.pth
     echo "== driven in $((SECONDS - begin)) s"
   fi
   if runs check; then
