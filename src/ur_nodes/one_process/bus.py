@@ -71,21 +71,26 @@ class LiveBus(Bus):
     """See Bus. `facts` are those of the run; `write_line` takes the lines of the nodes' logs.
 
     Time waits for events that are due, and while `held`: on a slow computer all that is simulated takes longer.
-    `failed` is true when a callback has failed: then nothing happens any more, and every node is over. `fail` takes
-    the exception.
+    `real` is a steady time (ns). `failed` is true when a callback has failed: then nothing happens any more, and every
+    node is over. `fail` takes the exception.
     """
 
     node_class: ClassVar[type[MemoryNode]] = LiveNode
 
     def __init__(
-        self, facts: Facts, write_line: WriteLine, fail: Callable[[threading.ExceptHookArgs], None] | None = None
+        self,
+        facts: Facts,
+        write_line: WriteLine,
+        fail: Callable[[threading.ExceptHookArgs], None] | None = None,
+        real: Callable[[], int] = time.monotonic_ns,
     ) -> None:
         super().__init__()
         self._fail = fail
         self.run_facts, self.write_line = facts, write_line
         self.failed = self.held = False
+        self._real = real
         # What is added to the real time, and the latest time that is given
-        self._clock: tuple[int, float] = time.time_ns() - time.monotonic_ns(), time.time_ns()
+        self._clock: tuple[int, float] = time.time_ns() - real(), time.time_ns()
         self._woken = threading.Event()
         self._closed = False
         self._thread = threading.Thread(target=self._spin, name="bus", daemon=True)
@@ -99,7 +104,7 @@ class LiveBus(Bus):
     def now(self) -> int:
         """Return the time, ns since the epoch."""
         offset, latest = self._clock
-        return int(min(time.monotonic_ns() + offset, latest))
+        return int(min(self._real() + offset, latest))
 
     def begin(self) -> None:
         """Start to run events."""
@@ -146,7 +151,7 @@ class LiveBus(Bus):
 
     def _let_pass(self) -> None:
         """Let time pass until the next event, and leave out by how much the computer is too slow for it."""
-        real, (offset, latest) = time.monotonic_ns(), self._clock
+        real, (offset, latest) = self._real(), self._clock
         now = int(min(real + offset, latest))
         due = max(now, self._events[0][0]) if self._events else math.inf
         self._clock = int(min(offset, due + _PATIENCE - real)), now if self.held else due

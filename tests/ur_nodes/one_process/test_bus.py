@@ -17,6 +17,24 @@ from ur_nodes.ports.qualities import Quality
 LIMIT = 20.0  # s
 
 
+class LeapingTime:
+    """The real time, and leaps: what a slow computer takes."""
+
+    def __init__(self) -> None:
+        self.leaps = 0
+
+    def leap(self) -> None:
+        self.leaps += 60 * SECOND
+
+    def __call__(self) -> int:
+        return time.monotonic_ns() + self.leaps
+
+
+@pytest.fixture
+def leaping() -> LeapingTime:
+    return LeapingTime()
+
+
 @pytest.fixture
 def lines() -> list[tuple[str, str, str]]:
     return []
@@ -28,32 +46,17 @@ def failures() -> list[BaseException | None]:
 
 
 @pytest.fixture
-def bus(tmp_path: Path, lines: list[tuple[str, str, str]], failures: list[BaseException | None]) -> Iterator[LiveBus]:
+def bus(
+    tmp_path: Path,
+    lines: list[tuple[str, str, str]],
+    failures: list[BaseException | None],
+    leaping: LeapingTime,
+) -> Iterator[LiveBus]:
     facts = FileFacts(simulated_time=False, file=tmp_path / "facts")
-    made = LiveBus(facts, lambda *line: lines.append(line), lambda details: failures.append(details.exc_value))
+    made = LiveBus(facts, lambda *line: lines.append(line), lambda details: failures.append(details.exc_value), leaping)
     made.begin()
     yield made
     made.close()
-
-
-class LeapingTime:
-    """The real time, and leaps: what a slow computer takes."""
-
-    def __init__(self) -> None:
-        self.leaps, self._real = 0, time.monotonic_ns
-
-    def leap(self) -> None:
-        self.leaps += 60 * SECOND
-
-    def __call__(self) -> int:
-        return self._real() + self.leaps
-
-
-@pytest.fixture
-def leaping(monkeypatch: pytest.MonkeyPatch) -> LeapingTime:
-    made = LeapingTime()
-    monkeypatch.setattr(time, "monotonic_ns", made)
-    return made
 
 
 def fail(reason: str) -> None:
