@@ -35,7 +35,7 @@ _FOOT = f"""
 The column "lists" has the date of the look-up in the release's package lists, made with `tools/check_releases.py`.
 "Measured" means that they were looked up on another computer, on a day that was not recorded.
 "Tried" means that the first drive was run on the release, on x86-64, with `tests/fresh/run`.
-On arm64, set-up and page were tried by emulation, no drive; the others are expected to work.
+On arm64, set-up, page and a drive were tried by emulation, without ROS; the others are expected to work.
 The Debian 13 root and the Python packages were tried on {_STAND_IN}.
 """
 _ROS = {"native": "its own packages", "brought": "a Debian 13 root", "refused": "none: refused"}
@@ -65,7 +65,7 @@ def make_table(rows: Sequence[Release] | None = None) -> str:
         f"| {_join([row.name for row in native if row.tried])} | the ROS 1 that they package | tried |",
         f"| {_join([row.name for row in native if not row.tried])} | the ROS 1 that they package | expected to work |",
         f"| {brought} | your own ROS 2 from Jazzy on, or ROS 2 {wheels} | expected to work |",
-        f"| the same, on arm64 | your own ROS 2, none, or ROS 1 in {root} | set-up tried by emulation |",
+        f"| the same, on arm64 | your own ROS 2, none, or ROS 1 in {root} | none: tried by emulation |",
     ]
     return "\n".join([*lines, "", "[All releases](docs/reference/releases.md)"])
 
