@@ -77,6 +77,15 @@ locked() {
   awk -v "names=${wanted// /|}" '/^[a-z].*==/ { split($1, name, "=="); on = name[1] ~ "^(" names ")$" } on' "$root/requirements/$1.lock"
 }
 
+# install_locked FOLDER FOLDER...: install the entries of $fresh/lock in the first, and compile the Python files of all.
+install_locked() {
+  "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check --target "$target$1" --require-hashes \
+    --only-binary :all: --platform manylinux_2_28_aarch64 --platform manylinux_2_17_aarch64 --python-version 3.13 \
+    --no-deps --no-compile -r "$fresh/lock" 2>/dev/null || { status=1 && echo "== failed: pip install"; }
+  compile_python "$unpacked/native" "$target" "${@/#//mnt}"
+  chown -R 1000:1000 "$target/home/pat"
+}
+
 # try_arm64: the parts.
 try_arm64() {
   local begin=$SECONDS packages=/home/pat/packages python=.venv/bin/python
@@ -85,11 +94,7 @@ try_arm64() {
     step "arm64: tests of geometry and ur check, without the set-up"
     # shellcheck disable=SC2086 # words
     { locked run $sample_packages && locked dev $test_packages; } >"$fresh/lock"
-    "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check --target "$target$packages" --require-hashes \
-      --only-binary :all: --platform manylinux_2_28_aarch64 --platform manylinux_2_17_aarch64 --python-version 3.13 \
-      --no-deps --no-compile -r "$fresh/lock" 2>/dev/null || { status=1 && echo "== failed: pip install"; }
-    compile_python "$unpacked/native" "$target" "/mnt$packages" "/mnt/home/pat/$folder/src"
-    chown -R 1000:1000 "$target/home/pat"
+    install_locked "$packages" "/home/pat/$folder/src"
     expect "tests" 0 " passed" "env PYTHONPATH=$packages:src python3 -m pytest -p no:cacheprovider tests/ur_nodes/geometry"
     expect "ur check" 0 "found in [0-9]* files" "env PYTHONPATH=$packages:src python3 -m ur check ubiquity_launches"
     echo "== sample: $((SECONDS - begin)) s"
@@ -120,10 +125,9 @@ try_arm64() {
     begin=$SECONDS
     step "tests"
     # shellcheck disable=SC2086 # words
-    locked dev $test_packages >"$target/home/pat/test.lock"
-    inside "$python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r ../test.lock" || { status=1 && echo "== failed: pip install"; }
+    { locked dev $test_packages && locked vision gtsam; } >"$fresh/lock"
+    install_locked "/home/pat/$folder/.venv/lib/python3.13/site-packages" "/home/pat/$folder/tests"
     run_tests "$python -m pytest -n 3 --timeout 1200 -m 'not ros and not slow and not hosts and not nightly' ${arm64_tests[*]}"
-    run_tests "$python -m pytest --timeout 1200 -m '' tests/ur_nodes/first_drive/test_first_drive.py"
     echo "== tests: $((SECONDS - begin)) s"
   fi
 }
