@@ -12,6 +12,9 @@ sample_packages="click markdown-it-py mdurl msgspec numpy packaging platformdirs
 test_packages="hypothesis iniconfig pluggy psutil pytest pytest-asyncio pytest-timeout sortedcontainers"
 processor=cortex-a72 # of a Raspberry Pi 4; the wider vectors of qemu's own one give numpy wrong products of matrices
 arm64_tests=(tests/ur_nodes/{geometry,slam,navigation,drivers} tests/launchfile)
+arm64_left_out=( # tests that cannot pass under emulation, and why
+  tests/ur_nodes/drivers/test_guard.py # motors must stop within a real time
+)
 
 # emulate COMMAND...: replace this process by the command as root of a user namespace in which arm64 programs run.
 emulate() {
@@ -127,7 +130,7 @@ try_arm64() {
     # shellcheck disable=SC2086 # words
     { locked dev $test_packages && locked vision gtsam; } >"$fresh/lock"
     install_locked "/home/pat/$folder/.venv/lib/python3.13/site-packages" "/home/pat/$folder/tests"
-    run_tests "$python -m pytest -n 3 --timeout 1200 -m 'not ros and not slow and not hosts and not nightly' ${arm64_tests[*]}"
+    run_tests "$python -m pytest -n 3 --timeout 1200 -m 'not ros and not slow and not hosts and not nightly' ${arm64_left_out[*]/#/--ignore=} ${arm64_tests[*]}"
     echo "== tests: $((SECONDS - begin)) s"
   fi
 }
