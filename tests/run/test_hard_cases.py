@@ -143,12 +143,15 @@ def test_disk_that_fills_loses_logs_not_the_run(world: Any) -> None:
         '<node pkg="little_nodes" type="noisy" name="noisy" output="screen"/>'
         '<node pkg="little_nodes" type="sleeper" name="sleeper"/>'
     )
-    fill = world.folder / "fill"
+    fill, filled = world.folder / "fill", world.folder / "filled"
     os.mkfifo(fill)
-    run = start_on_small_disk(world, body, f'(read _; head -c 3M /dev/zero >"$1/rest"; echo >{fill}) <{fill} 2>&- &')
+    os.mkfifo(filled)
+    run = start_on_small_disk(
+        world, body, f'(read _ <{fill}; head -c 3M /dev/zero >"$1/rest"; echo >{filled}) </dev/null 2>&- &'
+    )
     run.until("[/sleeper] started")
     fill.write_text("now\n")
-    fill.read_text()
+    filled.read_text()
     run.until("[/noisy] line 300 of")
     run.process.send_signal(signal.SIGINT)
     assert run.wait() == 0
