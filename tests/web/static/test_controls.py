@@ -98,10 +98,12 @@ def test_patrol_is_asked_of_the_robot_and_shown_as_the_robot_says(robot: PlayedR
         robot.show(Kind.STATE, STATE | {"patrol": shown | {"line": line}})
         wait(lambda line=line: browser.holds(f"{banner}?.innerText.includes('{line[1:]}')"))
         assert browser.holds(f"pressed === {banner}.querySelector('button')")
-    browser.run("pressed.click(); 0")
+    last = f"[...{banner}.querySelectorAll('button')].at(-1)"
+    browser.run(f"globalThis.ending = {last}; pressed.click(); 0")
     wait(lambda: [each["do"] for each in robot.find("patrol")] == ["start", "pause"])
     robot.show(Kind.STATE, STATE | {"patrol": shown | {"state": "paused", "line": "patrol paused: by ann"}})
     wait(lambda: browser.holds(f"{banner}?.innerText.includes('Continue')"))
+    assert browser.holds(f"ending === {last} && ending.textContent === 'End the patrol'")
     for _ in range(5):  # an answer, another page, the battery: a page starts nothing by itself
         robot.show(Kind.STATE, STATE | {"patrol": patrol, "goal": GOAL | {"number": 1, "state": "reached"}})
         robot.show(Kind.STATE, STATE | {"patrol": patrol})

@@ -12,7 +12,7 @@ import { TEXTS } from "./texts.js";
 
 /**
  * Shows banners, and announces new ones. An element stays while only numbers of its text change, or its subject
- * and buttons stay, so that neither a press on a button nor the focus is lost.
+ * stays, and a button while its label does, so that neither a press on it nor the focus is lost.
  */
 export class Banners {
   /** @param {HTMLElement} box */
@@ -37,6 +37,7 @@ export class Banners {
       const [text] = element.children;
       if (!known || withoutNumbers(text.textContent ?? "") !== withoutNumbers(banner.text)) announce(banner.text, banner.red);
       if (text.textContent !== banner.text) text.textContent = banner.text;
+      if (banner.buttons?.length) fill(/** @type {HTMLElement} */ (element.children[1]), banner.buttons);
       after.set(identify(banner), element);
     }
     for (const [id, element] of this.elements) if (!after.has(id)) element.remove();
@@ -47,9 +48,18 @@ export class Banners {
   }
 }
 
-/** What makes a banner another one: all but its numbers, such as an age, or its subject and buttons. @param {Banner} banner */
-function identify({ text, subject, red, buttons }) {
-  return JSON.stringify([subject ?? withoutNumbers(text), red, buttons?.map(({ label }) => label)]);
+/** What makes a banner another one: all but its numbers, such as an age, or its subject. @param {Banner} banner */
+function identify({ text, subject, red, buttons = [] }) {
+  return JSON.stringify([subject ?? withoutNumbers(text), red, subject ? buttons.length : buttons.map(({ label }) => label)]);
+}
+
+/** Show buttons; each whose label stays is the same element. @param {HTMLElement} box @param {{label: string, act: () => void}[]} buttons */
+function fill(box, buttons) {
+  buttons.forEach(({ label, act }, index) => {
+    const known = box.children[index];
+    if (!known) box.append(makeButton(label, act));
+    else if (known.textContent !== label) known.replaceWith(makeButton(label, act));
+  });
 }
 
 /** @param {string} text */
@@ -64,9 +74,7 @@ function makeBanner(banner) {
   const text = document.createElement("span");
   text.textContent = banner.text;
   element.append(text);
-  const buttons = make("div");
-  buttons.append(...(banner.buttons ?? []).map(({ label, act }) => makeButton(label, act)));
-  if (banner.buttons?.length) element.append(buttons);
+  if (banner.buttons?.length) element.append(make("div"));
   return element;
 }
 
