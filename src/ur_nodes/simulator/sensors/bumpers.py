@@ -22,7 +22,6 @@ class BumperRing:
     def __init__(self, bumpers: Bumpers) -> None:
         self._sectors = {bumper.name: (bumper.start, bumper.end) for bumper in bumpers.at}
         self._pressed = dict.fromkeys(self._sectors, -math.inf)
-        self._last, self._free = -math.inf, dict.fromkeys(self._sectors, False)
 
     def press(self, touches: Iterable[Floats], time: float) -> None:
         """Note what touches the robot at a time (s).
@@ -33,12 +32,10 @@ class BumperRing:
         arcs = [span_arc(np.arctan2(points[:, 1], points[:, 0])) for points in touches]
         for name, sector in self._sectors.items():
             if any(arcs_meet(sector, arc) for arc in arcs):
-                self._pressed[name] = self._last = time
+                self._pressed[name] = time
 
     def state(self, time: float) -> dict[str, bool]:
         """Return the states of the bumpers at a time (s): pressed are those that were within the last `HOLD`."""
-        if time - self._last > HOLD:
-            return self._free
         return {name: time - pressed <= HOLD for name, pressed in self._pressed.items()}
 
 
