@@ -73,9 +73,10 @@ def sort_corners(
         if hidden > settings.left_out * known:
             break
         left_out.append(each)
-    visited = tuple(corners[len(left_out) :])
-    near = tuple(each for each in visited if each.distance < _PASSED) if rooms else visited
-    return Viewpoints(rooms + near, tuple(each for each in visited if each not in near), tuple(left_out))
+    visited = corners[len(left_out) :]
+    soon = _PASSED if rooms else math.inf
+    near = tuple(each for each in visited if each.distance < soon)
+    return Viewpoints(rooms + near, tuple(each for each in visited if each.distance >= soon), tuple(left_out))
 
 
 _MOST = 9  # places of a tour: the nearest ones
