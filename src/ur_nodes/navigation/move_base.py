@@ -256,7 +256,7 @@ class MoveBase:
         if self._tick % _PATH_CHECK_PERIODS == 0:
             self._path_blocked = self._is_path_blocked()
         answer, self._answer = self._answer, None
-        before, beside = self._navigator.phase, self._contacts.beside(self._world.touched_beside(), self._widening)
+        before, beside = self._navigator.phase, self._contacts.beside(self._world.touched_in_base(), self._widening)
         out = self._navigator.step(
             NavigatorInputs(
                 now=now,

@@ -172,9 +172,9 @@ class WorldView:
         """Return whether there is something that the robot has touched."""
         return len(self._touched.points) > 0
 
-    def touched_beside(self) -> NDArray[np.float64]:
+    def touched_in_base(self) -> NDArray[np.float64]:
         """Return what the robot has touched, points (n, 2) in its frame."""
-        robot = self.robot_in_map()
+        robot = self.robot_in_map() if self.touched else None
         return robot.inverse().transform_points(self._touched.points) if robot is not None else np.empty((0, 2))
 
     def touch(self, points: NDArray[np.float64]) -> None:
