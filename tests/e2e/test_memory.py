@@ -8,15 +8,15 @@ import os
 import re
 import subprocess
 import sys
-import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
 from tests.e2e.conftest import ROOT, LaunchedRobot, end, list_family, make_environment
 from tests.e2e.web_page import start_server
+from tests.json_client import wait_until
 
 pytestmark = [pytest.mark.ros, pytest.mark.nightly, pytest.mark.timeout(600)]
 
@@ -52,13 +52,6 @@ def read(pid: int, file: str) -> str:
         return ""
 
 
-def wait_until(check: Callable[[], bool], seconds: float = 120.0) -> None:
-    deadline = time.monotonic() + seconds
-    while not check():
-        assert time.monotonic() < deadline
-        time.sleep(0.5)
-
-
 def measure(pids: Iterable[int]) -> tuple[Counter[str], float]:
     """The MB of each process by name, without files, and those of the files that all of them map."""
     own, files = Counter[str](), Counter[str]()
@@ -88,7 +81,9 @@ def test_robot_fits_into_the_memory_of_its_board(
     robot += [include("m_move_base", **base, map_file=MAP)] if navigation else []
     with ExitStack() as stack:
         pids = [stack.enter_context(launch(tmp_path, env, "robot", *robot)).pid]
-        wait_until(lambda: "[/cmd_vel_mux] started" in (tmp_path / "robot.log").read_text())
+        wait_until(
+            lambda: "[/cmd_vel_mux] started" in (tmp_path / "robot.log").read_text(), 120.0, "the mux starts", 0.5
+        )
         simulator = include("n_simulator", **base, robot_variant=variant, world="maze", devices=devices)
         stand_in = stack.enter_context(launch(tmp_path, env, "simulator", simulator))
         if page:
@@ -100,7 +95,10 @@ def test_robot_fits_into_the_memory_of_its_board(
             stack.callback(client.client.kill)
             client.ask("ready", seconds=150)
             assert client.ask("goal", x=0.7, y=0.0, seconds=90)["state"] == "SUCCEEDED"
-        wait_until(lambda: not any(FORKING in read(each, "cmdline") for each in list_family(pids[0])))
+        wait_until(
+            lambda: not any(FORKING in read(each, "cmdline") for each in list_family(pids[0])),
+            *(120.0, "the process that forks nodes ends", 0.5),
+        )
         own, files = measure(each for pid in pids for each in list_family(pid))
     table = [f"{megabytes:6.1f} MB  {name}" for name, megabytes in [*own.most_common(), ("files", files)]]
     total = sum(own.values()) + files
