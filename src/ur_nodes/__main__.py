@@ -30,14 +30,13 @@ if __name__ == "__main__":
     import runpy
     from importlib.util import find_spec
 
+    from ur_nodes.message_packages import defer_catkin, load_when_used
     from ur_nodes.run import backend_name
 
     if backend_name() == "ros2" or sys.argv[1] != "ur_nodes.fork_server":  # nodes share all messages of ROS 1
-        from ur_nodes.message_packages import load_when_used
-
         load_when_used()
     if backend_name() == "ros1":
-        from ur_nodes.ros1.repairs.start_up import defer_catkin, skip_log_link
+        from ur_nodes.ros1.repairs.logs import skip_log_link
 
         defer_catkin()
         skip_log_link()

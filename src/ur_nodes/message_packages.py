@@ -1,4 +1,4 @@
-"""Lazy loading of messages: their packages import all of them, and a node needs few.
+"""Lazy loading: packages of messages import all of them, of which a node needs few; rospy imports catkin for nothing.
 
 The packages are made by rosidl or genpy: each line of their `__init__.py` imports one class from a module of its own. A
 package with any other line is loaded as it is, and services of ROS 1 are, whose modules have three classes.
@@ -14,6 +14,7 @@ from types import ModuleType
 _KINDS = (".msg", ".srv", ".action")
 _IMPORT = re.compile(r"from (?:([\w.]+) import (\w+)|\._(\w+) import \*)(?:\s*#.*)?")
 _GENERATOR = "rosidl_generator_py.generate_py_impl"
+_CATKIN = "catkin.find_in_workspaces"
 
 
 class MessagePackage:
@@ -75,3 +76,17 @@ def load_when_used() -> None:
     if not any(isinstance(each, MessageFinder) for each in sys.meta_path):
         sys.meta_path.insert(0, MessageFinder())
         sys.modules.setdefault(_GENERATOR, None)  # type: ignore[arg-type]  # an ImportError, as its package expects
+
+
+def defer_catkin() -> None:
+    """Import what finds packages in workspaces when it is used: 4 MB, which rospy imports and never calls."""
+    module = ModuleType(_CATKIN)
+
+    def find_in_workspaces(*arguments: object, **options: object) -> object:
+        del sys.modules[_CATKIN]
+        from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import-untyped]
+
+        return find_in_workspaces(*arguments, **options)
+
+    module.find_in_workspaces = find_in_workspaces  # type: ignore[attr-defined]
+    sys.modules.setdefault(_CATKIN, module)

@@ -14,7 +14,7 @@ from ur.source.diagnostic import user_error
 from ur_nodes.ports.node import Node
 from ur_nodes.ros1.node import RosNode
 from ur_nodes.ros1.repairs.connections import bound_connections
-from ur_nodes.ros1.repairs.log_errors import discard_line, report_log_errors
+from ur_nodes.ros1.repairs.logs import discard_line, report_log_errors
 from ur_nodes.ros1.repairs.sending import send_at_once
 from ur_nodes.ros1.run import silence_terminal
 

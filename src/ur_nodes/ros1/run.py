@@ -17,9 +17,8 @@ from ur.source.render import render_human
 from ur_nodes.ports.node import Node
 from ur_nodes.ros1.node import RosNode
 from ur_nodes.ros1.repairs.connections import bound_connections
-from ur_nodes.ros1.repairs.log_errors import discard_line, report_log_errors
+from ur_nodes.ros1.repairs.logs import choose_log_configuration, discard_line, report_log_errors
 from ur_nodes.ros1.repairs.sending import send_at_once
-from ur_nodes.ros1.repairs.start_up import choose_log_configuration
 
 _OURS = "ur_nodes"
 _END_LIMIT = 10.0  # s

@@ -1,13 +1,31 @@
-"""Logs that cannot be written: files on a full disk, and a terminal or pipe that has ended.
+"""Logs of rospy: their configuration, and those that cannot be written, as on a full disk or an ended terminal.
 
 One line in place of a traceback for each message, and no exception in the code that logs: a driver whose supervisor was
 killed still has motors to stop.
 """
 
 import logging
+import os
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+
+
+def skip_log_link() -> None:
+    """Stop rospy from making the link `latest`, which the program that starts a run makes: nodes collide there."""
+    from rosgraph import roslogging
+
+    roslogging.renew_latest_logdir = lambda _folder: True
+
+
+def choose_log_configuration() -> None:
+    """Name the file that rospy finds in ROS_HOME or /etc/ros; it would read all packages before it looks there."""
+    import rospkg
+
+    folders = f"{rospkg.get_ros_home()}/config", rospkg.get_etc_ros_dir()
+    files = [f"{folder}/python_logging.{kind}" for folder in folders for kind in ("conf", "yaml")]
+    if found := next(filter(os.path.isfile, files), None):
+        os.environ.setdefault("ROS_PYTHON_LOG_CONFIG_FILE", found)
 
 
 def report_log_errors(report: Callable[[str], None] | None = None) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import pytest
 from rosgraph import roslogging
 
-from ur_nodes.ros1.repairs.log_errors import report_log_errors
+from ur_nodes.ros1.repairs.logs import report_log_errors
 
 
 @pytest.fixture
