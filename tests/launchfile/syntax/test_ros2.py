@@ -45,6 +45,7 @@ def test_file_for_ros_1_is_not_taken_for_one_of_ros_2(body: str) -> None:
     assert _rules(f"<launch>{body}</launch>") == []
 
 
+@pytest.mark.ros
 @pytest.mark.parametrize("name", ["a.launch", "a.launch.yaml"])
 def test_robot_with_ros_1_is_given_no_advice_about_a_file_for_ros_2(name: str, tmp_path: Path) -> None:
     text = f"<launch>{ROS2['let']}{ROS2['exec']}</launch>" if name == "a.launch" else "launch: []\n"
