@@ -72,6 +72,7 @@ _LIDAR_HEAD = 0.03  # a lidar's housing ends this far above its beams
 _PERSON_SIDES = 8
 _PERSON_HEIGHT = 1.7  # m
 _WAITING_ROOM = 1000.0  # m: people are placed before the first step
+_AT_REST = 1e-6  # m/s: what is slower, without a command, is not stepped
 _GRIP = 0.4  # of the gain at which a servo that holds a velocity would oscillate
 
 
@@ -102,8 +103,8 @@ def build_model(
     corners = " ".join(f"{x:g} {y:g} {z:g}" for z in (base.ground_clearance, top) for x, y in base.footprint)
     parts = [
         '<mujoco model="world"><compiler angle="radian" autolimits="true"/>',
-        f'<option timestep="{TIME_STEP}" gravity="0 0 -{GRAVITY}" integrator="Euler" cone="elliptic">',
-        '<flag sleep="enable"/></option>',
+        f'<option timestep="{TIME_STEP}" gravity="0 0 -{GRAVITY}" integrator="Euler" cone="elliptic"',
+        f' sleep_tolerance="{_AT_REST}"><flag sleep="enable"/></option>',
         f'{scenery.options}<asset><mesh name="chassis" vertex="{corners}"/>{_person_mesh(world)}',
         f"{scenery.assets}</asset><worldbody>",
         f'<geom name="floor" type="plane" size="100 100 1" group="4" contype="0" conaffinity="{_OBSTACLE | _ROLLING}"'
@@ -194,7 +195,8 @@ def _robot(base: Base, number: int, pose: tuple[float, float, float], scenery: S
     )
     lidar = base.lidar.pose if base.lidar else (0.0,) * 6
     return (
-        f'<body name="robot_{number}" pos="{x!r} {y!r} 0" euler="0 0 {yaw!r}"><freejoint name="robot_{number}"/>'
+        f'<body name="robot_{number}" pos="{x!r} {y!r} 0" euler="0 0 {yaw!r}" sleep="allowed">'
+        f'<freejoint name="robot_{number}"/>'
         f'<inertial pos="{centre_x!r} {centre_y!r} {centre_z!r}" mass="{mass!r}" diaginertia="{inertia}"/>'
         f'<geom name="chassis_{number}" type="mesh" mesh="chassis" contype="{_BODY}"'
         f' conaffinity="{_WALL | _BODY | _OBSTACLE | _PERSON}" friction="{_SCRAPE} 0.005 0.0001" group="2"/>'

@@ -11,6 +11,8 @@ import numpy.typing as npt
 from ur_nodes.geometry.pose import Pose2, Quaternion, quaternion_of_yaw, yaw_of_quaternion
 
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+_SLEEP = mujoco.mjtSleepPolicy
+_TINY = 5e-324  # m/s
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,25 +50,50 @@ class Physics:
             [int(self.model.joint(f"{side}_{n}").dofadr[0]) for side in ("left", "right")] for n in range(robots)
         ]
         self._aside = [int(self.model.joint(f"aside_{n}").qposadr[0]) for n in range(robots) if sideways]
+        self._trees = [int(self.model.body_treeid[self.model.body(f"robot_{n}").id]) for n in range(robots)]
         self.reset()
 
     def reset(self) -> None:
         """Reset to the start, at rest."""
+        self._still = False
+        self.touching = frozenset[int]()
+        """The robots whose chassis touches something: a wall, a box, an obstacle, another robot."""
+        self._may_rest = [True] * self._robots
+        self.model.tree_sleep_policy[self._trees] = _SLEEP.mjSLEEP_ALLOWED
         mujoco.mj_resetData(self.model, self.data)
         mujoco.mj_forward(self.model, self.data)
 
     def step(self, count: int) -> None:
         """Advance by a number of time steps."""
+        if self._still:
+            return
         mujoco.mj_step(self.model, self.data, count)
+        self._still = not (self.data.ntree_awake or self.model.nmocap)
+        owners, pairs = self._owners, self.data.contact.geom.tolist() if self.data.ncon else ()
+        self.touching = frozenset(owners[geom] for pair in pairs for geom in pair if geom in owners)
+        for robot in self.touching:
+            self._let_rest(robot, rest=False)
 
     def set_wheel_speeds(self, robot: int, left: float, right: float) -> None:
         """Set the target speeds of the motors, rad/s."""
+        self._let_rest(robot, rest=left == right == 0.0)
         self.data.ctrl[self._motors[robot]] = (left, right)
 
     def set_velocity(self, robot: int, forward: float, left: float, turn: float) -> None:
         """Set the velocity that the wheels of a robot that drives sideways give it: m/s, rad/s."""
+        self._let_rest(robot, rest=forward == left == turn == 0.0)
         motors = self._motors[robot]
         self.data.ctrl[motors.stop : motors.stop + 4] = (left, forward, left, turn)
+
+    def _let_rest(self, robot: int, *, rest: bool) -> None:
+        """Let MuJoCo skip a robot that has come to rest, or not: contacts of those that it skips are not known."""
+        rest = rest and robot not in self.touching
+        if rest == self._may_rest[robot]:
+            return
+        self._may_rest[robot], v = rest, self._joints[robot][1]
+        self.model.tree_sleep_policy[self._trees[robot]] = _SLEEP.mjSLEEP_ALLOWED if rest else _SLEEP.mjSLEEP_NEVER
+        if not rest and self.data.qvel[v] == 0.0:
+            self.data.qvel[v], self._still = _TINY, False  # any speed wakes it
 
     def rolled_aside(self, robot: int) -> float:
         """Return how far the wheels rolled to the left, m; 0 for a robot that does not drive sideways."""
@@ -121,13 +148,6 @@ class Physics:
         (a, b, c, d), speeds = self.data.qpos[q + 3 : q + 7].tolist(), self.data.qvel[v : v + 6].tolist()
         return BodyMotion((b, c, d, a), tuple(speeds[:3]), tuple(speeds[3:]))
 
-    def touching(self) -> frozenset[int]:
-        """The robots whose chassis touches something: a wall, a box, an obstacle, another robot."""
-        if not self.data.ncon:
-            return frozenset()
-        owners = self._owners
-        return frozenset(owners[geom] for pair in self.data.contact.geom.tolist() for geom in pair if geom in owners)
-
     def touches(self, robot: int) -> list[npt.NDArray[np.float64]]:
         """Return contacts of a robot's chassis: for each thing the points, shape (points, 2), m in base_footprint."""
         pairs = self.data.contact.geom
@@ -152,6 +172,7 @@ class Physics:
         q, v = self._freejoint(body)
         before = np.empty(mujoco.mj_stateSize(self.model, _STATE))
         mujoco.mj_getState(self.model, self.data, before, _STATE)
+        self._still = False
         x, y, yaw = pose
         qx, qy, qz, qw = quaternion_of_yaw(yaw)
         self.data.qpos[q : q + 7] = (x, y, self.model.qpos0[q + 2], qw, qx, qy, qz)

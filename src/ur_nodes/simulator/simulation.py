@@ -273,7 +273,7 @@ class Simulation:
 
     def _notice_touch(self) -> None:
         """Contacts flicker: one that comes back soon is the same collision."""
-        for robot in self._physics.touching():
+        for robot in self._physics.touching:
             if self._crowd is not None:
                 touched = [self._crowd.places[person] for person in self._physics.touched_people(robot)]
                 self._strikes.notice(robot, self.pose(robot), self.velocity(robot), touched, self.time)

@@ -93,6 +93,32 @@ def test_robot_pushes_obstacles(make_world: Callable[[str], WorldModel], stage: 
     assert simulation.scan(0)[ahead] < 0.2  # it is still in front of the robot
 
 
+@pytest.mark.parametrize("name", ["stage", "magni"])
+def test_robot_that_rests_does_not_move_until_it_is_commanded_or_placed(
+    room: WorldModel, name: str, drive: Drive, request: pytest.FixtureRequest
+) -> None:
+    simulation = Simulation(room, request.getfixturevalue(name))
+    drive(simulation, 0.5, 0.3, 0.2)
+    drive(simulation, 2.0)
+    rest, state = simulation.pose(0), simulation.state()
+    drive(simulation, 1.0)
+    assert np.array_equal(simulation.state(), state)
+    drive(simulation, 1.0, 0.3)
+    assert math.dist(simulation.pose(0)[:2], rest[:2]) > 0.15
+    drive(simulation, 3.0)
+    simulation.set_pose("robot", (3.0, 1.0, 0.5))
+    drive(simulation, 1.0)
+    assert simulation.pose(0) == pytest.approx((3.0, 1.0, 0.5), abs=1e-3)
+
+
+def test_robot_that_rests_notices_who_runs_into_it(room: WorldModel, stage: Base, drive: Drive) -> None:
+    simulation = Simulation(room, stage, robots=2)
+    drive(simulation, 2.0)
+    drive(simulation, 2.0, -0.4, 0.0, 1)
+    assert simulation.collisions == (1, 1)
+    assert simulation.pose(0)[0] < -0.001
+
+
 def test_robot_lidar_sees_other_robots_and_not_itself(room: WorldModel, stage: Base) -> None:
     simulation = Simulation(room, stage, robots=2)
     while not simulation.advance().scan:
