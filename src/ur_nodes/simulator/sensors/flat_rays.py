@@ -108,15 +108,15 @@ class UprightShapes:
         self._bodies = np.array(bodies, np.int64)
         self._heights = data.xpos[self._bodies, 2]
         self._movers, self._poses = np.unique(self._bodies), b"none yet"
-        self._others: dict[int, npt.NDArray[np.int64]] = {}
+        self._seen_by: dict[int, Floats | None] = {}  # the moving sides now, by own bodies
         self._seen: dict[tuple[int, int], Floats] = {}
         self._asked: dict[tuple[int, int], int] = {}
 
-    def sides(self, data: mujoco.MjData, own_body: int, point: tuple[float, float]) -> Floats | None:
-        """The sides now that may be seen from a point, but those of a body, shape (4, n).
+    def sides(self, data: mujoco.MjData, own_body: int, point: tuple[float, float]) -> tuple[Floats, Floats] | None:
+        """The sides now that may be seen from a point, but those of a body: fixed and moving ones, shapes (4, n).
 
         They are x, y of a corner, and dx, dy on, counter-clockwise. None: a shape has tipped over, or is higher or
-        lower than at first.
+        lower than at first. The moving ones are the same array until something moves.
         """
         poses = data.xpos[self._movers].tobytes() + data.xmat[self._movers].tobytes()
         if poses != self._poses:  # the same for all lidars at a time
@@ -126,9 +126,11 @@ class UprightShapes:
             (x, y, dx, dy), (a, b), (c, d) = self._moving, turn[:, :2].T, turn[:, 3:5].T
             now = (place[:, 0] + a * x + b * y, place[:, 1] + c * x + d * y, a * dx + b * dy, c * dx + d * dy)
             self._now = np.stack(now)
-        others = self._others.get(own_body)
-        if others is None:
-            others = self._others[own_body] = np.flatnonzero(self._bodies != own_body)
+            self._seen_by.clear()
+        moving = self._seen_by.get(own_body)
+        if moving is None:
+            others = self._bodies != own_body
+            moving = self._seen_by[own_body] = self._now[:, others] if self._upright[others].all() else None
         cell = math.floor(point[0] / _CELL), math.floor(point[1] / _CELL)
         asked = self._asked[cell] = self._asked.get(cell, 0) + 1
         fixed = self._seen.get(cell) if asked > _WORTH else self._fixed
@@ -138,7 +140,7 @@ class UprightShapes:
                 self._asked.clear()
             middle = (cell[0] + 0.5) * _CELL, (cell[1] + 0.5) * _CELL
             fixed = self._seen[cell] = self._fixed[:, find_visible(self._fixed, middle, _CELL / 2.0 + _MARGIN)]
-        return np.concatenate((fixed, self._now[:, others]), axis=1) if self._upright[others].all() else None
+        return None if moving is None else (fixed, moving)
 
     def is_at_height(self, point: Floats, turn: Floats) -> bool:
         """Return whether a lidar with a place (3,) and a rotation matrix (9,) sees in the plane of the sides."""
@@ -174,10 +176,24 @@ class PlanarBeams:
         """`reach` (m) is how far they go."""
         self._first, self._step, self._reach = first, step, reach
         self._angles = first + step * np.arange(count)
+        self._pose: tuple[float, ...] = ()
 
-    def cast(self, sides: Floats, point: tuple[float, float], yaw: float) -> Floats:
-        """Distances (m), shape (count,), from a place to the nearest of the sides; inf where nothing is in reach."""
-        x, y, dx, dy = sides
+    def cast(self, fixed: Floats, moving: Floats, point: tuple[float, float], yaw: float) -> Floats:
+        """Distances (m), shape (count,), from a place to the nearest of the sides; inf where nothing is in reach.
+
+        From the same place only what has moved is looked at again. The array is not to be changed.
+        """
+        if self._pose != (*point, yaw):
+            self._pose, self._moving, self._to_fixed = (*point, yaw), moving, None
+            self._distances = self._cast(np.concatenate((fixed, moving), axis=1))
+        elif moving is not self._moving:
+            if self._to_fixed is None:
+                self._to_fixed = self._cast(fixed)
+            self._moving, self._distances = moving, np.minimum(self._to_fixed, self._cast(moving))
+        return self._distances
+
+    def _cast(self, sides: Floats) -> Floats:
+        (x, y, dx, dy), point, yaw = sides, self._pose[:2], self._pose[2]
         x, y = x - point[0], y - point[1]
         away = y * dx - x * dy  # to the line of the side, times its length
         facing = away > 0.0
@@ -294,7 +310,7 @@ class LidarBeams:
             return None
         point = float(place[0]), float(place[1])
         sides = self._shapes.sides(data, self._body, point)
-        return None if sides is None else planar.cast(sides, point, math.atan2(turn[3], turn[0]))
+        return None if sides is None else planar.cast(*sides, point, math.atan2(turn[3], turn[0]))
 
 
 def make_lidars(model: mujoco.MjModel, lidar: Lidar, robots: int) -> list[LidarBeams]:

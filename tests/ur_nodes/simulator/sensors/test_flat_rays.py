@@ -1,6 +1,7 @@
 """Beams in a plane end where beams in space do."""
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Callable
 
@@ -64,6 +65,20 @@ def test_robots_that_drive_see_one_another_as_in_space(
     assert sum(off) < 0.002 * len(off) * 360
 
 
+def test_a_robot_that_rests_sees_others_drive_as_in_space(
+    furnished: WorldModel, stage: Base, drive: Callable[..., None]
+) -> None:
+    simulation = Simulation(furnished, stage, robots=2, start=(0.0, 0.0, 0.0))
+    drive(simulation, 1.0)
+    scans = []
+    for turn in range(8):
+        drive(simulation, 0.2, -0.1, 0.4 if turn < 4 else 0.0, 1)
+        flat, in_space = both_scans(simulation, stage, 0)
+        assert differing(flat, in_space, 0.01) <= 2
+        scans.append(flat)
+    assert all(differing(then, now, 0.0) for then, now in itertools.pairwise(scans[1:]))
+
+
 def test_an_obstacle_that_has_tipped_over_is_seen_as_in_space(furnished: WorldModel, stage: Base) -> None:
     simulation = Simulation(furnished, stage, start=(0.0, -1.0, 0.0))
     data = simulation._physics.data
@@ -103,12 +118,13 @@ def test_lidars_of_one_model_share_its_shapes(room: WorldModel, stage: Base) -> 
 def test_sides_that_a_square_cannot_see_change_no_range(stage: Base) -> None:
     world = read_world(str(launch_library() / "n_simulator/worlds/maze.yaml"))
     model = mujoco.MjModel.from_xml_string(build_model(world, stage, 1, world.start))
-    every, beams = UprightShapes(model, 0.3)._fixed, PlanarBeams(-math.pi, math.tau / 360, 360, 50.0)
+    every, nothing = UprightShapes(model, 0.3)._fixed, np.zeros((4, 0))
+    beams, others = (PlanarBeams(-math.pi, math.tau / 360, 360, 50.0) for _ in range(2))
     random, left = np.random.default_rng(0), []
     for middle in random.uniform((0.0, -6.0), (16.0, 6.0), (20, 2)).tolist():
         seen = every[:, find_visible(every, (middle[0], middle[1]), 0.25)]
         left.append(seen.shape[1])
         for dx, dy, yaw in random.uniform(-0.25, 0.25, (5, 3)).tolist():
             point = middle[0] + dx, middle[1] + dy
-            assert np.array_equal(beams.cast(seen, point, yaw), beams.cast(every, point, yaw))
+            assert np.array_equal(beams.cast(seen, nothing, point, yaw), others.cast(every, nothing, point, yaw))
     assert np.mean(left) < 0.3 * every.shape[1]
