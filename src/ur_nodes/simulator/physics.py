@@ -37,18 +37,14 @@ class Physics:
         self.data = mujoco.MjData(self.model)
         self._robots = robots
         self._joints = [self._freejoint(f"robot_{n}") for n in range(robots)]
-        self._wheels = [
-            [int(self.model.joint(f"{side}_{n}").qposadr[0]) for side in ("left", "right")] for n in range(robots)
-        ]
-        self._motors = [
-            slice(first, first + 2) for first in (self.model.actuator(f"left_{n}").id for n in range(robots))
-        ]
+        wheels = [[self.model.joint(f"{side}_{n}") for side in ("left", "right")] for n in range(robots)]
+        self._wheels = [[int(wheel.qposadr[0]) for wheel in pair] for pair in wheels]
+        self._spins = [[int(wheel.dofadr[0]) for wheel in pair] for pair in wheels]
+        motors = [self.model.actuator(f"left_{n}").id for n in range(robots)]
+        self._motors = [slice(first, first + 2) for first in motors]
         self._chassis = [int(self.model.geom(f"chassis_{n}").id) for n in range(robots)]
         self._owners = {geom: n for n, geom in enumerate(self._chassis)}
         self._people = np.array([self.model.geom(f"person_{n}").id for n in range(self.model.nmocap)], dtype=np.intp)
-        self._spins = [
-            [int(self.model.joint(f"{side}_{n}").dofadr[0]) for side in ("left", "right")] for n in range(robots)
-        ]
         self._aside = [int(self.model.joint(f"aside_{n}").qposadr[0]) for n in range(robots) if sideways]
         self._trees = [int(self.model.body_treeid[self.model.body(f"robot_{n}").id]) for n in range(robots)]
         self.reset()

@@ -175,7 +175,7 @@ class PlanarBeams:
     def __init__(self, first: float, step: float, count: int, reach: float) -> None:
         """`reach` (m) is how far they go."""
         self._first, self._step, self._reach = first, step, reach
-        self._angles = first + step * np.arange(count)
+        self.angles = first + step * np.arange(count)
         self._pose: tuple[float, ...] = ()
 
     def cast(self, fixed: Floats, moving: Floats, point: tuple[float, float], yaw: float) -> Floats:
@@ -209,12 +209,12 @@ class PlanarBeams:
         first = np.ceil(np.concatenate((start, start[which] - turn)) - _SLACK).astype(np.int64)
         last = np.floor(np.concatenate((end, end[which] - turn)) + _SLACK).astype(np.int64)
         np.maximum(first, 0, out=first)
-        np.minimum(last, len(self._angles) - 1, out=last)
+        np.minimum(last, len(self.angles) - 1, out=last)
         counts = np.maximum(last - first + 1, 0)
         ends = np.cumsum(counts)
         beams = np.arange(int(ends[-1]) if len(ends) else 0) + np.repeat(first - (ends - counts), counts)
         side = np.repeat(both, counts)
-        angles = self._angles + yaw
+        angles = self.angles + yaw
         slope = np.sin(angles)[beams] * dx[side] - np.cos(angles)[beams] * dy[side]
         distances = np.full(len(angles), np.inf)
         np.minimum.at(distances, beams, away[side] / np.maximum(slope, _PARALLEL))
@@ -267,50 +267,39 @@ class LidarBeams:
     """
 
     def __init__(self, model: mujoco.MjModel, lidar: Lidar, robot: int, shapes: UprightShapes | None = None) -> None:
-        self._lidar = lidar
+        self._model, self._lidar = model, lidar
         self._shapes = shapes if shapes and shapes.flat else None
         self._site = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, f"lidar_{robot}")
-        angles = np.linspace(lidar.angle_min, lidar.angle_max, lidar.samples)
-        self._beams = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)], axis=1)
         self._body = int(model.site_bodyid[self._site])
-        self._model = model
-        self._reach = reach = lidar.range_max + 6.0 * lidar.noise
-        self._rays = RayCaster(model, self._body, lidar.samples, reach)
-        self._planar = PlanarBeams(lidar.angle_min, float(angles[1] - angles[0]), lidar.samples, reach)
+        self._reach = lidar.range_max + 6.0 * lidar.noise
+        step = (lidar.angle_max - lidar.angle_min) / (lidar.samples - 1)
+        self._every = PlanarBeams(lidar.angle_min, step, lidar.samples, self._reach)
 
     def cast(self, data: mujoco.MjData, noise: Floats) -> Floats:
         """Ranges (m), shape (samples,), with `noise` (standard normal, same shape) scaled to the lidar's.
 
         After REP 117: +inf where nothing is within `range_max`, -inf where something is nearer than `range_min`.
         """
-        return self.measured(self._cast(data, self._planar, self._beams, self._rays), noise)
+        return self.measured(self._cast(data, self._every), noise)
 
     def cast_some(self, data: mujoco.MjData, first: float, step: float, count: int) -> Floats:
         """Distances (m), shape (count,), along other beams: from an angle (rad) on, a step (rad) apart."""
-        angles = first + step * np.arange(count)
-        beams = np.stack([np.cos(angles), np.sin(angles), np.zeros(count)], axis=1)
-        rays = RayCaster(self._model, self._body, count, self._reach)
-        return self._cast(data, PlanarBeams(first, step, count, self._reach), beams, rays)
+        return self._cast(data, PlanarBeams(first, step, count, self._reach))
 
     def measured(self, distances: Floats, noise: Floats) -> Floats:
         """The ranges of distances, as of `cast`."""
         lidar = self._lidar
         return measured_ranges(distances, lidar.noise * noise, (lidar.range_min, lidar.range_max))
 
-    def _cast(self, data: mujoco.MjData, planar: PlanarBeams, beams: Floats, rays: RayCaster) -> Floats:
-        distances = self._cast_in_plane(data, planar)
-        if distances is None:
-            directions = beams @ data.site_xmat[self._site].reshape(3, 3).T
-            distances = rays.cast(data, data.site_xpos[self._site], directions)
-        return distances
-
-    def _cast_in_plane(self, data: mujoco.MjData, planar: PlanarBeams) -> Floats | None:
+    def _cast(self, data: mujoco.MjData, beams: PlanarBeams) -> Floats:
         place, turn = data.site_xpos[self._site], data.site_xmat[self._site]
-        if not self._shapes or not self._shapes.is_at_height(place, turn):
-            return None
-        point = float(place[0]), float(place[1])
-        sides = self._shapes.sides(data, self._body, point)
-        return None if sides is None else planar.cast(*sides, point, math.atan2(turn[3], turn[0]))
+        if self._shapes and self._shapes.is_at_height(place, turn):
+            point = float(place[0]), float(place[1])
+            if sides := self._shapes.sides(data, self._body, point):
+                return beams.cast(*sides, point, math.atan2(turn[3], turn[0]))
+        level = np.stack([np.cos(beams.angles), np.sin(beams.angles), np.zeros(len(beams.angles))], axis=1)
+        rays = RayCaster(self._model, self._body, len(level), self._reach)
+        return rays.cast(data, place, level @ turn.reshape(3, 3).T)
 
 
 def make_lidars(model: mujoco.MjModel, lidar: Lidar, robots: int) -> list[LidarBeams]:
