@@ -7,8 +7,8 @@ floor, 5 glass, which sonars detect.
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from html import escape
 from typing import NamedTuple
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 import numpy.typing as npt
@@ -142,14 +142,14 @@ def _walls(world: WorldModel) -> Iterable[str]:
 def _box_geom(box: Box, name: str) -> str:
     x, y, z, yaw = box.pose
     return (
-        f'<geom name={quoteattr(name)} type="box" pos="{x!r} {y!r} {z!r}" euler="0 0 {yaw!r}" size="{_half(box)}"'
+        f'<geom name="{escape(name)}" type="box" pos="{x!r} {y!r} {z!r}" euler="0 0 {yaw!r}" size="{_half(box)}"'
         f' contype="{_WALL}" conaffinity="0" friction="{_SCRAPE} 0.005 0.0001" group="{5 if box.glass else 0}"/>'
     )
 
 
 def _obstacle(box: Box) -> str:
     x, y, z, yaw = box.pose
-    name = quoteattr(f"obstacle/{box.name}")
+    name = f'"obstacle/{escape(box.name)}"'
     return (
         f'<body name={name} pos="{x!r} {y!r} {z!r}" euler="0 0 {yaw!r}"><freejoint name={name}/>'
         f'<geom name={name} type="box" size="{_half(box)}" mass="{box.mass!r}" contype="{_OBSTACLE}"'

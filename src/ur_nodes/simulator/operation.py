@@ -1,17 +1,20 @@
 """The operation of a simulation on a node: its pace, clock, due outputs, and services."""
 
 from collections.abc import Collection
+from typing import TYPE_CHECKING
 
 from ur.source.diagnostic import UserError
 from ur_nodes.ports.node import SECOND, Node, Timer
 from ur_nodes.ports.services import Place, Silent, Switch, Trigger
 from ur_nodes.ports.values import ClockTime, Poses, Result
 from ur_nodes.simulator.camera.camera_topics import SimulatedCameraTopics
-from ur_nodes.simulator.devices.bench import DeviceBench
 from ur_nodes.simulator.robot_topics import RobotTopics
 from ur_nodes.simulator.schedule import SimulationTick
 from ur_nodes.simulator.settings import SimulatorSettings, list_prefixes
 from ur_nodes.simulator.simulation import Simulation
+
+if TYPE_CHECKING:
+    from ur_nodes.simulator.devices.bench import DeviceBench
 
 
 class SensorTopics:
@@ -92,7 +95,7 @@ class Operation:
         simulation: Simulation,
         settings: SimulatorSettings,
         camera: SimulatedCameraTopics | None = None,
-        bench: DeviceBench | None = None,
+        bench: "DeviceBench | None" = None,
     ) -> None:
         """With a `bench` the robot is moved and read through its devices, and has no topics that they cover."""
         self._node = node

@@ -3,6 +3,7 @@
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ur.robot.base import Base, load_base
 from ur.robot.base.calibration import Calibration, parse_calibration
@@ -12,10 +13,12 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.run import run
 from ur_nodes.simulator.camera.camera_topics import SimulatedCameraTopics
-from ur_nodes.simulator.devices.bench import DeviceBench
 from ur_nodes.simulator.operation import Operation
 from ur_nodes.simulator.settings import list_prefixes, read_camera, read_settings
 from ur_nodes.simulator.simulation import Simulation
+
+if TYPE_CHECKING:
+    from ur_nodes.simulator.devices.bench import DeviceBench
 
 
 def start(node: Node) -> None:
@@ -37,12 +40,16 @@ def start(node: Node) -> None:
     Operation(node, simulation, settings, camera, open_devices(own, simulation)).begin()
 
 
-def open_devices(own: Parameters, simulation: Simulation) -> DeviceBench | None:
+def open_devices(own: Parameters, simulation: Simulation) -> "DeviceBench | None":
     """The stand-ins of the robot's devices in the folder `~devices`; '': none. Raises UserError."""
     folder = own.text("devices", "")
     if folder and (simulation.robots > 1 or not folder.startswith("/")):
         own.fail("devices", folder, "the path of a folder, and one robot")
-    return DeviceBench(simulation, Path(folder), own.integer("seed", 0, minimum=0)) if folder else None
+    if not folder:
+        return None
+    from ur_nodes.simulator.devices.bench import DeviceBench  # with the drivers' boards, for robots with devices only
+
+    return DeviceBench(simulation, Path(folder), own.integer("seed", 0, minimum=0))
 
 
 def make_simulation(own: Parameters, world: WorldModel, base: Base) -> Simulation:

@@ -16,7 +16,6 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
-from multiprocessing import get_context
 from typing import IO, BinaryIO
 
 import numpy as np
@@ -175,6 +174,8 @@ def _read(stream: IO[bytes], size: int) -> bytes:
 def serve(requests: BinaryIO, answers: BinaryIO) -> int:
     """Draw the requested pictures until the input ends."""
     os.nice(5)  # physics first
+    from multiprocessing import get_context
+
     job = read_json(requests.readline(), CameraJob, _LONGEST_JOB)
     renderer: mujoco.Renderer | None = None
     try:
