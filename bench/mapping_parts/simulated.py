@@ -88,7 +88,7 @@ def drive(simulation: Simulation, base: Base, grid: Grid, goals: Iterable[tuple[
         while True:
             tick = simulation.advance()
             x, y, yaw = simulation.pose(0)
-            if tick.scan:
+            if "scan" in tick.due:
                 scan = simulation.scan(0).astype(np.float32)
                 yield Moment(tick.time, scan, Pose2(*simulation.odometry(0).pose), Pose2(x, y, yaw))
             reached = _progress(path, reached, (x, y))

@@ -119,14 +119,14 @@ class Drive:
 
     def _sense(self, tick: SimulationTick) -> None:
         base, at = self.base, tick.time
-        if tick.odometry:
+        if "odometry" in tick.due:
             odometry = self.simulation.odometry(0)
             forward, turn, left = odometry.velocity
             reading = Odometer(odometry.pose, forward, turn, at, left)
             self._post(at + _SENSOR_DELAY, lambda: self._take(move(self.sight, reading)))
         seen = []
-        ranges = self._head.measure(due=tick.scan) if self._head else None
-        if tick.scan and base.lidar and (ranges is not None or not self._head):
+        ranges = self._head.measure(due="scan" in tick.due) if self._head else None
+        if "scan" in tick.due and base.lidar and (ranges is not None or not self._head):
             step = (base.lidar.angle_max - base.lidar.angle_min) / (base.lidar.samples - 1)
             limits = base.lidar.range_min, base.lidar.range_max
             if self._head and ranges is not None:

@@ -152,22 +152,22 @@ class Operation:
         if placed and not self._bench and self._transforms.subscribers():
             self._transforms.send(tuple(robot.transform(stamp) for robot in self._robots))
         self._send_robots(tick, stamp, joints=joints)
-        if tick.odometry:
+        if "odometry" in tick.due:
             if self._people and self._people.subscribers():
                 self._people.send(Poses(stamp, self._settings.frames.map, self._simulation.people))
             if self._camera:
                 self._watch(self._camera)
         for sensors in self._sensors:
             sensors.send(tick, stamp)
-        if tick.picture and self._camera:
+        if "picture" in tick.due and self._camera:
             self._camera.publish(stamp, self._simulation.state())
 
     def _send_robots(self, tick: SimulationTick, stamp: int, *, joints: bool) -> None:
         simulation = self._simulation
         for robot, collisions, strikes in zip(self._robots, simulation.collisions, simulation.strikes, strict=True):
-            if tick.odometry:
+            if "odometry" in tick.due:
                 robot.send_odometry(stamp)
-            robot.send_scan(stamp, due=tick.scan)
+            robot.send_scan(stamp, due="scan" in tick.due)
             if joints:
                 robot.send_joints(stamp)
             robot.send_collisions(collisions, strikes)

@@ -35,18 +35,3 @@ class SimulationTick:
     due: frozenset[str]
     moved: bool = False
     """True: something in it comes with the robot's place."""
-
-    @property
-    def odometry(self) -> bool:
-        """The odometry is due."""
-        return "odometry" in self.due
-
-    @property
-    def scan(self) -> bool:
-        """The lidar is due."""
-        return "scan" in self.due
-
-    @property
-    def picture(self) -> bool:
-        """A picture is due."""
-        return "picture" in self.due

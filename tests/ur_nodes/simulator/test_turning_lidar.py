@@ -30,7 +30,7 @@ def turns_of(simulation: Simulation, head: TurningLidar, turn: float) -> Iterato
     """The scans of a robot that turns on the spot, rad/s, or rests."""
     while True:
         simulation.command(0, 0.0, turn)
-        ranges = head.measure(due=simulation.advance().scan)
+        ranges = head.measure(due="scan" in simulation.advance().due)
         if ranges is not None:
             yield ranges
 

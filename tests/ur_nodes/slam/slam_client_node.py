@@ -52,7 +52,7 @@ class SlamClient:
         end = self._simulation.time + seconds
         while self._simulation.time < end:
             self._simulation.command(0, linear, angular)
-            if self._simulation.advance().scan:
+            if "scan" in self._simulation.advance().due:
                 self._publish()
         return self._error()
 

@@ -75,7 +75,7 @@ class SlamStage:
         while self.simulation.time < end:
             before = self.simulation.time
             self.simulation.command(0, linear, angular)
-            scan = self.simulation.advance().scan
+            scan = "scan" in self.simulation.advance().due
             self.bus.run(self.simulation.time - before)
             if scan:
                 self._send()

@@ -14,42 +14,23 @@ from ur_nodes.simulator.mujoco_model import LIDAR_GROUPS
 Floats = npt.NDArray[np.float64]
 
 
-class RayCaster:
-    """As many rays at once as a sensor has, which hit everything that lidars detect but the robot's own `body`.
+def cast_rays(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    point: Floats,
+    directions: Floats,
+    body: int,
+    reach: float,
+    groups: tuple[int, ...] = LIDAR_GROUPS,
+) -> Floats:
+    """Distances (m), shape (count,), from `point` (3,) along unit vectors (count, 3); negative where nothing is.
 
-    `reach` (m) is how far they go. The arrays are allocated once.
+    The rays hit everything that lidars detect but the robot's own `body`; `reach` (m) is how far they go.
     """
-
-    def __init__(
-        self, model: object, body: int, count: int, reach: float, groups: tuple[int, ...] = LIDAR_GROUPS
-    ) -> None:
-        self._model = model
-        self._body = body
-        self._reach = reach
-        self._groups = np.array(groups, np.uint8)
-        self._hit = np.zeros(count, np.int32)
-        self._distance = np.zeros(count)
-
-    def cast(self, data: object, point: Floats, directions: Floats) -> Floats:
-        """Distances (m), shape (count,), from `point` (3,) along unit vectors (count, 3); negative where nothing is.
-
-        The array is used again by the next call.
-        """
-        mujoco.mj_multiRay(
-            self._model,
-            data,
-            point,
-            directions.ravel(),
-            self._groups,
-            1,  # walls too
-            self._body,
-            self._hit,
-            self._distance,
-            None,
-            len(self._distance),
-            self._reach,
-        )
-        return self._distance
+    count, walls, seen = len(directions), 1, np.array(groups, np.uint8)
+    hit, distances = np.zeros(count, np.int32), np.zeros(count)
+    mujoco.mj_multiRay(model, data, point, directions.ravel(), seen, walls, body, hit, distances, None, count, reach)
+    return distances
 
 
 def measured_ranges(distances: Floats, noise: Floats, limits: tuple[float, float]) -> Floats:
@@ -298,8 +279,7 @@ class LidarBeams:
             if sides := self._shapes.sides(data, self._body, point):
                 return beams.cast(*sides, point, math.atan2(turn[3], turn[0]))
         level = np.stack([np.cos(beams.angles), np.sin(beams.angles), np.zeros(len(beams.angles))], axis=1)
-        rays = RayCaster(self._model, self._body, len(level), self._reach)
-        return rays.cast(data, place, level @ turn.reshape(3, 3).T)
+        return cast_rays(self._model, data, place, level @ turn.reshape(3, 3).T, self._body, self._reach)
 
 
 def make_lidars(model: mujoco.MjModel, lidar: Lidar, robots: int) -> list[LidarBeams]:

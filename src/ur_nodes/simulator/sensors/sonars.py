@@ -11,7 +11,7 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Range
 from ur_nodes.simulator.mujoco_model import SONAR_GROUPS
 from ur_nodes.simulator.scenery import rotation_axes
-from ur_nodes.simulator.sensors.flat_rays import Floats, RayCaster, measured_ranges
+from ur_nodes.simulator.sensors.flat_rays import Floats, cast_rays, measured_ranges
 from ur_nodes.simulator.sensors.sense import Noise, Send, Sense, Site
 
 ROW_RAYS = 17  # side by side: walls and obstacles are upright
@@ -22,13 +22,13 @@ class SonarRing:
     """The sonars of one robot, in the order of the base's file. They detect what lidars do, and glass."""
 
     def __init__(self, model: mujoco.MjModel, sonars: Sonars, robot: int) -> None:
-        self._sonars = sonars
+        self._model, self._sonars = model, sonars
         self._body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, f"robot_{robot}")
         poses = [sonar.pose for sonar in sonars.at]
         self._places = np.array([pose[:3] for pose in poses], np.float64).reshape(-1, 3)
         fan = cone_rays(sonars.field_of_view)
         self._fans = [fan @ rotation_axes(pose[3:]) for pose in poses]
-        self._rays = RayCaster(model, self._body, len(fan), sonars.range_max + 6.0 * sonars.noise, SONAR_GROUPS)
+        self._reach = sonars.range_max + 6.0 * sonars.noise
 
     def listen(self, data: mujoco.MjData, noise: Floats) -> Floats:
         """Ranges (m), shape (sonars,), with `noise` (standard normal, same shape) scaled to the sonars'.
@@ -43,7 +43,7 @@ class SonarRing:
         return measured_ranges(nearest, sonars.noise * noise, (sonars.range_min, sonars.range_max))
 
     def _nearest(self, data: mujoco.MjData, point: Floats, rays: Floats) -> float:
-        distances = self._rays.cast(data, point, rays)
+        distances = cast_rays(self._model, data, point, rays, self._body, self._reach, SONAR_GROUPS)
         hits = distances[distances >= 0.0]
         return float(hits.min()) if hits.size else math.inf
 

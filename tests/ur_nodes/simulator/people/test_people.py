@@ -24,7 +24,7 @@ def walks(simulation: Simulation, seconds: float) -> np.ndarray:
     """The places (t, n, 2) of people at the odometry's rate."""
     places = []
     while simulation.time < seconds:
-        if simulation.advance().odometry:
+        if "odometry" in simulation.advance().due:
             places.append(simulation.people[:, :2])
     return np.array(places)
 

@@ -22,7 +22,7 @@ def first_scan(world: WorldModel, base: Base, start: tuple[float, float, float],
     assert base.lidar is not None
     base = dataclasses.replace(base, lidar=dataclasses.replace(base.lidar, **changes))
     simulation = Simulation(world, base, start=start)
-    while not simulation.advance().scan:
+    while "scan" not in simulation.advance().due:
         pass
     return simulation.scan(0)
 

@@ -99,7 +99,7 @@ def test_sonars_do_not_change_what_the_lidar_says(room: WorldModel, stage: Base)
     scans = []
     for base in (stage, fit(stage, AHEAD, noise=0.02)):
         simulation = Simulation(room, base, seed=3)
-        while not simulation.advance().scan:
+        while "scan" not in simulation.advance().due:
             pass
         scans.append(simulation.scan(0).tolist())
     assert scans[0] == scans[1]
