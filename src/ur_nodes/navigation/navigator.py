@@ -163,13 +163,14 @@ class Navigator:
         driven = run.legs.step(held, local, inputs.odom, inputs.speed_mask, self._driving)
         if driven.ended or (driven.command.waits and run.is_at_end(pose, inputs.odom, self._settings.xy_tolerance)):
             if not driven.ended or driven.away <= self._settings.xy_tolerance:
+                run.waited_since = None
                 run.enter(NavigatorPhase.TURNING, inputs.now)
                 return self._turn(run, motion, local, inputs)
             return NavigatorOutputs(command=self._braked(run), plan=run.may_ask(inputs.now, 0.5))
         step = driven.command
         if step.waits:
             return self._wait(run, step.velocity, inputs, step.ahead)
-        run.waited_since = None
+        run.drive_on(pose)
         patience = self._settings
         if run.contacts:  # more pushing does not help
             patience = replace(patience, controller_patience=2.0, progress_timeout=4.0)
@@ -181,13 +182,20 @@ class Navigator:
             inputs.now, _TIGHT_PAUSE if tight else 0.5 if step.blocked else 1.0
         )
         periodic = self._settings.planner_period > 0.0 and run.may_ask(inputs.now, self._settings.planner_period)
-        return NavigatorOutputs(command=step.velocity, plan=wanted or periodic, careful=step.blocked, ahead=step.ahead)
+        return NavigatorOutputs(
+            command=step.velocity,
+            plan=wanted or periodic,
+            careful=step.blocked,
+            waited=run.waited(inputs.now),
+            ahead=step.ahead,
+        )
 
     def _wait(
         self, run: GoalPursuit, command: DriveVelocity, inputs: NavigatorInputs, ahead: Points | None = None
     ) -> NavigatorOutputs:
         """Stop for people, who will move on; search for a path around them, and make room for those who cannot."""
-        waited = run.wait(inputs.now)
+        assert inputs.motion is not None
+        waited = run.wait(inputs.now, inputs.motion.pose)
         if waited > self._settings.people_patience:
             return self._get_stuck(run, inputs, "people are in the way")
         if run.begin_to_make_room(inputs, waited, self._driving, self._track):

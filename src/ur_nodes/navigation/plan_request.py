@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ur_nodes.costmap.costmap import FREE, INSCRIBED, LETHAL, Costmap
 from ur_nodes.costmap.footprint import Footprint
-from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.navigator_step import PlanAnswer
 from ur_nodes.navigation.people.tracked_people import MARGIN, NO_PEOPLE, TrackedPeople
 from ur_nodes.navigation.planning.blended_turns import blend_turns
@@ -19,10 +19,11 @@ from ur_nodes.navigation.planning.outline_motions import SPINS, Steering
 from ur_nodes.navigation.planning.outline_plan import OutlineRequest, fit_outline, is_long
 from ur_nodes.navigation.planning.path_geometry import Points, arc_lengths, resample
 
-_STANDING = 0.3  # m/s: slower people are planned round
-_DETOUR, _DETOUR_SPEED = 3.0, 0.5  # m longer, and as much for each second that the robot has waited (m/s)
+_DETOUR, _DETOUR_SPEED = 1.0, 0.5  # m longer, and as much for each second that the robot has waited (m/s)
+_TURNED = 0.5  # m: as long as turning by a radian before the path takes
 _ROOM, _AMPLE = 0.05, 0.15  # m more than what the local planner keeps; ample: the robot need not slow down
 _BEND = 1.0  # m longer, for ample room
+_BEGIN = 6  # points of a path that show where it leads at first
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,41 +102,68 @@ def _leads_to_goal(costs: Costmap, request: PlanRequest, settings: PlanSettings)
 
 def _plan_round_people(request: PlanRequest, settings: PlanSettings, footprint: Footprint | None) -> Points:
     """Plan with clearance to standing people, or without it if there is no such path. Raises NoPathError."""
-    people = request.people
-    standing = np.hypot(*people.velocities.T) < _STANDING
-    straight = plan_path(request.costmap, request.start, request.goal, settings)
-    if footprint is None or not standing.any():
+    standing = request.people.standing
+    try:
+        straight = plan_path(request.costmap, request.start, request.goal, settings)
+    except NoPathError:
+        if footprint is None or not len(standing.points):
+            raise
+        return plan_path(
+            _without_people(request, standing.points, standing.radii + footprint.inscribed),
+            request.start,
+            request.goal,
+            settings,
+        )
+    if footprint is None or not len(standing.points):
         return straight
-    length = arc_lengths(straight)[-1]
+    length = _effort(straight, request.yaw)
     detour = _DETOUR + _DETOUR_SPEED * request.waited
     for room, longest in ((_AMPLE, length + _BEND), (_ROOM, length + detour)):
-        radii = people.radii[standing] + MARGIN + room + footprint.inscribed
+        radii = standing.radii + MARGIN + room + footprint.inscribed
         try:
-            round_them = plan_path(
-                _with_people(request, people.points[standing], radii), request.start, request.goal, settings
-            )
+            round_them = plan_path(_with_people(request, standing.points, radii), request.start, request.goal, settings)
         except NoPathError:
             continue
-        if arc_lengths(round_them)[-1] <= longest:
+        if _effort(round_them, request.yaw) <= longest:
             return round_them
     return straight
+
+
+def _effort(path: Points, yaw: float | None) -> float:
+    """Return the length of a path in m, longer for a robot that has to turn at its begin."""
+    length = float(arc_lengths(path)[-1])
+    if yaw is None or len(path) < 2:
+        return length
+    dx, dy = (path[min(_BEGIN, len(path) - 1)] - path[0]).tolist()
+    return length + _TURNED * abs(wrap_angle(math.atan2(dy, dx) - yaw))
 
 
 def _with_people(request: PlanRequest, places: NDArray[np.float64], radii: NDArray[np.float64]) -> Costmap:
     """Return costs with discs around people for the robot's centre; its position and the goal are left out."""
     costmap = request.costmap
-    costs = costmap.costs.copy()
+    ends = np.array((request.start, request.goal))
+    away = np.hypot(*np.moveaxis(places[:, None] - ends, -1, 0)).min(axis=1) - costmap.resolution
+    inside = _in_discs(costmap, places, np.minimum(radii, away)) & (costmap.costs != LETHAL)
+    return Costmap(np.where(inside, np.uint8(INSCRIBED), costmap.costs), costmap.resolution, costmap.origin)
+
+
+def _without_people(request: PlanRequest, places: NDArray[np.float64], radii: NDArray[np.float64]) -> Costmap:
+    """Return costs without obstacles where people stand: they leave sooner or later."""
+    costmap = request.costmap
+    inside = _in_discs(costmap, places, radii + 2.0 * costmap.resolution)
+    return Costmap(np.where(inside, request.static.costs, costmap.costs), costmap.resolution, costmap.origin)
+
+
+def _in_discs(costmap: Costmap, places: NDArray[np.float64], radii: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Mark the cells whose centres lie in discs."""
+    marked = np.zeros(costmap.shape, bool)
     for place, room in zip(places, radii.tolist(), strict=True):
-        for end in (request.start, request.goal):
-            room = min(room, math.dist(place, end) - costmap.resolution)
         row, column = costmap.cells_of_points(place).tolist()
         reach = math.ceil(max(room, 0.0) / costmap.resolution)
         box = (
             slice(max(0, row - reach), max(0, row + reach + 1)),
             slice(max(0, column - reach), max(0, column + reach + 1)),
         )
-        part = costs[box]
-        cells = np.moveaxis(np.indices(part.shape), 0, -1) + np.array((box[0].start, box[1].start))
-        inside = np.hypot(*np.moveaxis(costmap.points_of_cells(cells) - place, -1, 0)) < room
-        part[inside & (part != LETHAL)] = INSCRIBED
-    return Costmap(costs, costmap.resolution, costmap.origin)
+        cells = np.moveaxis(np.indices(marked[box].shape), 0, -1) + np.array((box[0].start, box[1].start))
+        marked[box] |= np.hypot(*np.moveaxis(costmap.points_of_cells(cells) - place, -1, 0)) < room
+    return marked

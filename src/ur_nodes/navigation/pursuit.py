@@ -16,6 +16,7 @@ from ur_nodes.navigation.steering.speed_profile import AT_REST, DriveVelocity, S
 
 _TRACK_STEP, _TRACK_TURN = 0.05, 0.1  # m, rad between poses of the track that is kept
 _TRACK = 120  # such poses
+_WAITED = 0.3  # m from where the robot waited for people, after which it does not any more
 _CORNERED, _PATIENCE = 0.7, 6.0  # m to people, and s of waiting for them, after which they seem unable to leave
 _RETREAT = 0.6  # m back to make room for them, and between two places where the robot does
 
@@ -37,6 +38,7 @@ class GoalPursuit:
     last_asked: float = -math.inf
     stuck_since: float | None = None
     waited_since: float | None = None
+    waited_at: Pose2 | None = None
     made_room_at: Pose2 | None = None
     trouble_since: float | None = None
     moved_at: float = 0.0
@@ -86,11 +88,21 @@ class GoalPursuit:
         self.waited_since = None
         self.enter(NavigatorPhase.PLANNING, now)
 
-    def wait(self, now: float) -> float:
+    def wait(self, now: float, pose: Pose2) -> float:
         """Wait for people, which is no lack of progress. Return how long so far, s."""
-        self.waited_since = now if self.waited_since is None else self.waited_since
+        if self.waited_since is None:
+            self.waited_since, self.waited_at = now, pose
         self.moved_at, self.stuck_since = now, None
-        return now - self.waited_since
+        return self.waited(now)
+
+    def waited(self, now: float) -> float:
+        """Return how long the robot has waited for people, s."""
+        return 0.0 if self.waited_since is None else now - self.waited_since
+
+    def drive_on(self, pose: Pose2) -> None:
+        """End the waiting for people where the robot has left the place; a few centimetres do not end it."""
+        if self.waited_at is None or math.dist(self.waited_at[:2], pose[:2]) > _WAITED:
+            self.waited_since = None
 
     def begin_to_make_room(self, inputs: NavigatorInputs, waited: float, driving: Driving, track: DrivenTrack) -> bool:
         """Choose a way back, once in a place, where people near the robot have not left while it `waited` (s)."""

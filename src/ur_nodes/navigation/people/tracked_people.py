@@ -22,6 +22,7 @@ _CLOSEST = 0.265  # m to a person from where on only the least counts as none: e
 _HORIZON = 1.0  # s ahead: the robot stops within half of it, and people do not keep their course for longer
 _SUDDEN, _SUDDEN_MARGIN = 0.2, 0.27  # s ahead and m: where they are now counts, too, as they may stop
 _REACH = 3.0  # m to people who matter within that time
+_STANDING = 0.3  # m/s: slower people stand
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,6 +32,12 @@ class TrackedPeople:
     points: Floats
     velocities: Floats
     radii: Floats
+
+    @property
+    def standing(self) -> TrackedPeople:
+        """The people who stand."""
+        kept = np.hypot(*self.velocities.T) < _STANDING
+        return TrackedPeople(self.points[kept], self.velocities[kept], self.radii[kept])
 
     def near(self, pose: Pose2) -> TrackedPeople:
         """Return the people who may come near a robot at a pose within the prediction horizon."""

@@ -1,5 +1,7 @@
 """The robot keeps room to people, and may leave where they come near."""
 
+from dataclasses import replace
+
 import numpy as np
 from tests.ur_nodes.navigation.closed_loop import LIMITS, STAGE
 from tests.ur_nodes.navigation.steering.test_local_plan import window
@@ -88,3 +90,29 @@ def test_a_path_leads_to_one_who_stands_in_the_only_way() -> None:
     costmap = window((1.5, 1.6, 2.6), (1.5, -1.6, 2.6))
     request = PlanRequest(0, (-0.5, 0.0), (3.0, 0.0), costmap, costmap, people=person(1.5, 0.0))
     assert answer_request(request, PlanSettings(), FOOTPRINT).path is not None
+
+
+def test_a_path_leads_to_one_who_stands_where_only_people_are_marked_as_obstacles() -> None:
+    walls, marked = ((1.5, 1.75, 2.9), (1.5, -1.75, 2.9)), (1.5, 0.0, 0.7)
+    blocked = PlanRequest(0, (-0.5, 0.0), (3.0, 0.0), window(*walls, marked), window(*walls))
+    assert answer_request(blocked, PlanSettings(), FOOTPRINT).path is None
+    people = replace(blocked, people=person(1.5, 0.0))
+    assert answer_request(people, PlanSettings(), FOOTPRINT).path is not None
+    elsewhere = replace(blocked, people=person(-1.0, 0.0))
+    assert answer_request(elsewhere, PlanSettings(), FOOTPRINT).path is None
+
+
+def way_round(waited: float, yaw: float = 0.0) -> float:
+    """The farthest that a path from the middle of one of two corridors, with somebody in it, leads aside, m."""
+    costmap = window((1.5, 0.7, 0.8), (1.5, -1.0, 1.2))
+    request = PlanRequest(
+        0, (0.2, 0.0), (3.0, 0.0), costmap, costmap, yaw=yaw, people=person(1.5, -0.05), waited=waited
+    )
+    path = answer_request(request, PlanSettings(), FOOTPRINT).path
+    assert path is not None
+    return float(path[:, 1].max())
+
+
+def test_the_longer_the_robot_has_waited_the_longer_is_the_path_round_people() -> None:
+    assert way_round(0.0) < 0.3
+    assert way_round(6.0) > 1.1

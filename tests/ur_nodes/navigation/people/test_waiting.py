@@ -13,9 +13,10 @@ from tests.ur_nodes.navigation.steering.test_local_plan import window
 from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.navigator import Navigator
-from ur_nodes.navigation.navigator_step import NavigatorInputs, NavigatorSettings, PlanAnswer
+from ur_nodes.navigation.navigator_step import NavigatorInputs, NavigatorPhase, NavigatorSettings, PlanAnswer
 from ur_nodes.navigation.people.tracked_people import MARGIN, NO_PEOPLE, TrackedPeople
 from ur_nodes.navigation.planning.path_geometry import resample
+from ur_nodes.navigation.pursuit import GoalPursuit
 from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.rollout import RolloutState
 from ur_nodes.navigation.steering.speed_profile import AT_REST
@@ -67,6 +68,15 @@ def test_the_robot_goes_on_when_they_have_left() -> None:
     corridor.drive(6.0, person(2.0, 0.0))
     corridor.drive(0.5)
     assert corridor.speeds[-1] > 0.3
+
+
+def test_a_few_centimetres_do_not_end_the_waiting_for_people() -> None:
+    run = GoalPursuit(GOAL, NavigatorPhase.DRIVING, 0.0)
+    run.wait(1.0, HOME)
+    run.drive_on(Pose2(0.2, 0.0, 0.0))
+    assert run.wait(3.0, Pose2(0.2, 0.0, 0.0)) == 2.0
+    run.drive_on(Pose2(0.4, 0.0, 0.0))
+    assert run.waited(4.0) == 0.0
 
 
 @pytest.fixture(scope="module")
