@@ -14,7 +14,7 @@ from ur_nodes.navigation.navigator_step import (
     NavigatorSettings,
     PlanAnswer,
 )
-from ur_nodes.navigation.people.tracked_people import NO_PEOPLE, room_to_people
+from ur_nodes.navigation.people.tracked_people import NO_PEOPLE, leads_to_standing, room_to_people
 from ur_nodes.navigation.planning.legs import Leg
 from ur_nodes.navigation.planning.outline_plan import is_long
 from ur_nodes.navigation.planning.path_geometry import Points
@@ -35,6 +35,7 @@ from ur_nodes.navigation.steering.speed_profile import (
 _ASTRAY, _ASTRAY_TIGHT = 0.4, 0.15  # m beside a path, and beside one that was made for the outline
 _SHUNTED, _MOST_SHUNTS = 0.12, 5  # rad off a heading, and manoeuvres for it, without turns on the spot
 _WAIT_PAUSE = 1.0  # s between two plans while people are in the way
+_AHEAD = 60  # points of the path that people may stand on
 _TIGHT_PAUSE = 2.0  # s between plans of such a path, which take longer
 _MOST_CONTACTS = 3  # with what the lidar does not see
 _BACKING = 5.0, 2.0  # s to back off at most, and at first, in which the same contact comes again
@@ -178,9 +179,13 @@ class Navigator:
             return self._get_stuck(run, inputs, run.reason or blocked_at(pose, inputs.odom))
         astray = driven.away > (_ASTRAY_TIGHT if run.legs.is_tight else _ASTRAY)
         tight = run.legs.is_tight  # of such a path another variant is no reason for another path
-        wanted = ((step.hindered and not tight) or step.blocked or astray or inputs.path_blocked) and run.may_ask(
-            inputs.now, _TIGHT_PAUSE if tight else 0.5 if step.blocked else 1.0
-        )
+        wanted = (
+            (step.hindered and not tight)
+            or step.blocked
+            or astray
+            or inputs.path_blocked
+            or leads_to_standing(inputs.odom.transform_points(run.legs.rest[:_AHEAD]), local.people, self._footprint)
+        ) and run.may_ask(inputs.now, _TIGHT_PAUSE if tight else 0.5 if step.blocked else 1.0)
         periodic = self._settings.planner_period > 0.0 and run.may_ask(inputs.now, self._settings.planner_period)
         return NavigatorOutputs(
             command=step.velocity,

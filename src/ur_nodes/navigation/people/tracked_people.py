@@ -94,6 +94,13 @@ def room_to_people(pose: Pose2, people: TrackedPeople, footprint: Footprint) -> 
     return float((rooms_to(hull_of_footprint(footprint), np.array(pose), near.points) - near.radii).min(initial=np.inf))
 
 
+def leads_to_standing(path: Floats, people: TrackedPeople, footprint: Footprint) -> bool:
+    """Return whether a path (n, 2) leads nearer than MARGIN to somebody who stands."""
+    standing = people.standing
+    gaps = np.hypot(*np.moveaxis(path[:, None] - standing.points, -1, 0)) - standing.radii
+    return bool((gaps < footprint.inscribed + MARGIN).any())
+
+
 @lru_cache(maxsize=8)
 def hull_of_footprint(footprint: Footprint) -> Hull:
     """Return the convex hull of the outline."""

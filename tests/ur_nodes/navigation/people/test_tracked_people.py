@@ -8,7 +8,7 @@ from tests.ur_nodes.navigation.steering.test_local_plan import window
 
 from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.navigation.people.tracked_people import MARGIN, TrackedPeople
+from ur_nodes.navigation.people.tracked_people import MARGIN, TrackedPeople, leads_to_standing
 from ur_nodes.navigation.plan_request import PlanRequest, answer_request
 from ur_nodes.navigation.planning.global_plan import PlanSettings
 from ur_nodes.navigation.planning.path_geometry import resample
@@ -116,3 +116,10 @@ def way_round(waited: float, yaw: float = 0.0) -> float:
 def test_the_longer_the_robot_has_waited_the_longer_is_the_path_round_people() -> None:
     assert way_round(0.0) < 0.3
     assert way_round(6.0) > 1.1
+
+
+def test_a_path_that_leads_to_one_who_stands_is_noticed_and_one_that_leads_past_is_not() -> None:
+    path = resample(np.array([(0.0, 0.0), (3.0, 0.0)]), 0.05)
+    assert leads_to_standing(path, person(2.0, 0.3), FOOTPRINT)
+    assert not leads_to_standing(path, person(2.0, 1.0), FOOTPRINT)
+    assert not leads_to_standing(path, person(2.0, 0.0, 0.8, 0.0), FOOTPRINT)

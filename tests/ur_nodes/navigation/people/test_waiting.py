@@ -34,6 +34,7 @@ class Corridor:
     motion: RolloutState = field(default_factory=lambda: RolloutState(HOME, 0.0, 0.0))
     logged: list[str] = field(default_factory=list)
     speeds: list[float] = field(default_factory=list)
+    plans: int = 0
 
     def __post_init__(self) -> None:
         self.navigator = Navigator(NavigatorSettings(), LIMITS, footprint_of_outline(STAGE, 0.05, 0.01))
@@ -48,6 +49,7 @@ class Corridor:
             out = self.navigator.step(NavigatorInputs(self.now, self.motion, HOME, around, answer))
             x, y, yaw = self.motion.pose
             rest = PATH[PATH[:, 0] > min(x, self.goal.x - 0.1)]
+            self.plans += out.plan
             answer = PlanAnswer(rest[rest[:, 0] <= self.goal.x + 1e-6]) if out.plan else None
             v, w, _ = out.command or AT_REST
             pose = Pose2(x + 0.1 * v * math.cos(yaw), y + 0.1 * v * math.sin(yaw), yaw + 0.1 * w)
@@ -61,6 +63,15 @@ def test_the_robot_waits_at_a_distance_from_one_who_stands_in_the_way() -> None:
     corridor.drive(7.0, person(2.0, 0.0))
     assert MARGIN - 0.02 < 2.0 - 0.2 - FRONT - corridor.motion.pose.x < MARGIN + 0.1
     assert corridor.logged == ["waiting for people"]
+
+
+def test_a_path_round_one_who_stands_on_it_is_asked_for_before_the_robot_slows_down() -> None:
+    corridor = Corridor()
+    corridor.drive(1.5)
+    assert corridor.plans == 1
+    corridor.drive(0.3, person(2.5, 0.0))
+    assert corridor.plans == 2
+    assert corridor.speeds[-1] >= corridor.speeds[-3] > 0.4
 
 
 def test_the_robot_goes_on_when_they_have_left() -> None:
