@@ -95,7 +95,7 @@ def room_to_people(pose: Pose2, people: TrackedPeople, footprint: Footprint) -> 
 
 
 def leads_to_standing(path: Floats, people: TrackedPeople, footprint: Footprint) -> bool:
-    """Return whether a path (n, 2) leads nearer than MARGIN to somebody who stands."""
+    """Return whether a path (n, 2) leads nearer than MARGIN to a person at rest."""
     standing = people.standing
     gaps = np.hypot(*np.moveaxis(path[:, None] - standing.points, -1, 0)) - standing.radii
     return bool((gaps < footprint.inscribed + MARGIN).any())
