@@ -179,21 +179,14 @@ class Navigator:
             return self._get_stuck(run, inputs, run.reason or blocked_at(pose, inputs.odom))
         astray = driven.away > (_ASTRAY_TIGHT if run.legs.is_tight else _ASTRAY)
         tight = run.legs.is_tight  # of such a path another variant is no reason for another path
-        wanted = (
-            (step.hindered and not tight)
-            or step.blocked
-            or astray
-            or inputs.path_blocked
-            or leads_to_standing(inputs.odom.transform_points(run.legs.rest[:_AHEAD]), local.people, self._footprint)
-        ) and run.may_ask(inputs.now, _TIGHT_PAUSE if tight else 0.5 if step.blocked else 1.0)
-        periodic = self._settings.planner_period > 0.0 and run.may_ask(inputs.now, self._settings.planner_period)
-        return NavigatorOutputs(
-            command=step.velocity,
-            plan=wanted or periodic,
-            careful=step.blocked,
-            waited=run.waited(inputs.now),
-            ahead=step.ahead,
+        ahead = inputs.odom.transform_points(run.legs.rest[:_AHEAD])
+        hindered = (step.hindered and not tight) or leads_to_standing(ahead, local.people, self._footprint)
+        wanted = (hindered or step.blocked or astray or inputs.path_blocked) and run.may_ask(
+            inputs.now, _TIGHT_PAUSE if tight else 0.5 if step.blocked else 1.0
         )
+        periodic = self._settings.planner_period > 0.0 and run.may_ask(inputs.now, self._settings.planner_period)
+        plan, waited = wanted or periodic, run.waited(inputs.now)
+        return NavigatorOutputs(step.velocity, plan=plan, careful=step.blocked, waited=waited, ahead=step.ahead)
 
     def _wait(
         self, run: GoalPursuit, command: DriveVelocity, inputs: NavigatorInputs, ahead: Points | None = None

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,17 +104,13 @@ def _leads_to_goal(costs: Costmap, request: PlanRequest, settings: PlanSettings)
 def _plan_round_people(request: PlanRequest, settings: PlanSettings, footprint: Footprint | None) -> Points:
     """Plan with clearance to standing people, or without it if there is no such path. Raises NoPathError."""
     standing = request.people.standing
+    plan = partial(plan_path, start=request.start, goal=request.goal, settings=settings)
     try:
-        straight = plan_path(request.costmap, request.start, request.goal, settings)
+        straight = plan(request.costmap)
     except NoPathError:
         if footprint is None or not len(standing.points):
             raise
-        return plan_path(
-            _without_people(request, standing.points, standing.radii + footprint.inscribed),
-            request.start,
-            request.goal,
-            settings,
-        )
+        return plan(_without_people(request, standing.points, standing.radii + footprint.inscribed))
     if footprint is None or not len(standing.points):
         return straight
     length = _effort(straight, request.yaw)
@@ -121,7 +118,7 @@ def _plan_round_people(request: PlanRequest, settings: PlanSettings, footprint: 
     for room, longest in ((_AMPLE, length + _BEND), (_ROOM, length + detour)):
         radii = standing.radii + MARGIN + room + footprint.inscribed
         try:
-            round_them = plan_path(_with_people(request, standing.points, radii), request.start, request.goal, settings)
+            round_them = plan(_with_people(request, standing.points, radii))
         except NoPathError:
             continue
         if _effort(round_them, request.yaw) <= longest:
@@ -131,11 +128,9 @@ def _plan_round_people(request: PlanRequest, settings: PlanSettings, footprint: 
 
 def _effort(path: Points, yaw: float | None) -> float:
     """Return the length of a path in m, longer for a robot that has to turn at its begin."""
-    length = float(arc_lengths(path)[-1])
-    if yaw is None or len(path) < 2:
-        return length
     dx, dy = (path[min(_BEGIN, len(path) - 1)] - path[0]).tolist()
-    return length + _TURNED * abs(wrap_angle(math.atan2(dy, dx) - yaw))
+    turn = 0.0 if yaw is None else abs(wrap_angle(math.atan2(dy, dx) - yaw))
+    return float(arc_lengths(path)[-1]) + _TURNED * turn
 
 
 def _with_people(request: PlanRequest, places: NDArray[np.float64], radii: NDArray[np.float64]) -> Costmap:
