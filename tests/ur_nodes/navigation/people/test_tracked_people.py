@@ -33,8 +33,8 @@ def command(people: TrackedPeople, speed: float = 0.5) -> LocalCommand:
 
 
 def test_one_who_walks_ahead_at_the_same_speed_hinders_nothing() -> None:
-    assert not command(person(1.3, 0.0, 0.5, 0.0)).hindered
-    assert command(person(1.3, 0.0)).speed < 0.5
+    assert not command(person(1.4, 0.0, 0.5, 0.0)).hindered
+    assert command(person(1.4, 0.0)).speed < 0.5
 
 
 def test_one_who_comes_towards_the_robot_slows_it_down_early() -> None:
@@ -44,6 +44,12 @@ def test_one_who_comes_towards_the_robot_slows_it_down_early() -> None:
 
 def test_one_who_walks_away_just_ahead_may_stop() -> None:
     assert command(person(0.5 + FRONT + 0.2 + 0.3, 0.0, 0.6, 0.0), speed=0.5).speed < 0.5
+
+
+def test_one_who_leaves_may_stop_before_the_robot_can() -> None:
+    around = LocalObstacles(window(), person(FRONT + 0.2 + 0.35, 0.0, 0.4, 0.0))
+    assert not sweep_is_free(RolloutState(Pose2(0.0, 0.0, 0.0), 0.3, 0.0), 0.5, around, FOOTPRINT)
+    assert sweep_is_free(RolloutState(Pose2(0.0, 0.0, 0.0), 0.1, 0.0), 0.5, around, FOOTPRINT)
 
 
 def test_the_robot_does_not_come_nearer_bit_by_bit() -> None:
