@@ -3,6 +3,8 @@
 import math
 from dataclasses import replace
 
+import numpy as np
+
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.leg_follower import Driving, LegFollower
@@ -35,11 +37,11 @@ from ur_nodes.navigation.steering.speed_profile import (
 _ASTRAY, _ASTRAY_TIGHT = 0.4, 0.15  # m beside a path, and beside one that was made for the outline
 _SHUNTED, _MOST_SHUNTS = 0.12, 5  # rad off a heading, and manoeuvres for it, without turns on the spot
 _WAIT_PAUSE = 1.0  # s between two plans while people are in the way
-_AHEAD = 60  # points of the path that people may stand on
+_AHEAD, _NEXT = 60, 30  # points of the path that people may stand on, also where the robot has made room for them
 _TIGHT_PAUSE = 2.0  # s between plans of such a path, which take longer
 _MOST_CONTACTS = 3  # with what the lidar does not see
 _BACKING = 5.0, 2.0  # s to back off at most, and at first, in which the same contact comes again
-_ROOMY, _STAY = 1.3, 6.0  # m to people who have left, and s to make room for them at most
+_ROOMY, _PASSED, _STAY = 1.3, 0.7, 6.0  # m to people who left, or left the path, and s to make room at most
 
 
 class Navigator:
@@ -179,8 +181,7 @@ class Navigator:
             return self._get_stuck(run, inputs, run.reason or blocked_at(pose, inputs.odom))
         astray = driven.away > (_ASTRAY_TIGHT if run.legs.is_tight else _ASTRAY)
         tight = run.legs.is_tight  # of such a path another variant is no reason for another path
-        ahead = inputs.odom.transform_points(run.legs.rest[:_AHEAD])
-        hindered = (step.hindered and not tight) or leads_to_standing(ahead, local.people, self._footprint)
+        hindered = (step.hindered and not tight) or self._leads_to_people(run, inputs.odom, local, _AHEAD)
         wanted = (hindered or step.blocked or astray or inputs.path_blocked) and run.may_ask(
             inputs.now, _TIGHT_PAUSE if tight else 0.5 if step.blocked else 1.0
         )
@@ -215,7 +216,8 @@ class Navigator:
         held = RolloutState(motion.pose, *run.sent)
         back = run.retreat.step(held, local, Pose2(0.0, 0.0, 0.0), None, self._driving)
         room = room_to_people(motion.pose, local.people, self._footprint)
-        if back.command.blocked or room > _ROOMY or inputs.now - run.phase_since > _STAY:
+        enough = _ROOMY if self._leads_to_people(run, inputs.odom, local, _NEXT) else _PASSED
+        if back.command.blocked or room > enough or inputs.now - run.phase_since > _STAY:
             run.enter(NavigatorPhase.PLANNING, inputs.now)
             return NavigatorOutputs(command=self._braked(run), plan=run.may_ask(inputs.now, 0.5))
         return NavigatorOutputs(command=back.command.velocity)
@@ -331,6 +333,10 @@ class Navigator:
             run.retreat = self._track.way_back(2.0 * self._footprint.circumscribed, self._limits)
         run.enter(NavigatorPhase.RECOVERING, inputs.now)
         return NavigatorOutputs(command=AT_REST, log=f"{reason}; recovering: {behaviour.value}")
+
+    def _leads_to_people(self, run: GoalPursuit, odom: Pose2, local: LocalObstacles, points: int) -> bool:
+        path = odom.transform_points(run.legs.rest[:points]) if run.legs else np.empty((0, 2))
+        return leads_to_standing(path, local.people, self._footprint)
 
     @property
     def _driving(self) -> Driving:

@@ -108,6 +108,16 @@ def test_the_robot_makes_room_once_for_one_who_does_not_leave(blocked: list[Corr
     assert abs(later.motion.pose.x - stopped.motion.pose.x) < 0.1
 
 
+def test_the_robot_goes_on_as_soon_as_those_it_made_room_for_have_left_the_path() -> None:
+    corridor = Corridor()
+    while "making room for people" not in corridor.logged:
+        corridor.drive(1.0, person(2.0, 0.0))
+    corridor.drive(2.5, person(2.0, 0.0))
+    assert corridor.speeds[-1] < 0.0
+    corridor.drive(1.5, person(corridor.motion.pose.x, 1.2))
+    assert corridor.speeds[-1] > 0.1
+
+
 def test_the_robot_gives_up_waiting_in_the_end(blocked: list[Corridor]) -> None:
     corridor = deepcopy(blocked[-1])
     corridor.drive(26.0, person(2.0, 0.0))
