@@ -21,8 +21,7 @@ _SLACK, _LEAST_SLACK = 0.02, 0.002  # m: a motion that loses less than this brin
 _CLOSEST = 0.265  # m to a person from where on only the least counts as none: each period may lose it again
 _HORIZON = 1.0  # s ahead: the robot stops within half of it, and people do not keep their course for longer
 _SUDDEN, _SUDDEN_MARGIN = 0.4, 0.27  # s ahead and m: where they are now counts, too, as they may stop
-_REACH = 3.0  # m to people who matter within that time
-_STANDING = 0.3  # m/s: slower people stand
+_REACH, _STANDING = 3.0, 0.3  # m to people who matter within that time, and m/s: slower people stand
 
 
 @dataclass(frozen=True, slots=True, eq=False)
