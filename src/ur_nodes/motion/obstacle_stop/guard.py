@@ -195,15 +195,12 @@ class Guard:
 
     def _look_for(self, side: Side, now: float) -> Cause | None:
         """Return the reason why no live sensor sees all of a side; None if all is seen."""
-        sensors = self.sight.sensors
-        views = [each.views[side] for each in sensors]
-        ages = [self.sight.age(each, now) for each in sensors]
-        live = [age <= max(SILENT, _PERIODS * each.period) for age, each in zip(ages, sensors, strict=True)]
-        if covers([view for view, alive in zip(views, live, strict=True) if alive]):
+        ages = {each: self.sight.age(each, now) for each in self.sight.sensors}
+        live = tuple(each for each, age in ages.items() if age <= max(SILENT, _PERIODS * each.period))
+        if covers(live, side):
             return None
-        silent = [pair for pair, alive in zip(zip(sensors, ages, strict=True), live, strict=True) if not alive]
-        if silent and covers(views):
-            sensor, age = max(silent, key=lambda pair: pair[1])
+        if len(live) < len(ages) and covers(self.sight.sensors, side):
+            sensor, age = max((pair for pair in ages.items() if pair[0] not in live), key=lambda pair: pair[1])
             return Cause("silent", side, name=sensor.label, age=age)
         return Cause("unseen", side)
 

@@ -1,8 +1,9 @@
 """The sensors of a base as the obstacle stop uses them: their fields of view, rates, and the area before the base."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -54,9 +55,10 @@ def _sees(points: Floats, mount: SensorMount, span: tuple[float, float], reach: 
     return seen
 
 
-def covers(views: Sequence[NDArray[np.bool_]]) -> bool:
-    """Return whether views together cover nearly a whole side of a base."""
-    return bool(views) and float(np.any(views, axis=0).mean()) >= _COVERED
+@lru_cache(maxsize=64)
+def covers(sensors: tuple[RangeSensor, ...], side: Side) -> bool:
+    """Return whether sensors together cover nearly a whole side of a base."""
+    return bool(sensors) and float(np.any([each.views[side] for each in sensors], axis=0).mean()) >= _COVERED
 
 
 def sensors_of(base: Base, hull: Hull, *, sonars: bool = True) -> tuple[RangeSensor, ...]:
