@@ -1,5 +1,6 @@
 """Destination of the keys' velocities: stamped commands for a mux with a lease, or plain ones for any subscriber."""
 
+import math
 from collections.abc import Callable
 from typing import Protocol
 
@@ -40,6 +41,26 @@ class Commander(Protocol):
 
     def close(self) -> None:
         """Release the lease."""
+
+
+def call_in_time(
+    node: Node, commander: Commander, rate: float, call: Callable[[], None], moving: Callable[[], bool]
+) -> None:
+    """Make a call at a rate (Hz); while `moving`, instead after each challenge, as long as these arrive as often."""
+    called_at = -math.inf
+
+    def answer() -> None:
+        nonlocal called_at
+        if moving():
+            called_at = node.steady()
+            call()
+
+    def beat() -> None:
+        if node.steady() - called_at > 1.0 / rate:
+            call()
+
+    commander.watch(answer)
+    node.every(1.0 / rate, beat, steady=True)
 
 
 class LeasedCommander:

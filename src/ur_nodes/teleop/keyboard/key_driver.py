@@ -7,7 +7,7 @@ from ur_nodes.client.driver_text import DriverLine, line_of
 from ur_nodes.client.mux import EmergencyStop, MuxView
 from ur_nodes.client.saving import MapSaving, Saving
 from ur_nodes.ports.node import Node
-from ur_nodes.teleop.keyboard.commander import Commander
+from ur_nodes.teleop.keyboard.commander import Commander, call_in_time
 from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, DriveState, start_drive, step_drive, use_settings
 from ur_nodes.teleop.keyboard.drive_screen import CommandTopic
 from ur_nodes.teleop.terminal.keys import FocusLost, KeyEvent
@@ -58,7 +58,7 @@ class KeyDriver:
         saving: MapSaving | None = None,
         linked: Callable[[], bool] = lambda: True,
     ) -> None:
-        """`rate` is the number of commands per second, besides answers to challenges.
+        """`rate` is the least number of commands per second.
 
         `linked` is whether the terminal is connected: keys drive only while it is.
         """
@@ -67,8 +67,7 @@ class KeyDriver:
         self._state, self._linked = start_drive(settings), linked
         self._alive_at = node.steady()
         self._cut_at = float("-inf")  # the latest time without a connection
-        commander.watch(self._answer)
-        node.every(1.0 / rate, self._step, steady=True)
+        call_in_time(node, commander, rate, self._step, lambda: self._state.moving)
         node.on_end(self._end)
 
     def use(self, settings: DriveSettings) -> None:
@@ -112,10 +111,6 @@ class KeyDriver:
         if not self._linked():
             self._cut_at = now
         return now - self._cut_at < SETTLE
-
-    def _answer(self) -> None:
-        if self._state.moving:
-            self._step()
 
     def _step(self) -> None:
         for saving in (self._saving, self._recording):

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from ur_nodes.ports.node import Node
-from ur_nodes.teleop.keyboard.commander import Commander, explain_refusal
+from ur_nodes.teleop.keyboard.commander import Commander, call_in_time, explain_refusal
 from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, start_drive, step_drive, use_settings
 from ur_nodes.teleop.terminal.keys import Key, KeyEvent, decode_keys
 
@@ -23,7 +23,7 @@ class PipeDriver:
     """Drives by one key after another. `press`, `close` and its properties may be used by any thread."""
 
     def __init__(self, node: Node, settings: DriveSettings, rate: float, commander: Commander) -> None:
-        """`rate` is the number of commands per second, besides answers to challenges."""
+        """`rate` is the least number of commands per second."""
         self._node, self._commander = node, commander
         self._state = start_drive(replace(settings, key_timeout=_HOLD))
         self._keys: deque[KeyEvent] = deque()
@@ -35,8 +35,7 @@ class PipeDriver:
         """The reason why it does not drive."""
         self.ended = False
         """True when nothing more will be driven."""
-        commander.watch(self._answer)
-        node.every(1.0 / rate, self._step, steady=True)
+        call_in_time(node, commander, rate, self._step, lambda: self._state.moving)
         node.on_end(self._end)
 
     def use(self, settings: DriveSettings) -> None:
@@ -59,10 +58,6 @@ class PipeDriver:
 
     def _close(self) -> None:
         self._closed = True
-
-    def _answer(self) -> None:
-        if self._state.moving:
-            self._step()
 
     def _step(self) -> None:
         self._ready = self._ready or self._may_drive()

@@ -10,7 +10,8 @@ from tests.ur_nodes.motion.mux_robot import LeaseDriver, MuxRobot
 from tests.ur_nodes.teleop.keyboard.rig import AHEAD, LEFT, RATE, SETTINGS, STILL, Rig
 
 from ur_nodes.memory.bus import Bus
-from ur_nodes.ports.values import Twist
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import StampedTwist, Twist
 from ur_nodes.teleop.keyboard.pipe_driver import PipeDriver, drive_by_pipe
 from ur_nodes.teleop.terminal.keys import decode_keys
 
@@ -57,6 +58,17 @@ def test_first_key_waits_for_a_subscriber_and_then_drives_with_a_warning() -> No
     bus.run(0.3)
     assert pipe.driver.warning == "no subscriber on /cmd_vel after 5 s; is the robot running? Driving anyway"
     assert bus.run_until(lambda: pipe.driver.ended, 2.0)
+
+
+def test_commands_come_as_often_as_challenges_while_these_come(home: Path) -> None:
+    robot = MuxRobot(home)
+    pipe, stamps = Pipe(robot.bus, "key_vel"), list[int]()
+    robot.person.subscribe("key_vel_stamped", StampedTwist, lambda sent: stamps.append(sent.stamp), Quality.EVERY)
+    pipe.press(b"ii")
+    assert robot.bus.run_until(lambda: len(stamps) > 10, 10.0)
+    del stamps[:]
+    robot.bus.run(0.5)
+    assert len(stamps) == len(set(stamps)) == pytest.approx(25, abs=2)
 
 
 def test_pipe_drives_through_the_mux(home: Path) -> None:
