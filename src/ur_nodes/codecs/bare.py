@@ -1,4 +1,4 @@
-"""Messages of ROS 2 whose packages may be missing, written and read as CDR bytes (XCDR1).
+"""Messages of ROS 2 as CDR bytes (XCDR1): those whose packages may be missing, and those that come many times a second.
 
 A class of this kind has `BARE`: package, name and RIHS01 hash of its type, by which the middleware finds the other end;
 and the `DEFINITION` of its type, for recordings.
@@ -7,15 +7,23 @@ Numbers are aligned to their size, counted from after the head of four bytes.
 
 from __future__ import annotations
 
+import math
 import struct
 from array import array
+from collections.abc import Callable
 from typing import Any
 
 from geometry_msgs.msg import TransformStamped
 from std_msgs.msg import Header
 
+from ur_nodes.codecs.geometry import matrix_of
+from ur_nodes.geometry.pose import Pose2, yaw_of_quaternion
+from ur_nodes.ports.validation import UNIT_SLACK
+from ur_nodes.ports.values import Odometry, StampedTwist, Twist
+
 _LITTLE_ENDIAN = b"\x00\x01\x00\x00"
-_ORDERS = {b"\x00\x01": "<", b"\x00\x00": ">"}
+ORDERS = {b"\x00\x01": "<", b"\x00\x00": ">"}
+"""The encodings that are read, by the first bytes of a message."""
 _MOST = 10_000  # transforms of a message
 
 
@@ -56,7 +64,7 @@ class Reader:
     """Reads the bytes of a message in order. Raises ValueError if they are too short or no CDR."""
 
     def __init__(self, data: bytes) -> None:
-        order = _ORDERS.get(bytes(data[:2]))
+        order = ORDERS.get(bytes(data[:2]))
         if order is None:
             raise ValueError(f"message in the encoding {bytes(data[:2]).hex()}, expected 0000 or 0001 (CDR)")
         self._order = order
@@ -156,3 +164,30 @@ class BareTransforms:
             place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w = reader.unpack("7d")
             made.transforms.append(each)
         return made
+
+
+def _read_twist(reader: Reader) -> Twist:
+    forward, left, up, roll, pitch, turn = reader.unpack("6d")
+    return Twist(forward, turn, left, up, roll, pitch)
+
+
+def _read_stamp(reader: Reader) -> int:
+    (seconds,), (rest,) = reader.unpack("i"), reader.unpack("I")
+    return int(seconds * 1_000_000_000 + rest)
+
+
+def _read_odometry(reader: Reader) -> Odometry:
+    stamp, frame, child = _read_stamp(reader), reader.unpack_text(), reader.unpack_text()
+    x, y, _, *turn = reader.unpack("7d")
+    yaw = yaw_of_quaternion(*turn) if abs(math.hypot(*turn) - 1.0) <= UNIT_SLACK else math.nan
+    covariance, twist = matrix_of(reader.unpack("36d")), _read_twist(reader)
+    ends = frame.lstrip("/"), child.lstrip("/")
+    return Odometry(stamp, *ends, Pose2(x, y, yaw), twist, covariance, matrix_of(reader.unpack("36d")))
+
+
+READERS: dict[type, Callable[[Reader], Any]] = {
+    Odometry: _read_odometry,
+    StampedTwist: lambda reader: StampedTwist(_read_stamp(reader), reader.unpack_text(), _read_twist(reader)),
+    Twist: _read_twist,
+}
+"""Functions that read values of a kind, and raise ValueError. rclpy would make an object for each part of a message."""

@@ -78,7 +78,7 @@ class Receiver:
     """Receives messages, on the spinning thread.
 
     Invalid messages are reported and dropped. `callback_from` gets messages with the middleware's information about
-    them, instead of `callback`.
+    them, instead of `callback`. With `raw` they are bytes.
     """
 
     def __init__(
@@ -89,6 +89,8 @@ class Receiver:
         profile: QoSProfile,
         callback: Callable[[Any], None],
         callback_from: Callable[[Any, Mapping[str, Any]], None] | None = None,
+        *,
+        raw: bool = False,
     ) -> None:
         def read(data: bytes) -> None:
             try:
@@ -102,7 +104,7 @@ class Receiver:
         self._node = node
         call = read if bare else callback_from or callback
         with _type_of(message_class) as kind:
-            self._subscription = node.create_subscription(kind, topic, call, profile, raw=bare)
+            self._subscription = node.create_subscription(kind, topic, call, profile, raw=raw or bare)
 
     def publishers(self) -> int:
         """The number of publishers."""

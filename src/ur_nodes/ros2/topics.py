@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
+
+from rclpy.serialization import deserialize_message
 
 from ur.source.diagnostic import UserError
 from ur_nodes.codecs import KindCodec
+from ur_nodes.codecs.bare import ORDERS, READERS, Reader
 from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.topics import Sender
@@ -75,12 +78,13 @@ class RosSubscription(Generic[Value]):
     ) -> None:
         self.topic = resolve(node, topic)
         self._codec = codec
+        self._read = READERS.get(kind)
         self._take = callback
         self._refusals = Refusals(self.topic, node.get_logger().error, unreadable)
         put = loop.mailbox(_DEPTHS.get(quality, _QUEUE), self._deliver)
         finder = Senders(node, self.topic)
 
-        def put_from(message: genpy.Message, info: Mapping[str, Any]) -> None:
+        def put_from(message: genpy.Message | bytes, info: Mapping[str, Any]) -> None:
             put((message, finder.find(info)))
 
         self._receiver = ends.Receiver(
@@ -90,6 +94,7 @@ class RosSubscription(Generic[Value]):
             requested(quality, kind),
             lambda message: put((message, None)),
             put_from if senders else None,
+            raw=self._read is not None,
         )
 
     def publishers(self) -> int:
@@ -98,11 +103,18 @@ class RosSubscription(Generic[Value]):
     def close(self) -> None:
         self._receiver.close()
 
-    def _deliver(self, item: tuple[genpy.Message, Sender | None]) -> None:
+    def _deliver(self, item: tuple[genpy.Message | bytes, Sender | None]) -> None:
         message, sender = item
         try:
-            value = usable(self._codec.value_of(message))
+            value = usable(self._value_of(message))
         except (ValueError, UserError) as problem:
             self._refusals.report(str(problem), sender.name if sender else "")
             return
         self._take(value, sender)
+
+    def _value_of(self, message: genpy.Message | bytes) -> Value:
+        if isinstance(message, bytes):
+            if self._read is not None and message[:2] in ORDERS:
+                return cast("Value", self._read(Reader(message)))
+            message = deserialize_message(message, self._codec.message_class)
+        return self._codec.value_of(message)
