@@ -11,7 +11,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 from functools import partial
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 Item = TypeVar("Item")
 Value = TypeVar("Value")
@@ -72,6 +72,16 @@ class Beats:
         return beat.call
 
 
+class Calls(Protocol):
+    """A queue of calls, as `queue.SimpleQueue`; any thread may put some, the loop's alone gets them."""
+
+    def put(self, call: Callable[[], None], /) -> None:
+        """Append a call."""
+
+    def get(self, *, timeout: float) -> Callable[[], None]:
+        """Return the first call within so many seconds. Raises queue.Empty."""
+
+
 class Loop:
     """Runs calls in the order in which they were posted, and beats when they are due by `read` (s).
 
@@ -79,8 +89,8 @@ class Loop:
     be called when the time of `read` is another one.
     """
 
-    def __init__(self, read: Callable[[], float], *, steady: bool) -> None:
-        self._calls: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+    def __init__(self, read: Callable[[], float], *, steady: bool, calls: Calls | None = None) -> None:
+        self._calls: Calls = calls or queue.SimpleQueue()
         self._read = read
         self._beats = Beats(read, steady=steady)
         self._steady_beats = self._beats if steady else Beats(time.monotonic, steady=True)
@@ -179,9 +189,8 @@ class Loop:
                 for beats in self._all_beats:
                     if (beat := beats.pop()) is not None:
                         beat()
-                wait = self._wait()
                 try:
-                    call = self._calls.get(timeout=wait) if wait > 0.0 else self._calls.get_nowait()
+                    call = self._calls.get(timeout=max(0.0, self._wait()))
                 except queue.Empty:
                     continue
                 call()

@@ -98,7 +98,8 @@ class RosNode(LoopNode):
         self._simulated = self.facts.simulated_time
         self._clock = self._node.get_clock()
         self._transforms: Transforms | None = None
-        loop = Loop(self._seconds if self._simulated else time.monotonic, steady=not self._simulated)
+        read = self._seconds if self._simulated else time.monotonic
+        loop = Loop(read, steady=not self._simulated, calls=self._node.reception)
         logger = self._node.get_logger()
         log = ThrottledLog(logger.debug, logger.info, logger.warning, logger.error, self._seconds)
         super().__init__(loop, log, Parameters(self._stored))
@@ -115,7 +116,6 @@ class RosNode(LoopNode):
         self._stored.serve(self.parameters, self.change)
         self._loop.start(on_failure)
         self._spinner.start()
-        self._node.reception.start()
 
     def close(self) -> None:
         """Run the calls of `on_end`, and leave the graph."""
@@ -123,11 +123,11 @@ class RosNode(LoopNode):
         self._executor.shutdown(_END_LIMIT)
         if self._spinner.is_alive():
             self._spinner.join(_END_LIMIT)
-        self._node.reception.close(_END_LIMIT)
         self.leaving()
         if self._actions is not None:
             self._actions.close()
         self._node.destroy_node()
+        self._node.reception.close()
 
     @property
     def transforms(self) -> Transforms:

@@ -1,71 +1,95 @@
 """Reception of messages without rclpy's executor, which makes a new wait set twice for each message.
 
-The wait set here is kept until subscriptions are added or closed. It needs rclpy's own module `_rclpy_pybind11`, by the
-calls with which rclpy's executor uses it. Services, clients, events of publishers and timers stay with the executor.
-Subscriptions have no events: an executor that waits for these is woken by each message. `ur doctor` names publishers
-whose messages a subscription does not get.
+The node's thread waits for messages itself, as for calls, so none is handed from one thread to another. There is no
+wait set: the middleware's own thread writes into a file (eventfd) for each message, by the C function `eventfd_write`
+as callback of rcl, and the thread polls these files. Services, clients, events of publishers and timers stay with the
+executor. Subscriptions have no events: an executor that waits for these is woken by each message. `ur doctor` names
+publishers whose messages a subscription does not get.
 """
 
 from __future__ import annotations
 
+import ctypes
 import inspect
+import os
+import queue
+import select
+import sys
 import threading
+from collections import deque
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import suppress
 from typing import TYPE_CHECKING, cast
 
 import rclpy.node
-import rclpy.utilities
 from rclpy.callback_groups import CallbackGroup
-from rclpy.guard_condition import GuardCondition
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import SubscriptionEventCallbacks
 
-from ur_nodes.loop import Worker
-
 if TYPE_CHECKING:
     from rcl_interfaces.msg import ParameterDescriptor
-    from rclpy.node import Context, Subscription
+    from rclpy.node import Subscription
     from rclpy.qos import QoSProfile
 
 _MOST_AT_ONCE = 20  # messages of a topic, while others wait
-_RELEASE = 1.0  # s for the thread to leave a subscription
+_FLAGS = os.EFD_CLOEXEC | os.EFD_NONBLOCK
+_OnMessages = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_size_t)
+_COUNT = (  # into the file whose number is the pointer; its arguments are of these sizes on 64 bits only
+    _OnMessages(("eventfd_write", ctypes.CDLL(None))) if sys.maxsize > 2**32 else _OnMessages(os.eventfd_write)
+)
 
 
 class Reception(CallbackGroup):
-    """Calls the callbacks of its subscriptions on its own thread; as a callback group it leaves executors no work."""
+    """The calls that wait for the node's thread; while none does, that thread receives the messages of subscriptions.
 
-    def __init__(self, context: Context) -> None:
+    As a callback group it leaves executors no work. See `ur_nodes.loop.Calls`.
+    """
+
+    def __init__(self) -> None:
         super().__init__()
-        self._context = context
-        self._guard = GuardCondition(None, None, context=context)
-        self._subscriptions: tuple[Subscription, ...] = ()  # replaced by one thread, the node's
-        self._held: tuple[Subscription, ...] = ()  # by the reception's thread
-        self._released = threading.Condition()
-        self._changed = self._closed = False
-        self._worker = Worker("reception")
+        self._calls: deque[Callable[[], None]] = deque()
+        self._turns = 0  # calls until messages are looked for although others wait
+        self._thread = 0  # that receives
+        self._wake = os.fdopen(os.eventfd(0, _FLAGS), "wb", buffering=0)
+        self._poll = select.epoll()
+        self._poll.register(self._wake, select.EPOLLIN)
+        self._subscriptions: dict[int, tuple[Subscription, bool]] = {}  # by file; whether the callback takes details
 
-    def start(self) -> None:
-        """Start the thread."""
-        self._worker.add(self._receive)
+    def put(self, call: Callable[[], None]) -> None:
+        self._calls.append(call)
+        if threading.get_ident() != self._thread:
+            with suppress(ValueError):  # the node has ended
+                self._wake.write((1).to_bytes(8, sys.byteorder))
 
-    def close(self, within: float) -> None:
-        """Stop the callbacks; wait at most `within` s for the running one."""
-        self._closed = True
-        self._guard.trigger()
-        self._worker.end()
-        self._worker.join(within)
+    def get(self, *, timeout: float) -> Callable[[], None]:
+        if not (self._calls and self._turns):
+            self._receive(0.0 if self._calls else timeout)
+            self._turns = len(self._calls)
+        if not self._calls:
+            raise queue.Empty
+        self._turns -= 1
+        return self._calls.popleft()
+
+    def close(self) -> None:
+        """Close the files, after the subscriptions were destroyed and the thread has ended."""
+        self._wake.close()
+        self._poll.close()
 
     def add_entity(self, entity: object) -> None:
         """See CallbackGroup: a subscription has been made."""
         super().add_entity(entity)
-        self._change((*self._subscriptions, cast("Subscription", entity)))
+        subscription = cast("Subscription", entity)
+        file = os.eventfd(0, _FLAGS)
+        self._subscriptions[file] = subscription, accepts_details(subscription.callback)
+        self._poll.register(file, select.EPOLLIN)
+        _call_with_messages(subscription, _COUNT, file)
 
     def drop(self, subscription: Subscription) -> None:
-        """Stop receiving for a subscription. While the thread holds it, its topic can have no other type."""
-        self._change(tuple(each for each in self._subscriptions if each is not subscription))
-        with self._released:
-            self._released.wait_for(lambda: subscription not in self._held, _RELEASE)
+        """Stop receiving for a subscription."""
+        for file in [file for file, (each, _) in self._subscriptions.items() if each is subscription]:
+            _call_with_messages(subscription, _OnMessages(), file)
+            del self._subscriptions[file]
+            os.close(file)
 
     def can_execute(self, entity: object) -> bool:  # noqa: ARG002
         """See CallbackGroup: no executor may."""
@@ -78,51 +102,33 @@ class Reception(CallbackGroup):
     def ending_execution(self, entity: object) -> None:
         """See CallbackGroup."""
 
-    def _change(self, subscriptions: tuple[Subscription, ...]) -> None:
-        with self._released:
-            self._subscriptions, self._changed = subscriptions, True
-        self._guard.trigger()
+    def _receive(self, seconds: float) -> None:
+        """Wait for messages or a call, at most so long, and make the callbacks of subscriptions, which put calls."""
+        self._thread = threading.get_ident()
+        for file, _ in self._poll.poll(seconds):
+            with suppress(OSError, rclpy_implementation.InvalidHandle):  # another thread has closed it
+                os.eventfd_read(file)
+                if file in self._subscriptions and self._take(*self._subscriptions[file]):
+                    os.eventfd_write(file, 1)
 
-    def _receive(self) -> None:
-        while not self._closed:
-            with ExitStack() as held:
-                # Keep the subscriptions alive; returns the live ones by their addresses
-                with self._released:
-                    self._changed, self._held = False, self._subscriptions
-                found: dict[int, tuple[Subscription, bool]] = {}
-                for each in self._held:
-                    try:
-                        held.enter_context(each.handle)
-                    except rclpy_implementation.InvalidHandle:
-                        continue
-                    found[each.handle.pointer] = each, accepts_details(each.callback)
-                self._receive_from(found, held)
-            with self._released:
-                self._held = ()
-                self._released.notify_all()
+    def _take(self, subscription: Subscription, detailed: bool) -> bool:
+        """Receive messages; return whether more may wait."""
+        handle = subscription.handle
+        with handle:
+            for _ in range(_MOST_AT_ONCE):
+                taken = handle.take_message(subscription.msg_type, subscription.raw)
+                if taken is None:
+                    return False
+                message, info = taken
+                subscription.callback(*((message, info) if detailed else (message,)))
+        return True
 
-    def _receive_from(self, subscriptions: dict[int, tuple[Subscription, bool]], held: ExitStack) -> None:
-        """Receive until the subscriptions change; each is given with whether its callback takes details."""
-        context, guard = self._context.handle, self._guard.handle
-        held.enter_context(context)
-        held.enter_context(guard)
-        waiters = rclpy_implementation.WaitSet(len(subscriptions), 1, 0, 0, 0, 0, context)
-        while not (self._changed or self._closed):
-            waiters.clear_entities()
-            for each, _ in subscriptions.values():
-                waiters.add_subscription(each.handle)
-            waiters.add_guard_condition(guard)
-            waiters.wait(-1)
-            for address in waiters.get_ready_entities("subscription"):
-                self._take(*subscriptions[address])
 
-    def _take(self, subscription: Subscription, detailed: bool) -> None:
-        for _ in range(_MOST_AT_ONCE):
-            taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
-            if taken is None or self._closed:
-                return
-            message, info = taken
-            subscription.callback(*((message, info) if detailed else (message,)))
+def _call_with_messages(subscription: Subscription, call: ctypes._FuncPointer, file: int) -> None:
+    """Have a function called for new messages of a subscription, and for those that wait; null: none."""
+    ctypes.CDLL("librcl.so").rcl_subscription_set_on_new_message_callback(
+        ctypes.c_void_p(subscription.handle.pointer), call, ctypes.c_void_p(file)
+    )
 
 
 def accepts_details(callback: Callable[..., object]) -> bool:
@@ -138,9 +144,7 @@ class ReceivingNode(rclpy.node.Node):
     """A node of rclpy whose subscriptions, where they are in no other callback group, are in its reception."""
 
     def __init__(self, name: str) -> None:
-        self.reception = Reception(
-            rclpy.utilities.get_default_context()
-        )  # a node subscribes to the clock when it is made
+        self.reception = Reception()  # a node subscribes to the clock when it is made
         self.describe: Callable[[str], ParameterDescriptor | None] = lambda _name: None
         super().__init__(name, automatically_declare_parameters_from_overrides=True)
 
