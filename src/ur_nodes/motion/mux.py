@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from ur_nodes.motion.mux_events import (
     IDLE,
@@ -54,12 +55,11 @@ class ReceivedCommand:
     barred: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class MuxState:
-    """State of the mux. Times are those given to `step`; `next_at` is when to call it next, infinite when silent.
+class MuxState(NamedTuple):
+    """State of the mux; a tuple, as each step copies it. Times are those given to `step`.
 
-    `share` of the base's speeds is allowed. `verdict` is that of the `guard` on the newest output: None while nothing
-    drives, or what drives is not guarded.
+    `next_at` is when to call it next, infinite when silent. `share` of the base's speeds is allowed. `verdict` is that
+    of the `guard` on the newest output: None while nothing drives, or what drives is not guarded.
     """
 
     settings: MuxSettings
@@ -109,7 +109,7 @@ def step(state: MuxState, event: Event | None, now: float) -> tuple[MuxState, Ve
     was_silent = math.isinf(state.next_at)
     active = _choose(state, now)
     if active != state.active:
-        state = replace(state, active=active)
+        state = state._replace(active=active)
     if was_silent and state.active is None and state.output.still:
         return state, None
     if not (was_silent or isinstance(event, EmergencyStopped) or now >= state.next_at - _SOON):
@@ -119,10 +119,10 @@ def step(state: MuxState, event: Event | None, now: float) -> tuple[MuxState, Ve
 
 def _forget(state: MuxState, now: float) -> MuxState:
     """Drop inputs from before time was set back, as their age is unknown."""
-    fresh = replace(start_mux(state.settings, stopped=state.stopped, share=state.share), guard=state.guard)
+    fresh = start_mux(state.settings, stopped=state.stopped, share=state.share)._replace(guard=state.guard)
     if state.output.still and math.isinf(state.next_at):
         return fresh
-    return replace(fresh, output=state.output, output_at=now, zeros_left=state.settings.zeros, next_at=now)
+    return fresh._replace(output=state.output, output_at=now, zeros_left=state.settings.zeros, next_at=now)
 
 
 def _apply(state: MuxState, event: Event | None, now: float) -> MuxState:
@@ -134,23 +134,23 @@ def _apply(state: MuxState, event: Event | None, now: float) -> MuxState:
         if velocity.left and not state.settings.left.speed:
             velocity = Velocity(velocity.forward, velocity.turn)  # its wheels do not roll sideways
         received[event.source] = _receive(received[event.source], velocity, timeout, at)
-        return replace(state, now=now, received=tuple(received))
+        return state._replace(now=now, received=tuple(received))
     if isinstance(event, LockMessage):
         locks = list(state.locks)
         locks[event.lock] = (event.locked, now)
-        return replace(state, now=now, locks=tuple(locks))
+        return state._replace(now=now, locks=tuple(locks))
     if isinstance(event, EmergencyStopped):
-        return replace(state, now=now, stopped=True)
+        return state._replace(now=now, stopped=True)
     if isinstance(event, SpeedLimited):
         share = max(0.0, min(1.0, event.share)) if math.isfinite(event.share) else state.share
-        return replace(state, now=now, share=share)
+        return state._replace(now=now, share=share)
     if isinstance(event, GuardChanged):
-        return replace(state, now=now, guard=event.guard)
+        return state._replace(now=now, guard=event.guard)
     if isinstance(event, EmergencyReleased) and state.stopped:
         pairs = zip(state.settings.sources, state.received, strict=True)
         barred = tuple(replace(each, barred=now - each.moved_at <= source.timeout) for source, each in pairs)
-        return replace(state, now=now, stopped=False, received=barred)
-    return replace(state, now=now)
+        return state._replace(now=now, stopped=False, received=barred)
+    return state._replace(now=now)
 
 
 def _receive(before: ReceivedCommand, velocity: Velocity, timeout: float, at: float) -> ReceivedCommand:
@@ -196,7 +196,7 @@ def _is_locked(lock: Lock, message: tuple[bool, float], now: float) -> bool:
 def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
     settings = state.settings
     if now - state.output_at > settings.forgets:
-        state = replace(state, output=STILL)
+        state = state._replace(output=STILL)
     received = ReceivedCommand() if state.active is None else state.received[state.active]
     wanted = slow_to(received.velocity, state.share, settings)
     left = settings.stop_time - settings.lag - (now - received.at)  # s, until the robot has to be at rest
@@ -213,7 +213,7 @@ def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
         next_at = now + settings.period if zeros_left > 0 else math.inf
     else:
         next_at = _next_output(settings, output, wanted, left, now)
-    state = replace(state, output=output, output_at=now, zeros_left=zeros_left, verdict=verdict, next_at=next_at)
+    state = state._replace(output=output, output_at=now, zeros_left=zeros_left, verdict=verdict, next_at=next_at)
     return state, output
 
 

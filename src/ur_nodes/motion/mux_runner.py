@@ -1,7 +1,6 @@
 """A running mux: events in, velocities out on `cmd_vel`, on time."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from ur_nodes.motion.mux import MuxState, step
 from ur_nodes.motion.mux_events import STILL, Event, MuxSettings, Velocity
@@ -85,7 +84,7 @@ class MuxRunner:
 
     def use(self, settings: MuxSettings) -> None:
         """Use changed limits from the next output on; the sources are the same."""
-        self._state = replace(self._state, settings=settings)
+        self._state = self._state._replace(settings=settings)
 
     def handle(self, event: Event | None) -> MuxState:
         """Apply an event now (None: time has passed), and return the new state."""
