@@ -185,7 +185,7 @@ def _read_odometry(reader: Reader) -> Odometry:
     return Odometry(stamp, *ends, Pose2(x, y, yaw), twist, covariance, matrix_of(reader.unpack("36d")))
 
 
-READERS: dict[type, Callable[[Reader], Any]] = {
+READERS: dict[type, Callable[[Reader], object]] = {
     Odometry: _read_odometry,
     StampedTwist: lambda reader: StampedTwist(_read_stamp(reader), reader.unpack_text(), _read_twist(reader)),
     Twist: _read_twist,

@@ -39,10 +39,22 @@ _COUNT = (  # into the file whose number is the pointer; its arguments are of th
 )
 
 
-class Reception(CallbackGroup):
+class Unserved(CallbackGroup):
+    """Leaves executors no work."""
+
+    def can_execute(self, entity: object) -> bool:  # noqa: ARG002
+        """See CallbackGroup: no executor may."""
+        return False
+
+    def beginning_execution(self, entity: object) -> bool:  # noqa: ARG002
+        """See CallbackGroup."""
+        return False
+
+
+class Reception(Unserved):
     """The calls that wait for the node's thread; while none does, that thread receives the messages of subscriptions.
 
-    As a callback group it leaves executors no work. See `ur_nodes.loop.Calls`.
+    See `ur_nodes.loop.Calls`.
     """
 
     def __init__(self) -> None:
@@ -90,17 +102,6 @@ class Reception(CallbackGroup):
             _call_with_messages(subscription, _OnMessages(), file)
             del self._subscriptions[file]
             os.close(file)
-
-    def can_execute(self, entity: object) -> bool:  # noqa: ARG002
-        """See CallbackGroup: no executor may."""
-        return False
-
-    def beginning_execution(self, entity: object) -> bool:  # noqa: ARG002
-        """See CallbackGroup."""
-        return False
-
-    def ending_execution(self, entity: object) -> None:
-        """See CallbackGroup."""
 
     def _receive(self, seconds: float) -> None:
         """Wait for messages or a call, at most so long, and make the callbacks of subscriptions, which put calls."""

@@ -8,12 +8,12 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from rclpy.callback_groups import CallbackGroup
 from rclpy.impl.implementation_singleton import rclpy_implementation
 
 from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import RecordedMessage, RecordedTopic, RecordedType
+from ur_nodes.ros2.reception import Unserved
 from ur_nodes.ros2.recorder.arrivals import Arrivals
 from ur_nodes.ros2.recorder.subscriptions import TopicPublishers, open_subscription, read_publishers
 
@@ -39,18 +39,6 @@ class _OpenTopic:
     arrivals: Arrivals = field(default_factory=Arrivals)
 
 
-class _Unserved(CallbackGroup):
-    """Leaves executors no work: the recorder takes the messages itself."""
-
-    def can_execute(self, entity: object) -> bool:  # noqa: ARG002
-        """See CallbackGroup."""
-        return False
-
-    def beginning_execution(self, entity: object) -> bool:  # noqa: ARG002
-        """See CallbackGroup."""
-        return False
-
-
 class IntervalRecorder:
     """See `ports.raw.TopicRecorder`. A message has the time at which the middleware received it."""
 
@@ -58,7 +46,7 @@ class IntervalRecorder:
         self, node: Node, loop: Loop, callback: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]
     ) -> None:
         self._node, self._take, self._clock = node, callback, clock
-        self._group = _Unserved()
+        self._group = Unserved()
         self._open: dict[str, _OpenTopic] = {}
         self._periods: dict[str, int] = {}
         self._beat = loop.every(_PERIOD, self._receive, steady=True)
