@@ -125,7 +125,7 @@ def _obstacle_stop(base: Base) -> str:
     """Describe where the base sees obstacles while people drive it."""
     sensors = make_sight(base).sensors
     sides: tuple[Side, ...] = ("ahead", "behind")
-    seen = [side for side in sides if covers([sensor.views[side] for sensor in sensors])]
+    seen = [side for side in sides if covers(sensors, side)]
     if not sensors:
         return "where a bumper is pressed" if base.bumpers else "at cliffs" if base.cliffs else "none"
     slow = [side for side in sides if side not in seen]
