@@ -37,8 +37,8 @@ class PoseGraph:
         self._new_values = gtsam.Values()
         self._steps = 0  # that are left at most
         self._edges: list[Edge] = []
-        self._best: dict[tuple[int, int], tuple[float, float, float]] = {}  # variances of shift and turn, and length
-        self._tables: list[csr_array] | None = None  # of these, as matrices
+        self._best: dict[tuple[int, int], tuple[float, float]] = {}  # variances of shift and turn
+        self._table: csr_array | None = None  # of the shifts, as a matrix
         self.poses: list[Pose2] = []
 
     def add_pose(self, pose: Pose2) -> int:
@@ -49,7 +49,7 @@ class PoseGraph:
         if number == 0:
             model = gtsam.noiseModel.Diagonal.Sigmas(_FIXED)
             self._new_factors.add(gtsam.PriorFactorPose2(0, gtsam.Pose2(*pose), model))
-        self._tables = None
+        self._table = None
         return number
 
     def add_edge(
@@ -70,8 +70,8 @@ class PoseGraph:
         ends = min(before, after), max(before, after)
         known = self._best.get(ends)
         if known is None or shift + _TURN * turn < known[0] + _TURN * known[1]:
-            self._best[ends] = (shift, turn, math.hypot(relative.x, relative.y))
-            self._tables = None
+            self._best[ends] = (shift, turn)
+            self._table = None
 
     @property
     def edges(self) -> Sequence[Edge]:
@@ -115,22 +115,27 @@ class PoseGraph:
     def spread_from(self, number: int, limit: float) -> NDArray[np.float64]:
         """Compute the uncertainty (m, one standard deviation) of each pose relative to one; inf beyond `limit`.
 
-        The variances of shifts along the path of edges with the least of them are added up; those of turns, too, and
-        felt at its end as those of a random walk: by a third of the square of its length.
+        The variances of shifts are added up along the path of edges with the least of them. That of a turn is felt by
+        the distance from there to the pose: a drive round a block adds less than a straight one of its length.
         """
-        if self._tables is None:
+        if self._table is None:
             count = len(self.poses)
-            ends = np.array(list(self._best), np.int32).reshape(-1, 2)
-            costs = np.maximum(np.array(list(self._best.values())).reshape(-1, 3), 1e-12)
-            rows, columns = np.vstack((ends, ends[:, ::-1])).T  # both directions, so that no search turns them round
-            both = np.vstack((costs, costs)).T
-            self._tables = [csr_array((values, (rows, columns)), shape=(count, count)) for values in both]
-        most = (limit * limit, np.inf, np.inf)
-        shift, turn, length = (
-            dijkstra(table, directed=True, indices=number, limit=far)
-            for table, far in zip(self._tables, most, strict=True)
-        )
-        known = np.isfinite(shift)
-        spread = np.full(len(shift), np.inf)
-        spread[known] = np.sqrt(shift[known] + turn[known] * np.square(length[known]) / 3.0)
+            ends = np.array([(*ends, *ends[::-1]) for ends in self._best], np.int32).reshape(-1, 2)  # both directions
+            shifts = np.repeat([max(shift, 1e-12) for shift, _ in self._best.values()], 2)
+            self._table = csr_array((shifts, ends.T), shape=(count, count))
+        shift, last = dijkstra(self._table, directed=True, indices=number, limit=limit**2, return_predecessors=True)
+        known = np.flatnonzero(last >= 0)
+        # The turns along each path, and their moments about `number`: with each round twice as many edges are added up
+        places = np.array(self.poses)[:, :2] - self.poses[number][:2]
+        pairs = np.sort(np.column_stack((last[known], known))).tolist()
+        turns = np.array([self._best[before, after][1] for before, after in pairs])
+        middles = 0.5 * (places[known] + places[last[known]])
+        sums = np.zeros((len(places), 4))
+        sums[known] = turns[:, None] * np.column_stack((np.ones(len(known)), middles, np.square(middles).sum(axis=1)))
+        last[last < 0] = number
+        while (last != number).any():
+            sums += sums[last]
+            last = last[last]
+        swing = sums[:, 3] - 2.0 * (places * sums[:, 1:3]).sum(axis=1) + np.square(places).sum(axis=1) * sums[:, 0]
+        spread = np.sqrt(shift + np.maximum(swing, 0.0))
         return np.where(spread <= limit, spread, np.inf)

@@ -68,3 +68,19 @@ def test_spread_grows_with_the_path_and_a_loop_shortens_it() -> None:
     graph.add_edge(0, 16, Pose2(0.0, 0.0, 0.0), COVARIANCE, robust=True)
     assert graph.spread_from(16, 10.0)[0] < before[15] + 0.01
     assert np.isinf(graph.spread_from(16, 0.1)[8])
+
+
+def test_drive_round_a_block_ends_less_uncertain_than_a_straight_one_as_long() -> None:
+    turns = np.diag(np.square((0.001, 0.001, 0.02)))
+    ends = []
+    for corner in (0.0, math.pi / 2.0):
+        graph = PoseGraph()
+        graph.add_pose(Pose2(0.0, 0.0, 0.0))
+        for number in range(16):
+            relative = Pose2(1.0, 0.0, corner if number % 4 == 3 else 0.0)
+            graph.add_pose(graph.poses[-1].compose(relative))
+            graph.add_edge(number, number + 1, relative, turns, robust=False)
+        ends.append(graph.spread_from(16, 10.0)[0])
+    straight, block = ends
+    assert straight == pytest.approx(0.02 * math.sqrt(16.0**3 / 3.0), rel=0.02)
+    assert block < 0.5 * straight
