@@ -104,6 +104,7 @@ class ScanMapper:
         self._leg = _Leg()
         self._relative = _ORIGIN  # pose at the last scan, relative to the leg's reference
         self._estimate: MapEstimate | None = None
+        self._last_scan: MapScan | None = None  # that was matched
 
     @property
     def keyframes(self) -> list[Pose2]:
@@ -153,7 +154,7 @@ class ScanMapper:
         self._count = other._count
         self._drive_start = min(self._drive_start, first)
         self._leg = replace(other._leg, reference=other._leg.reference + first)
-        self._relative = other._relative
+        self._relative, self._last_scan = other._relative, other._last_scan
         self._predictor.go_on_from(other._predictor)
         self._graph.optimise()
         self._changed = True
@@ -189,8 +190,9 @@ class ScanMapper:
         motion = before.inverse().compose(pose)
         self._predictor.add(odometry, heading, motion)
         self._leg = replace(self._leg, noise=self._leg.noise + predicted.covariance)
-        self._relative = self._graph.poses[self._leg.reference].inverse().compose(pose)
         contradicted = self._is_contradicted(scan, match)
+        self._relative = self._graph.poses[self._leg.reference].inverse().compose(pose)
+        self._last_scan = scan
         if not self._is_far(self._relative) or (contradicted and self._cautious):
             self._changed |= self._loops.step(spare)
         elif not self._return_to_keyframe(scan, match, odometry):
@@ -220,13 +222,19 @@ class ScanMapper:
     # -- the pose on the map round the robot -----------------------------------------------------------------------
 
     def _is_contradicted(self, scan: MapScan, match: ScanMatch) -> bool:
-        """Return whether a scan was taken elsewhere; after such a scan, the next one must clearly fit the map."""
+        """Return whether a scan was taken elsewhere; after such a scan, the next one must clearly fit the map.
+
+        A scan that contradicts the map but not the last scan was taken where a door has opened.
+        """
         last = self._estimate
         if match.agreement >= (POOR if last and last.contradicted else _CONTRADICTED[0]):
             return False
         if last and last.contradicted:
             return True
-        return contradiction(self._local_map().surface, scan, match.pose) > _CONTRADICTED[1]
+        known = [self._local_map().surface]
+        if self._last_scan:
+            known.append(self._last_scan.surface.moved(self._pose()))
+        return all(contradiction(each, scan, match.pose) > _CONTRADICTED[1] for each in known)
 
     def _local_map(self) -> LocalMap:
         if self._changed or self._local is None:

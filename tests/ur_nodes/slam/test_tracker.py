@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 from tests.ur_nodes.slam.drives import MOVED_SOFA, SOFA, WALLS, distances, drive, feed
-from tests.ur_nodes.slam.rooms import box, walls_of
+from tests.ur_nodes.slam.rooms import box, scan_at, walls_of
 
 from ur_nodes.geometry.grid import OCCUPIED
 from ur_nodes.geometry.pose import Pose2
@@ -99,3 +99,22 @@ def test_robot_in_a_room_that_looks_the_same_from_both_ends_stays_lost() -> None
     assert tracker.lost
     assert len(tracker.candidates()) == 2
     assert len(tracker.scans) == len(before.scans)
+
+
+def test_robot_that_drives_through_a_sliding_door_onto_floor_that_is_not_mapped_is_not_lost() -> None:
+    """Through the open door it sees nothing that it knows, and through the wall that the door was."""
+    around = walls_of(box(-3.0, -1.0, 0.0, 1.0), box(0.0, -5.0, 8.0, 3.0), box(4.0, -1.0, 4.5, 0.5))
+    around = np.array([wall for wall in around if np.any(wall[:, 0] != 0.0)])
+    beside = [((0.0, -5.0), (0.0, -1.0)), ((0.0, 1.0), (0.0, 3.0))]
+    tracker, path = MapTracker(), []
+    for number in range(45):
+        opened = min(2.0, 0.2 * max(0, number - 15))
+        pose = Pose2(-1.8 + 0.1 * min(number, 10) + 0.1 * max(0, number - 22), 0.0, 0.0)
+        path.append(pose)
+        door = [((0.0, -1.0 + opened), (0.0, 1.0))] if opened < 2.0 else []
+        scan = scan_at(np.vstack((around, [*beside, *door])), pose, 0.01, number, view=2.0)
+        # The wheels turn a little on the spot, so that no scan is one at rest.
+        turned = Pose2(pose.x, pose.y, 0.01 * (number % 2))
+        estimate = tracker.add_scan(scan, turned)
+        assert not tracker.lost
+    assert error(estimate, path[-1], path[0]) < 0.05
