@@ -31,6 +31,9 @@ _ORIGIN = Pose2(0.0, 0.0, 0.0)
 _RADIUS = 5.0  # m: keyframes within are part of the local map,
 _MOST_UNCERTAIN = 0.05  # m: as long as their place relative to the reference is so certain
 _MEMBERS = 9  # keyframes at most
+_JUST_MADE = (
+    9  # keyframes, likewise: along a corridor without a landmark none is certain, but its walls tell the heading
+)
 # A match
 _LEAST_AGREEMENT = 0.35  # below, the scan gives no evidence
 _CONTRADICTED = (0.5, 0.3)  # agreement below and contradiction above which the scan was taken elsewhere
@@ -243,11 +246,12 @@ class ScanMapper:
         return self._local
 
     def _members(self) -> list[int]:
-        """Return the keyframes of the local map: near, certain, and no two that show the same."""
+        """Return the keyframes of the local map: near, certain or just made, and no two that show the same."""
         reference, here = self._leg.reference, self._pose()
         poses = np.array(self._graph.poses)
         gaps = np.hypot(poses[:, 0] - here.x, poses[:, 1] - here.y)
         certain = np.isfinite(self._graph.spread_from(reference, _MOST_UNCERTAIN))
+        certain[max(0, reference - _JUST_MADE) : reference] = True
         views = select_views(poses, [reference, *np.flatnonzero((gaps < _RADIUS) & certain).tolist()])
         return sorted(views, key=lambda number: float(gaps[number]))[:_MEMBERS]
 

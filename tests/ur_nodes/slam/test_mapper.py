@@ -2,7 +2,7 @@ import math
 from itertools import pairwise
 
 import numpy as np
-from tests.ur_nodes.slam.rooms import ROOM, Floats, box, scan_at, walls_of
+from tests.ur_nodes.slam.rooms import CORRIDOR, ROOM, Floats, box, scan_at, walls_of
 
 from ur_nodes.geometry.grid import OCCUPIED
 from ur_nodes.geometry.pose import Pose2, wrap_angle
@@ -123,3 +123,13 @@ def test_same_scans_give_the_same_map() -> None:
     first, second = run(ROOM, poses, poses), run(ROOM, poses, poses)
     assert first.path() == second.path()
     assert wrap_angle(first.path()[len(poses) - 1].yaw - poses[-1].yaw) < 0.01
+
+
+def test_corridor_without_a_landmark_is_as_straight_as_several_scans_tell() -> None:
+    mapper, odometry, random = ScanMapper(), Pose2(0.0, 0.0, 0.0), np.random.default_rng(4)
+    for number in range(60):
+        scan = scan_at(CORRIDOR, Pose2(number - 30.0, 0.0, 0.0), 0.03, 400 + number, view=math.pi)
+        estimate = mapper.add_scan(scan, odometry)
+        odometry = odometry.compose(Pose2(1.0, 0.0, random.normal(0.0, 0.012)))
+    assert abs(estimate.pose.yaw) < 0.015
+    assert abs(estimate.pose.y) < 0.6
