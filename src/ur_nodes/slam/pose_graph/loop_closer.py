@@ -109,16 +109,17 @@ def _ends(one: int, other: int) -> tuple[int, int]:
 RECENT = 12
 """Keyframes before the newest one that it is no loop to see again."""
 
-_NEAR = 2.5  # m: keyframes so near see the same things, as a rule
+_NEAR = 2.5  # m: keyframes so near see the same things, as a rule,
+_FARTHEST = 8.0  # m: and so far ones may where a scan sees far
 _GROUP = 7  # keyframes
 _MOST_GROUPS = 2
 _SURE = 0.12  # m: with less uncertainty the scan is matched from where it is
 _WIDEST = Window(8.0, 0.5)
 _POINTS = 150  # of a scan, in a search
 _LEAST_SCORE = 0.55
+_WEAK_SCORE = 0.4  # of a weak link, which no other place rivals and nothing contradicts
 _RIVAL = 0.85  # of the best score: another place that fits as well
-_LEAST_AGREEMENT = 0.6
-_MOST_CONTRADICTION = 0.15
+_FITS, _FITS_WEAKLY = (0.6, 0.15), (0.5, 0.05)  # least agreement, most contradiction
 _COST_OF_MAP = 4000  # as much as to score so many blocks of poses: a local map, or a match
 _MOST_MOVED = 0.4  # m: from where a match began
 _AGREEMENT = (0.25, 0.05)  # m, rad: corrections of two links that confirm each other differ by less
@@ -135,7 +136,10 @@ class KeyframeGroup:
 
 @dataclass(frozen=True, slots=True)
 class PoseLink:
-    """The pose of keyframe `after` in the frame of `before`; not `sure`: it needs confirmation by another one."""
+    """The pose of keyframe `after` in the frame of `before`; not `sure`: it needs confirmation by another one.
+
+    `weak`: by two others, as much of the scan was not seen before.
+    """
 
     before: int
     after: int
@@ -143,19 +147,24 @@ class PoseLink:
     covariance: Floats
     sure: bool
     correction: Pose2
+    weak: bool = False
 
 
-def find_groups(poses: Sequence[Pose2], number: int, spread: NDArray[np.float64], last: int) -> list[KeyframeGroup]:
+def find_groups(
+    poses: Sequence[Pose2], number: int, spread: NDArray[np.float64], last: int, near: float = _NEAR
+) -> list[KeyframeGroup]:
     """Choose groups of the keyframes before `last` that keyframe `number` may see, the nearest first.
 
-    `spread` (n) is how uncertain their places are relative to it, m; those with inf are left out.
+    `spread` (n) is how uncertain their places are relative to it, m; those with inf are left out. Uncertain ones may be
+    as far away as `near` (m).
     """
     if last <= 0:
         return []
     places = np.array([pose[:2] for pose in poses[:last]])
     gaps = np.hypot(*(places - poses[number][:2]).T)
     known = np.isfinite(spread[:last])
-    within = np.flatnonzero(known & (gaps < _NEAR + np.minimum(3.0 * spread[:last], _WIDEST.shift)))
+    reach = np.where(spread[:last] < _SURE, _NEAR, np.clip(near, _NEAR, _FARTHEST))
+    within = np.flatnonzero(known & (gaps < reach + np.minimum(3.0 * spread[:last], _WIDEST.shift)))
     if not len(within):
         return []
     runs = np.split(within, np.flatnonzero(np.diff(within) > 1) + 1)
@@ -170,27 +179,30 @@ def find_groups(poses: Sequence[Pose2], number: int, spread: NDArray[np.float64]
 
 
 def verify_group(
-    group: KeyframeGroup, number: int, poses: Sequence[Pose2], scans: Sequence[MapScan]
+    group: KeyframeGroup, number: int, poses: Sequence[Pose2], scans: Sequence[MapScan], *, weak: bool = False
 ) -> Work[PoseLink | None]:
     """Match the scan of a keyframe to a group; None when it was not taken there, or may have been taken elsewhere.
 
-    The poses must not change meanwhile.
+    The poses must not change meanwhile. `weak`: return weak links, too.
     """
     placed = [(poses[member], scans[member].surface) for member in group.members]
     target = LocalMap(placed)
     scan, guess = scans[number], poses[number]
     start = guess
     sure = group.spread < _SURE
+    score, rivalled = 1.0, sure
     if not sure:
         window = Window(min(_WIDEST.shift, 3.0 * group.spread + 0.2), min(_WIDEST.turn, group.spread + 0.1))
         yield _COST_OF_MAP
-        found = yield from search_slowly(target.pyramid, scan.surface.sample(_POINTS), guess, window, _LEAST_SCORE)
+        least = _WEAK_SCORE if weak else _LEAST_SCORE
+        found = yield from search_slowly(target.pyramid, scan.surface.sample(_POINTS), guess, window, least)
         if found is None or found.rival > _RIVAL * found.score:
             return None
-        start = found.pose
+        start, score, rivalled = found.pose, found.score, found.rival > 0.0
     yield _COST_OF_MAP
     match = match_surface(target, scan.surface, start)
-    if not _fits(match, start, target, scan):
+    is_weak = score < _LEAST_SCORE or not _fits(match, start, target, scan, _FITS)
+    if is_weak and (rivalled or not weak or not _fits(match, start, target, scan, _FITS_WEAKLY)):
         return None
     anchor = poses[group.anchor]
     return PoseLink(
@@ -200,6 +212,7 @@ def verify_group(
         rotate_covariance(match.covariance, match.pose.yaw),
         sure,
         match.pose.compose(guess.inverse()),
+        is_weak,
     )
 
 
@@ -209,12 +222,12 @@ def agree(one: PoseLink, other: PoseLink, pose: Pose2) -> bool:
     return math.hypot(a.x - b.x, a.y - b.y) < _AGREEMENT[0] and abs(wrap_angle(a.yaw - b.yaw)) < _AGREEMENT[1]
 
 
-def _fits(match: ScanMatch, start: Pose2, target: LocalMap, scan: MapScan) -> bool:
+def _fits(match: ScanMatch, start: Pose2, target: LocalMap, scan: MapScan, limits: tuple[float, float]) -> bool:
     moved = math.hypot(match.pose.x - start.x, match.pose.y - start.y)
     return (
-        match.agreement >= _LEAST_AGREEMENT
+        match.agreement >= limits[0]
         and moved < _MOST_MOVED
-        and contradiction(target.surface, scan, match.pose) <= _MOST_CONTRADICTION
+        and contradiction(target.surface, scan, match.pose) <= limits[1]
     )
 
 
@@ -242,7 +255,8 @@ class Confirmation:
         place = poses[link.after]
         friends = [each for each in self._waiting if each.after != link.after and agree(each, link, place)]
         self._waiting.append(link)
-        if not friends:
+        strong = {each.after for each in (link, *friends) if not each.weak}
+        if len({each.after for each in friends}) < (1 if len(strong) > 1 else 2):
             return []
         self._waiting = [each for each in self._waiting if each is not link and each not in friends]
         return [*friends, link]
@@ -311,12 +325,13 @@ class LoopCloser:
         while self._waiting and not self._groups:
             number = self._waiting.popleft()
             spread = self._graph.spread_from(number, _LONGEST)
-            groups = find_groups(self._graph.poses, number, spread, number - RECENT)
+            near = float(np.median([_NEAR, *np.hypot(*self._scans[number].surface.points.T)]))
+            groups = find_groups(self._graph.poses, number, spread, number - RECENT, near)
             self._groups.extend((number, group) for group in groups)
         if not self._groups:
             return False
         number, group = self._groups.popleft()
-        self._verification = verify_group(group, number, self._graph.poses, self._scans)
+        self._verification = verify_group(group, number, self._graph.poses, self._scans, weak=True)
         return True
 
     def _add_link(self, link: PoseLink | None) -> bool:
