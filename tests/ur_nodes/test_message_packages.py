@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from collections.abc import Iterator
 from importlib import import_module
@@ -94,3 +95,28 @@ def test_imports_of_a_package_are_read_only_where_there_is_nothing_else(
 
 def test_services_of_ros_1_are_loaded_as_they_are() -> None:
     assert read_imports("from ._Empty import *\n", "a.srv") is None
+
+
+def test_server_of_nodes_loads_no_encryption_until_it_is_used_and_no_help() -> None:
+    program = """if True:
+        import sys
+        from ur_nodes.message_packages import defer_web
+        for _ in range(2):
+            defer_web()
+        import http.client, pydoc, ssl, xmlrpc.server
+        assert "_ssl" not in sys.modules and hasattr(pydoc, "render_doc")
+        assert isinstance(http.client.HTTPSConnection("parrot")._context, ssl.SSLContext) and "_ssl" in sys.modules
+        defer_web()
+        from ssl import SSLContext
+    """
+    subprocess.run([sys.executable, "-I", "-c", program], check=True, timeout=60)
+
+
+def test_master_starts_without_the_modules_that_it_does_not_use() -> None:
+    folder = Path(__file__).parents[2] / "ubiquity_launches/lib/master_modules"
+    program = (
+        "import sys, xmlrpc.client, xmlrpc.server, yaml\n"
+        "assert not hasattr(xmlrpc.client.http.client, 'HTTPSConnection') and '_ssl' not in sys.modules\n"
+        f"assert yaml.__file__.startswith({str(folder)!r}) and not hasattr(xmlrpc.server.pydoc, 'help')"
+    )
+    subprocess.run([sys.executable, "-c", program], env={"PYTHONPATH": str(folder)}, check=True, timeout=60)

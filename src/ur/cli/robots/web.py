@@ -1,7 +1,7 @@
 """`ur web`: one page that shows and drives a robot."""
 
-import asyncio
 import os
+import sys
 
 import click
 
@@ -71,6 +71,9 @@ def command(
     foxglove = foxglove or bool(viewers)
     if foxglove:
         need_all(["foxglove"], "foxglove.lock", "what Foxglove and Lichtblick need (20 MB to download)")
+    sys.modules.setdefault("ssl", None)  # type: ignore[arg-type]  # 4 MB that asyncio and aiohttp do without
+    import asyncio
+
     from ur.web.access.roles import Role
     from ur.web.server.serve import ServerOptions, serve
 

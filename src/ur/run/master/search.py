@@ -175,7 +175,9 @@ def find_master_programs(master: Master, world: World, options: RunOptions) -> t
     slim: tuple[tuple[str, str | None], ...] = (("MALLOC_ARENA_MAX", "1"),)
     own = Path(world.environment.get("ROS_HOME") or Path.home() / ".ros", "config")
     if "ROS_PYTHON_LOG_CONFIG_FILE" not in world.environment and not own.is_dir():
-        slim += (("ROS_PYTHON_LOG_CONFIG_FILE", str(launch_library() / "lib/master_log.conf")),)
+        library = launch_library() / "lib"
+        path = ":".join(filter(None, (str(library / "master_modules"), world.environment.get("PYTHONPATH"))))
+        slim += (("ROS_PYTHON_LOG_CONFIG_FILE", str(library / "master_log.conf")), ("PYTHONPATH", path))
     return (
         UnitProgram(Unit(MASTER, core=True, required=True), argv, slim, log_name="master"),
         UnitProgram(
