@@ -1,9 +1,10 @@
 """Fork nodes from one process that has imported their modules, so that they share its memory.
 
-    python -I -m ur_nodes ur_nodes.fork_server MODULE ... DESCRIPTOR
+    python -I -m ur_nodes ur_nodes.fork_server FOLDER MODULE ... DESCRIPTOR
 
-The process host starts it with the modules that a run needs, and sends a request for each node (`ur.run.host.forks`).
-Each node is forked twice, so that it becomes a child of the host, and waits until the host knows it. Memory that is
+The process host starts it with the modules that a run needs, and sends a request for each node (`ur.run.host.forks`);
+a page requests its node by a socket in FOLDER, that of the run, unless it is empty (`ur.web.server.robot_process`).
+Each node is forked twice, so that it becomes a child of the host, and waits until the client knows it. Memory that is
 not written to stays shared: objects that the garbage collector leaves alone, since they are frozen. The server has no
 threads, and ends after IDLE s without a request, or when the host has closed the socket.
 """
@@ -22,7 +23,7 @@ from contextlib import suppress
 from importlib import import_module
 
 from ur.run.host.descendants import PR_SET_PDEATHSIG
-from ur.run.host.protocol import SESSION, receive, send
+from ur.run.host.protocol import FORKS, SESSION, receive, send
 from ur_nodes.run import backend_name
 
 IDLE = 30.0  # s
@@ -44,10 +45,14 @@ Request = tuple[str, list[str], str, dict[str, "str | None"], str]
 
 def main(arguments: Sequence[str]) -> None:
     """Serve until the host closes the socket. In a forked node: run it, which raises SystemExit."""
-    *modules, descriptor = arguments
+    folder, *modules, descriptor = arguments
     _show_arguments(sys.orig_argv[:5])  # who looks for a node by its module finds the node alone
-    link = socket.socket(fileno=int(descriptor))
-    if (words := _serve(link, modules)) is None:
+    with socket.socket(fileno=int(descriptor)) as link, socket.socket(socket.AF_UNIX) as pages:
+        if folder:
+            pages.bind(f"{folder}/{FORKS}")
+            pages.listen()
+        words = _serve(link, pages, modules)
+    if words is None:
         return
     read_arguments(words)
     sys.modules.pop(words[0], None)  # runpy warns where a module is imported already
@@ -62,7 +67,7 @@ def read_arguments(words: list[str]) -> None:
         names._set_caller_id(f"{names.get_ros_namespace()}unnamed")  # noqa: SLF001 - as rospy does it on import
 
 
-def _serve(link: socket.socket, modules: Sequence[str]) -> list[str] | None:
+def _serve(link: socket.socket, pages: socket.socket, modules: Sequence[str]) -> list[str] | None:
     """Import modules, and fork a node for each request. Returns in a node its module and arguments, None at the end."""
     for module in (*_ALL_LATER.get(backend_name(), ()), *modules):
         if select.select([link], [], [], 0)[0] and not link.recv(1, socket.MSG_PEEK):
@@ -75,25 +80,26 @@ def _serve(link: socket.socket, modules: Sequence[str]) -> list[str] | None:
     gc.collect()
     gc.freeze()
     host = os.getppid()
-    link.settimeout(IDLE)
-    while True:
+    while ready := select.select([link, pages], [], [], IDLE)[0]:
+        client = link if link in ready else pages.accept()[0]
+        client.settimeout(IDLE)
         try:
-            request, stdio = receive(link)
+            request, stdio = receive(client)
+            gate, opener = os.pipe()
+            if (pid := _fork_twice()) == 0:
+                client.close()
+                os.close(opener)
+                return _enter(request, stdio, gate, host)
+            for each in (gate, *stdio):
+                os.close(each)
+            with os.fdopen(opener):
+                send(client, (request[0], pid), (opener,))
         except (EOFError, OSError):
-            return None
-        gate, opener = os.pipe()
-        if (pid := _fork_twice()) == 0:
-            link.close()
-            os.close(opener)
-            return _enter(request, stdio, gate, host)
-        os.close(gate)
-        for each in stdio:
-            os.close(each)
-        try:
-            send(link, (request[0], pid), (opener,))
-        except OSError:
-            return None
-        os.close(opener)
+            if client is link:
+                return None
+        if client is not link:
+            client.close()
+    return None
 
 
 def _fork_twice() -> int:

@@ -69,7 +69,7 @@ def measure(pids: Iterable[int]) -> tuple[Counter[str], float]:
 
 @pytest.mark.parametrize(
     ("variant", "navigation", "page", "limit"),
-    [("lidar", True, False, 310), ("lidar", True, True, 375), ("", False, True, 210)],
+    [("lidar", True, False, 295), ("lidar", True, True, 350), ("", False, True, 175)],
     ids=["navigation", "navigation-and-page", "base-and-page"],
 )
 def test_robot_fits_into_the_memory_of_its_board(

@@ -70,7 +70,8 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
             node.terminal for node in nodes
         ):  # such a program shows the robot's other users; other programs get the environment of roslaunch
             environment[FOLDER_VARIABLE] = entry.folder
-        _begin(host, environment, entry, keep_terminal=keep_terminal, server=fork_command(programs, environment))
+        server = fork_command(programs, environment, entry.folder)
+        _begin(host, environment, entry, keep_terminal=keep_terminal, server=server)
         terminal = None if detached else find_terminal()
         ignore_background_write()
         _announce(console, middleware, folder=folder, nodes=len(nodes))
@@ -101,12 +102,15 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         commands.stop()
 
 
-def fork_command(programs: Sequence[UnitProgram], environment: Mapping[str, str]) -> tuple[str, ...]:
-    """Return the command of the process that forks nodes of this project; () for fewer than two, or with a debugger."""
+def fork_command(programs: Sequence[UnitProgram], environment: Mapping[str, str], folder: str) -> tuple[str, ...]:
+    """Return the command of the process that forks nodes of this project; () for fewer than two, or with a debugger.
+
+    Pages reach it by a socket in the folder of the run, unless that is empty.
+    """
     modules = [program.module[0] for program in programs if program.module]
     if len(modules) < 2 or environment.get("UR_NODE_PYTHON_OPTIONS"):
         return ()
-    return (str(launch_library() / "lib/node"), "ur_nodes.fork_server", *dict.fromkeys(modules))
+    return (str(launch_library() / "lib/node"), "ur_nodes.fork_server", folder, *dict.fromkeys(modules))
 
 
 def _begin(

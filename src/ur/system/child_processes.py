@@ -2,9 +2,11 @@
 
 import asyncio
 import itertools
+import os
 import shutil
+import signal
 import socket
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from typing import Generic, TypeVar
@@ -13,6 +15,7 @@ from ur.system.ros import node_command
 
 Answer = TypeVar("Answer")
 _END_LIMIT = 5.0  # s
+_PAUSE = 0.05  # s
 
 
 class PendingAnswers(Generic[Answer]):
@@ -73,11 +76,33 @@ async def start_child(
         )
 
 
+class ForkedProcess:
+    """A process that another one has forked for this one. `writer` belongs to the reader of its errors."""
+
+    returncode = 1  # only its parent knows it
+
+    def __init__(self, pid: int, stderr: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self.pid, self.stderr, self._writer = pid, stderr, writer
+
+    async def wait(self) -> None:
+        """Wait for its end."""
+        while os.path.exists(f"/proc/{self.pid}"):  # noqa: PTH110 - as short
+            await asyncio.sleep(_PAUSE)
+        self._writer.close()
+
+    def kill(self) -> None:
+        """Send SIGKILL."""
+        os.kill(self.pid, signal.SIGKILL)
+
+
+Process = asyncio.subprocess.Process | ForkedProcess
+
+
 @dataclass(slots=True)
 class NodeProcess:
     """A node that is connected by sockets, and ends when they are closed."""
 
-    process: asyncio.subprocess.Process
+    process: Process
     links: list[tuple[asyncio.StreamReader, asyncio.StreamWriter]]
     _errors: asyncio.Task[None]
 
@@ -90,16 +115,22 @@ class NodeProcess:
 
 
 async def start_node(
-    module: str, environment: Mapping[str, str], log: Callable[[str], None], *, links: int = 1, longest: int = 1 << 16
+    module: str,
+    environment: Mapping[str, str],
+    log: Callable[[str], None],
+    start: Callable[..., Awaitable[Process]] = start_child,
+    *,
+    links: int = 1,
+    longest: int = 1 << 16,
 ) -> NodeProcess:
     """Start a module of `ur_nodes` with sockets. `log` gets its errors; a line that is read has `longest` bytes."""
     pairs = [socket.socketpair() for _ in range(links)]
-    process = await start_child((*node_command(environment), module), [its for _, its in pairs], environment)
+    process = await start((*node_command(environment), module), [its for _, its in pairs], environment)
     opened = [await asyncio.open_connection(sock=ours, limit=longest) for ours, _ in pairs]
     return NodeProcess(process, opened, asyncio.create_task(read_errors(process, log)))
 
 
-async def read_errors(process: asyncio.subprocess.Process, callback: Callable[[str], None]) -> None:
+async def read_errors(process: Process, callback: Callable[[str], None]) -> None:
     """Pass on each line of a process's errors until it ends."""
     assert process.stderr is not None
     with suppress(ValueError):
@@ -107,7 +138,7 @@ async def read_errors(process: asyncio.subprocess.Process, callback: Callable[[s
             callback(line.decode("utf-8", "replace").rstrip())
 
 
-async def wait_or_kill(process: asyncio.subprocess.Process, limit: float = _END_LIMIT) -> None:
+async def wait_or_kill(process: Process, limit: float = _END_LIMIT) -> None:
     """Wait for a process that is about to end, and kill it after `limit` s."""
     try:
         await asyncio.wait_for(process.wait(), limit)

@@ -29,7 +29,11 @@ def run_for_server(name: str, start: Callable[..., object]) -> int:
 
     It ends with the server, and when another master has started. Returns the exit code.
     """
-    connections = [socket.socket(fileno=int(each)) for each in sys.argv[1:]]
+    descriptors = [int(each) for each in sys.argv[1:]]
+    connections = [socket.socket(fileno=os.dup(each)) for each in descriptors]
+    nothing = os.open(os.devnull, os.O_RDWR)
+    for each in descriptors:  # those of input and output: what is printed must not reach the server
+        os.dup2(nothing, each)
     host = re.sub(r"\W", "_", socket.gethostname().split(".")[0], flags=re.ASCII)
 
     def begin(node: Node) -> object:

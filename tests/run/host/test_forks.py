@@ -27,7 +27,7 @@ from ur.run.supervisor.events import Exited, Started
 folder = sys.argv[1]
 host = start_host()
 null = os.open(os.devnull, os.O_RDWR)
-server = (sys.executable, "-I", "-m", "ur_nodes", "ur_nodes.fork_server", "little")
+server = (sys.executable, "-I", "-m", "ur_nodes", "ur_nodes.fork_server", folder, "little")
 environment = {"PATH": "/usr/bin:/bin", "PYTHONPATH": folder, "ROS_VERSION": "0", "TAKEN": "no"}
 host.begin(environment, keep_terminal=False, server=server)
 

@@ -159,5 +159,7 @@ def test_nodes_are_forked_from_two_on_and_without_a_debugger() -> None:
     text = "".join(f'<node name="{name}" pkg="p" type="robot_state_publisher"/>' for name in "ab")
     plan, world = load(f"<launch>{text}</launch>")
     programs, _ = find_programs(plan.nodes, world)
-    assert fork_command(programs, {})[1:] == ("ur_nodes.fork_server", "ur_nodes.frames.robot_state_publisher_node")
-    assert fork_command(programs[:1], {}) == fork_command(programs, {"UR_NODE_PYTHON_OPTIONS": "-m pdb"}) == ()
+    module = "ur_nodes.frames.robot_state_publisher_node"
+    assert fork_command(programs, {}, "/run")[1:] == ("ur_nodes.fork_server", "/run", module)
+    assert fork_command(programs, {}, "")[1:] == ("ur_nodes.fork_server", "", module)
+    assert fork_command(programs[:1], {}, "") == fork_command(programs, {"UR_NODE_PYTHON_OPTIONS": "-m pdb"}, "") == ()

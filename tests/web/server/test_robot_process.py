@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
+import socket
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from tests.ros_session import RosSession
 from tests.web.static.test_link_state import NODE
 
+from ur.run.host.protocol import FORKS, receive, send
+from ur.run.record.registry import RunEntry, read_computer, register_run
+from ur.source.run_users import read_birth
+from ur.system.child_processes import start_node
 from ur.web.server.robot_process import RobotProcess, find_error
 from ur.web.server.static_files import FOLDER
 
@@ -48,6 +55,51 @@ def test_page_shows_why_the_node_ends(problem: str, shown: str) -> None:
     done = subprocess.run(words, input=script, capture_output=True, text=True, timeout=120, check=True)
     ((banner,),) = (json.loads(done.stdout),)
     assert banner["text"].endswith(shown)
+
+
+FORKED = "import sys; sys.stderr.write('error: forked\\n'); sys.stdin.buffer.read()"
+
+
+async def test_node_is_forked_by_a_run_of_the_same_master_and_executed_by_others(tmp_path: Path) -> None:
+    environment = os.environ | {"XDG_STATE_HOME": str(tmp_path), "ROS_MASTER_URI": "http://localhost:1"}
+    environment |= {"XDG_RUNTIME_DIR": str(tmp_path), "ROS_VERSION": "1"}
+    computer, printed, modules = read_computer(), list[str](), list[str]()
+    facts = RunEntry(
+        "a-run", os.getpid(), read_birth(os.getpid()) or 0, "t", "http://localhost:1/", "", 0.0, False, "h"
+    )
+    registered = register_run(replace(facts, machine=computer.machine, boot=computer.boot), environment, os.getuid())
+    assert registered is not None
+    entry, listener = registered
+    end = RobotProcess(environment, lambda _: None, lambda _: None, lambda: None, lambda: None, lambda _: None)
+
+    def fork() -> subprocess.Popen[bytes]:
+        with server, server.accept()[0] as client:
+            (_, (module, *_), *_), files = receive(client)
+            modules.append(module)
+            process = subprocess.Popen([sys.executable, "-c", FORKED], stdin=files[0], stdout=files[1], stderr=files[2])
+            for each in files:
+                os.close(each)
+            gate, opener = os.pipe()
+            send(client, ("", process.pid), (opener,))
+            os.close(opener)
+            with os.fdopen(gate, "rb") as opened:
+                assert opened.read() == b"1"
+        return process
+
+    with listener, socket.socket(socket.AF_UNIX) as server:
+        server.bind(f"{entry.folder}/{FORKS}")
+        server.listen()
+        forking = asyncio.create_task(asyncio.to_thread(fork))
+        node = await start_node("parrot", environment, printed.append, end._fork_or_start, links=2)
+        process = await forking
+        assert (node.process.pid, modules) == (process.pid, ["parrot"])
+        reaping = asyncio.create_task(asyncio.to_thread(process.wait, 60))
+        await node.close()
+        assert (printed, node.process.returncode, await reaping) == (["error: forked"], 1, 0)
+        server.close()
+        other = await start_node("no_such_module", environment, printed.append, end._fork_or_start, links=2)
+        await other.close()
+        assert isinstance(other.process, asyncio.subprocess.Process)
 
 
 @pytest.mark.ros

@@ -27,6 +27,9 @@ SESSION = "session"
 GROUP = "group"
 FOREGROUND = "foreground"
 
+FORKS = "forks"
+"""The socket in the folder of a run through which pages request nodes that share its memory."""
+
 
 def pack(message: tuple[Any, ...]) -> bytes:
     """Encode a message. Both ends run the same Python, so `marshal` is safe."""

@@ -3,19 +3,21 @@
 import asyncio
 import json
 import os
+import socket
 from collections import deque
-from collections.abc import AsyncIterator, Callable, Collection, Iterable, Mapping
+from collections.abc import AsyncIterator, Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Literal
 from urllib.parse import urlsplit
 
+from ur.run.host.protocol import FORKS, SESSION, receive, send
 from ur.run.join.decision import read_claims
 from ur.run.record.registry import list_runs, read_computer
 from ur.source.foreign.json_values import read_json
 from ur.source.printable import one_line
 from ur.source.run_users import PAGE, forget_user, note_user
-from ur.system.child_processes import start_node
+from ur.system.child_processes import ForkedProcess, Process, start_child, start_node
 from ur.system.ros import NONE, graph_address, read_domain, viewer_socket
 from ur.web.wire.frames import LENGTH, LONGEST, NOTHING_RUNS
 
@@ -23,6 +25,7 @@ State = Literal["no master", "starting", "up"]
 """`no master`: nothing runs, whether there is a master or not."""
 _MODULE = "ur_nodes.web.robot_endpoint_node"
 _MASTER_LIMIT = 2.0  # s
+_FORK_LIMIT = 20.0  # s: a run that has just started imports the modules of its nodes first
 _PAUSE = 1.0  # s
 _REFUSALS = 2  # connections in a row, after which the master has ended
 _DRIVE_LINE = 1 << 16  # bytes
@@ -120,7 +123,9 @@ class RobotProcess:
         return True
 
     async def _run_once(self) -> None:
-        node = await start_node(_MODULE, self._environment, self._take_error, links=2, longest=_DRIVE_LINE)
+        node = await start_node(
+            _MODULE, self._environment, self._take_error, self._fork_or_start, links=2, longest=_DRIVE_LINE
+        )
         self.pid = node.process.pid
         (frames, self._view), (messages, self._drive) = node.links
         tasks = [
@@ -139,6 +144,23 @@ class RobotProcess:
             await asyncio.gather(*tasks, return_exceptions=True)
             self.problem = find_error(self._printed) if node.process.returncode else ""
 
+    async def _fork_or_start(
+        self, command: Sequence[str], ends: Sequence[socket.socket], environment: Mapping[str, str]
+    ) -> Process:
+        """Let a run that has just started fork the node, which then shares the memory of its nodes; else execute it."""
+        for run in list_runs(environment, os.getuid(), read_computer()):
+            if run.master_uri.rstrip("/") != self.master.rstrip("/"):
+                continue
+            ours, theirs = socket.socketpair()
+            with theirs, suppress(OSError, EOFError):
+                files = tuple(each.fileno() for each in (*ends, theirs))
+                pid = await asyncio.to_thread(fork_node, f"{run.folder}/{FORKS}", command[-1], files, environment)
+                for each in ends:
+                    each.close()
+                return ForkedProcess(pid, *await asyncio.open_connection(sock=ours))
+            ours.close()
+        return await start_child(command, ends, environment)
+
     async def _take_frames(self, reader: asyncio.StreamReader) -> None:
         async for frame in read_frames(reader):
             self.problem = ""
@@ -154,6 +176,21 @@ class RobotProcess:
     def _take_error(self, text: str) -> None:
         self._printed.append(text)
         self._log(text)
+
+
+def fork_node(path: str, module: str, files: tuple[int, ...], environment: Mapping[str, str]) -> int:
+    """Have `ur_nodes.fork_server` fork a node with two sockets and standard error; return its process id.
+
+    Raises OSError and EOFError: that process has ended.
+    """
+    with socket.socket(socket.AF_UNIX) as server:
+        server.settimeout(_FORK_LIMIT)
+        server.connect(path)
+        send(server, ("", [module, "0", "1"], "/", {**environment, "ROS_NAMESPACE": None}, SESSION), files)
+        (_, pid), (gate,) = receive(server)
+    with os.fdopen(gate, "wb", 0) as opener:
+        opener.write(b"1")
+    return int(pid)
 
 
 async def read_frames(reader: asyncio.StreamReader) -> AsyncIterator[bytes]:
