@@ -21,8 +21,8 @@ Nobody has tried any of this on the hardware itself.
 *Description* means that a test reads a description of this kind; the makers' own description is in no test.
 *Drives* were made once, with `bench/navigation`, by the base that `ur new base` wrote.
 What no test tries is in the last column; `tools/hardware.yaml` names each test.
-On ROS 1 a robot with navigation takes about 280 MB of memory, 335 with the page; with the page but without navigation and black box 170.
-The page takes 15 MB more if it starts more than 30 s after the robot's nodes, or before its program on a robot with boot services.
+On ROS 1 a robot with navigation takes about 280 MB of memory, 335 with the page; without navigation and black box 170.
+The page takes 15 MB more if it starts 30 s or more after the nodes, or before a program that boot services run.
 See [find devices](../how-to/devices.md) for their names, and [get packages](../how-to/get-packages.md) for drivers.
 
 ## What one command brings

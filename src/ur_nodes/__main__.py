@@ -30,7 +30,7 @@ if __name__ == "__main__":
     import runpy
     from importlib.util import find_spec
 
-    from ur_nodes.message_packages import defer_catkin, defer_web, load_when_used
+    from ur_nodes.message_packages import defer_catkin, load_when_used
     from ur_nodes.run import backend_name
 
     if backend_name() == "ros2" or sys.argv[1] != "ur_nodes.fork_server":  # nodes share all messages of ROS 1
@@ -39,7 +39,6 @@ if __name__ == "__main__":
         from ur_nodes.ros1.repairs.logs import skip_log_link
 
         defer_catkin()
-        defer_web()
         skip_log_link()
     if sys.flags.isolated:
         sys.path += list_message_folders(os.environ.get("PYTHONPATH", ""))

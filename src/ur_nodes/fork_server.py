@@ -27,6 +27,7 @@ from ur.run.host.protocol import FORKS, SESSION, receive, send
 from ur_nodes.run import backend_name
 
 IDLE = 30.0  # s
+_PAGE_LIMIT = 1.0  # s
 _NOT_STARTED = 127  # exit code
 _ALL_LATER = {
     "ros1": (
@@ -82,23 +83,23 @@ def _serve(link: socket.socket, pages: socket.socket, modules: Sequence[str]) ->
     host = os.getppid()
     while ready := select.select([link, pages], [], [], IDLE)[0]:
         client = link if link in ready else pages.accept()[0]
-        client.settimeout(IDLE)
+        client.settimeout(IDLE if client is link else _PAGE_LIMIT)
         try:
             request, stdio = receive(client)
             gate, opener = os.pipe()
-            if (pid := _fork_twice()) == 0:
-                client.close()
-                os.close(opener)
-                return _enter(request, stdio, gate, host)
-            for each in (gate, *stdio):
-                os.close(each)
-            with os.fdopen(opener):
-                send(client, (request[0], pid), (opener,))
-        except (EOFError, OSError):
+            if pid := _fork_twice():
+                for each in (gate, *stdio):
+                    os.close(each)
+                with os.fdopen(opener):
+                    send(client, (request[0], pid), (opener,))
+        except (EOFError, OSError, ValueError):
             if client is link:
                 return None
-        if client is not link:
+            continue
+        if not pid:
             client.close()
+            os.close(opener)
+            return _enter(request, stdio, gate, host)
     return None
 
 

@@ -15,7 +15,6 @@ _KINDS = (".msg", ".srv", ".action")
 _IMPORT = re.compile(r"from (?:([\w.]+) import (\w+)|\._(\w+) import \*)(?:\s*#.*)?")
 _GENERATOR = "rosidl_generator_py.generate_py_impl"
 _CATKIN = "catkin.find_in_workspaces"
-_PYDOC, _SSL = "pydoc", "ssl"
 
 
 class MessagePackage:
@@ -91,23 +90,3 @@ def defer_catkin() -> None:
 
     module.find_in_workspaces = find_in_workspaces  # type: ignore[attr-defined]
     sys.modules.setdefault(_CATKIN, module)
-
-
-def defer_web() -> None:
-    """Leave out what rospy's server loads for pages about it, and import encryption when it is used: 2 MB."""
-    if _SSL in sys.modules or "xmlrpc.server" in sys.modules:
-        return
-    later, pages = ModuleType(_SSL), ModuleType(_PYDOC)
-
-    def find(name: str) -> object:
-        if name.startswith("__"):
-            raise AttributeError(name)
-        if sys.modules.get(_SSL) is later:
-            del sys.modules[_SSL]
-        return getattr(import_module(_SSL), name)
-
-    later.__getattr__ = find  # type: ignore[method-assign]
-    pages.HTMLDoc = object  # type: ignore[attr-defined]
-    sys.modules.update({_SSL: later, _PYDOC: pages})
-    import_module("xmlrpc.server")
-    del sys.modules[_PYDOC]

@@ -97,21 +97,6 @@ def test_services_of_ros_1_are_loaded_as_they_are() -> None:
     assert read_imports("from ._Empty import *\n", "a.srv") is None
 
 
-def test_server_of_nodes_loads_no_encryption_until_it_is_used_and_no_help() -> None:
-    program = """if True:
-        import sys
-        from ur_nodes.message_packages import defer_web
-        for _ in range(2):
-            defer_web()
-        import http.client, pydoc, ssl, xmlrpc.server
-        assert "_ssl" not in sys.modules and hasattr(pydoc, "render_doc")
-        assert isinstance(http.client.HTTPSConnection("parrot")._context, ssl.SSLContext) and "_ssl" in sys.modules
-        defer_web()
-        from ssl import SSLContext
-    """
-    subprocess.run([sys.executable, "-I", "-c", program], check=True, timeout=60)
-
-
 def test_master_starts_without_the_modules_that_it_does_not_use() -> None:
     folder = Path(__file__).parents[2] / "ubiquity_launches/lib/master_modules"
     program = (

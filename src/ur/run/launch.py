@@ -70,8 +70,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
             node.terminal for node in nodes
         ):  # such a program shows the robot's other users; other programs get the environment of roslaunch
             environment[FOLDER_VARIABLE] = entry.folder
-        server = fork_command(programs, environment, entry.folder)
-        _begin(host, environment, entry, keep_terminal=keep_terminal, server=server)
+        _begin(host, environment, entry, fork_command(programs, environment, entry.folder), keep_terminal=keep_terminal)
         terminal = None if detached else find_terminal()
         ignore_background_write()
         _announce(console, middleware, folder=folder, nodes=len(nodes))
@@ -103,10 +102,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
 
 
 def fork_command(programs: Sequence[UnitProgram], environment: Mapping[str, str], folder: str) -> tuple[str, ...]:
-    """Return the command of the process that forks nodes of this project; () for fewer than two, or with a debugger.
-
-    Pages reach it by a socket in the folder of the run, unless that is empty.
-    """
+    """Return the command of the process that forks nodes of this project; () for fewer than two, or with a debugger."""
     modules = [program.module[0] for program in programs if program.module]
     if len(modules) < 2 or environment.get("UR_NODE_PYTHON_OPTIONS"):
         return ()
@@ -114,7 +110,7 @@ def fork_command(programs: Sequence[UnitProgram], environment: Mapping[str, str]
 
 
 def _begin(
-    host: ProcessHost, environment: Mapping[str, str], entry: RunEntry, *, keep_terminal: bool, server: tuple[str, ...]
+    host: ProcessHost, environment: Mapping[str, str], entry: RunEntry, server: tuple[str, ...], *, keep_terminal: bool
 ) -> None:
     try:
         host.begin(environment, keep_terminal=keep_terminal, server=server)

@@ -76,19 +76,20 @@ async def start_child(
         )
 
 
+@dataclass(slots=True)
 class ForkedProcess:
     """A process that another one has forked for this one. `writer` belongs to the reader of its errors."""
 
-    returncode = 1  # only its parent knows it
-
-    def __init__(self, pid: int, stderr: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        self.pid, self.stderr, self._writer = pid, stderr, writer
+    pid: int
+    stderr: asyncio.StreamReader
+    writer: asyncio.StreamWriter
+    returncode: int = 1  # only its parent knows it
 
     async def wait(self) -> None:
         """Wait for its end."""
         while os.path.exists(f"/proc/{self.pid}"):  # noqa: PTH110 - as short
             await asyncio.sleep(_PAUSE)
-        self._writer.close()
+        self.writer.close()
 
     def kill(self) -> None:
         """Send SIGKILL."""
