@@ -49,8 +49,8 @@ def main(arguments: Sequence[str]) -> None:
     folder, *modules, descriptor = arguments
     _show_arguments(sys.orig_argv[:5])  # who looks for a node by its module finds the node alone
     with socket.socket(fileno=int(descriptor)) as link, socket.socket(socket.AF_UNIX) as pages:
-        if folder:
-            pages.bind(f"{folder}/{FORKS}")
+        with suppress(OSError):  # no folder, or too long a path: pages execute their nodes
+            pages.bind(f"{folder or os.devnull}/{FORKS}")
             pages.listen()
         words = _serve(link, pages, modules)
     if words is None:
@@ -81,7 +81,8 @@ def _serve(link: socket.socket, pages: socket.socket, modules: Sequence[str]) ->
     gc.collect()
     gc.freeze()
     host = os.getppid()
-    while ready := select.select([link, pages], [], [], IDLE)[0]:
+    watched = [link, pages] if pages.getsockname() else [link]
+    while ready := select.select(watched, [], [], IDLE)[0]:
         client = link if link in ready else pages.accept()[0]
         client.settimeout(IDLE if client is link else _PAGE_LIMIT)
         try:

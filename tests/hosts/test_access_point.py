@@ -6,10 +6,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import pytest
-from tests.hosts.bench import UR, Machine, wait_until
+from tests.hosts.bench import UR, Bench, Machine, boot, wait_until
 from tests.hosts.managed import PASSWORD, PENDING, wait_reached, wait_settled
 from tests.hosts.test_lost_changes import exists
-from tests.hosts.test_netplan import LAB_PASSWORD
+from tests.hosts.test_netplan import INSTALL, LAB_PASSWORD
+from tests.hosts.test_robot_setup import PASSWORD as SETUP_PASSWORD
+from tests.hosts.test_robot_setup import command, prepare, set_up
 from tests.hosts.wireless import MANAGERS, Wireless, wireless_pair
 
 from ur.robot.setup.access_point import (
@@ -67,6 +69,55 @@ def pair(request: pytest.FixtureRequest) -> Iterator[Wireless]:
         robot.write(f"/etc/systemd/system/{UNIT}.d/bench.conf", QUICK)
         robot.run(f"systemctl daemon-reload; systemctl restart {UNIT}").check()
         yield made
+
+
+# No kernel of the benches lists a wireless device.
+LISTED = """\
+[Unit]
+DefaultDependencies=no
+Before=sysinit.target
+[Service]
+Type=oneshot
+RemainAfterExit=yes
+ExecStart=mount -t overlay radio -o lowerdir=/opt/radio:/sys/class /sys/class
+[Install]
+WantedBy=sysinit.target
+"""
+
+
+@pytest.fixture(scope="module")
+def fresh() -> Iterator[Bench]:
+    """A laptop that was set up, and a robot with a radio, netplan and networkd that was just flashed."""
+    with boot(("laptop", "robot")) as bench:
+        prepare(bench["laptop"])
+        robot = bench["robot"]
+        robot.run(INSTALL, timeout=300).check()
+        robot.write("/etc/systemd/system/radio.service", LISTED)
+        robot.run("mkdir -p /opt/radio/ieee80211/phy0; systemctl enable --now radio").check()
+        yield bench
+
+
+def test_robot_setup_makes_it_and_the_laptop_knows_its_password_until_it_is_refused(fresh: Bench) -> None:
+    laptop, robot = fresh["laptop"], fresh["robot"]
+    done = set_up(laptop).check()
+    assert "ready after" in done.out
+    assert "its password: ur robots --access-points" in done.out
+    password = robot.read(PASSWORD_FILE).strip()
+    assert len(password) == 14
+    assert password not in done.out + done.err
+    assert robot.run(f"stat -c '%a %U' {PASSWORD_FILE}; systemctl is-enabled {UNIT}").out == "600 root\nenabled\n"
+    robot.wait_for(f"systemctl is-active --quiet {UNIT}", deadline=60)
+    shown = f"{UR} robots --access-points"
+    assert laptop.run(shown, user="pat").check().out == f"WiFi bob: password {password}\n"
+
+    again = set_up(laptop, "bob.local", current="").check()
+    assert "nothing to do" in again.out
+    assert robot.read(PASSWORD_FILE).strip() == password
+
+    without = command("bob.local", "bob", "--no-access-point")
+    laptop.run(without, user="pat", stdin=f"{SETUP_PASSWORD}\n\n", timeout=900).check()
+    assert robot.run(f"systemctl cat {UNIT}").code != 0
+    assert laptop.run(shown, user="pat").code == 1
 
 
 def open_point(pair: Wireless, *air: str) -> None:

@@ -3,16 +3,12 @@
 import gc
 import os
 import socket
-import threading
 from collections.abc import Iterator
-from pathlib import Path
 from typing import NoReturn
 
 import pytest
-from tests.json_client import wait_until
 
 from ur.run.host.protocol import GROUP, receive, send
-from ur.web.server.robot_process import fork_node
 from ur_nodes import fork_server
 
 
@@ -62,21 +58,9 @@ def test_server_takes_requests_until_nobody_takes_its_answers(link: tuple[socket
     fork_server.main(["", str(descriptor)])
 
 
-def test_page_gets_a_node_by_the_socket_of_the_run_and_a_client_that_says_nothing_gets_none(
-    link: tuple[socket.socket, int], tmp_path: Path
+def test_server_without_a_folder_serves_its_host_alone(
+    link: tuple[socket.socket, int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    host, descriptor = link
-    path = str(tmp_path / "forks")
-    server = threading.Thread(target=fork_server.main, args=([str(tmp_path), "json", str(descriptor)],))
-    null = os.open(os.devnull, os.O_RDWR)
-    server.start()
-    wait_until(tmp_path.joinpath("forks").exists, 20.0, "the server listens", 0.01)
-    with socket.socket(socket.AF_UNIX) as silent:
-        silent.connect(path)
-    pid = fork_node(path, "no_such_module", (null, null, null), {})
-    os.close(null)
-    assert pid > 1
-    host.close()
-    server.join(20.0)
-    with pytest.raises(ConnectionRefusedError):
-        fork_node(path, "no_such_module", (0, 0, 0), {})
+    monkeypatch.setattr(fork_server, "IDLE", 0.01)
+    fork_server.main(["", "json", str(link[1])])
+    assert link[0].recv(1) == b""

@@ -83,6 +83,30 @@ receive()
     assert drive(tmp_path, script) == ["started one", "mine False", "exited one None 15"]
 
 
+def test_page_gets_a_node_of_the_run_and_one_that_says_nothing_delays_no_other(tmp_path: Path) -> None:
+    script = """
+import socket
+from ur.web.server.robot_process import fork_node
+start('one', 'wait')
+above = parent(receive())
+silent = socket.socket(socket.AF_UNIX)
+silent.connect(folder + "/forks")
+with open(f"{folder}/page", "wb") as file:
+    pid = fork_node(folder + "/forks", "little", (null, file.fileno(), null), {"GIVEN": "page"})
+print("sibling", parent(pid) == above, flush=True)
+while os.path.exists(f"/proc/{pid}"):
+    pass
+host.signal_process('one', signal.SIGKILL)
+receive()
+"""
+    assert drive(tmp_path, script) == ["started one", "sibling True", "exited one None 9"]
+    assert (tmp_path / "page").read_text().splitlines() == [
+        "shared True leads True True",
+        "is 0 1 in / with page no",
+        "shown as little 0 1",
+    ]
+
+
 def test_node_whose_server_was_killed_is_executed_instead(tmp_path: Path) -> None:
     script = """
 start('one', 'wait')
