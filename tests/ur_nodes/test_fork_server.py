@@ -56,11 +56,3 @@ def test_server_takes_requests_until_nobody_takes_its_answers(link: tuple[socket
     host.close()
     os.close(null)
     fork_server.main(["", str(descriptor)])
-
-
-def test_server_without_a_folder_serves_its_host_alone(
-    link: tuple[socket.socket, int], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(fork_server, "IDLE", 0.01)
-    fork_server.main(["", "json", str(link[1])])
-    assert link[0].recv(1) == b""
