@@ -129,10 +129,7 @@ def check_robot_system(place: str, system: System) -> None:
     """
     if reason := describe_lack(system):
         raise user_error_about(
-            place,
-            f"{reason}, expected {_ROBOTS}",
-            rule="unsupported-release",
-            help="flash an image of one of these",
+            place, f"{reason}, expected {_ROBOTS}", rule="unsupported-release", help="flash an image of one of these"
         )
 
 

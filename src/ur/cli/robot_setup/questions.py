@@ -73,9 +73,7 @@ def _ask(what: str, default: str | None, terminal: SetupTerminal) -> str:
     if not terminal.is_there():
         option = what.split()[0]
         raise user_error(
-            f"{what} is not given, and there is no terminal to ask on",
-            rule="missing-answer",
-            help=f"give --{option}",
+            f"{what} is not given, and there is no terminal to ask on", rule="missing-answer", help=f"give --{option}"
         )
     return terminal.ask(what, default)
 
