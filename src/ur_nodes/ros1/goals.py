@@ -39,7 +39,10 @@ class RosGoalClient:
         self._goals = rospy.Publisher(f"{action}/goal", MoveBaseActionGoal, queue_size=5)
         self._cancels = rospy.Publisher(f"{action}/cancel", GoalID, queue_size=5)
 
+        self._server = ""
+
         def on_states(message: GoalStatusArray) -> None:
+            self._server = message._connection_header["callerid"]
             follower.on_states(tuple(map(state_of, message.status_list)))
 
         def on_result(message: MoveBaseActionResult) -> None:
@@ -61,7 +64,8 @@ class RosGoalClient:
         self._cancels.publish(GoalID(id=id))  # an empty one cancels all: actionlib's protocol
 
     def servers(self) -> int:
-        return min(int(self._goals.get_num_connections()), int(self._cancels.get_num_connections()))
+        """Return whether the node that tells its goals' states hears both topics: a recorder may, too."""
+        return int(all(each.impl.has_connection(self._server) for each in (self._goals, self._cancels)))
 
 
 def state_of(status: GoalStatus) -> GoalState:
