@@ -191,6 +191,7 @@ class MoveBase:
         self._path_blocked, self._touches = False, 0
         self._navigator.start(goal, self._now(), any_heading=has_any_heading(handle.goal.id))
         self._view.show_goal(goal)
+        self._control_if_standing()
 
     def handle_cancel(self, handle: GoalHandle) -> None:
         """Stop, and end the goal."""
@@ -390,6 +391,14 @@ class MoveBase:
     def _on_plan(self, request: PlanRequest, answer: PlanAnswer) -> None:
         if request.key == self._key:
             self._answer = answer
+            if self._navigator.phase is NavigatorPhase.PLANNING:
+                self._control_if_standing()
+
+    def _control_if_standing(self) -> None:
+        """Step the navigator without waiting for the next period, which begins anew."""
+        if self._sent == AT_REST:
+            self._beats = 1
+            self._control(self._now())
 
     def _halt(self, *, keep_goal: bool = False) -> None:
         moving = self._navigator.phase is not NavigatorPhase.IDLE

@@ -34,6 +34,13 @@ def test_goal_is_reached_and_the_node_is_silent_afterwards(robot: RobotStage) ->
     assert robot.reports[-1].pose == pytest.approx(robot.pose, abs=0.1)
 
 
+def test_robot_at_rest_begins_a_goal_before_the_next_control_period(robot: RobotStage) -> None:
+    robot.bus.run(0.5)
+    robot.send(3.0, 0.0)
+    robot.bus.run(0.03)
+    assert robot.command[0] > 0.0
+
+
 def test_commands_come_at_their_rate_while_the_robot_drives(robot: RobotStage) -> None:
     robot.send(3.0, 0.0)
     assert robot.starts_moving()
