@@ -20,6 +20,7 @@ from ur_nodes.loop import Loop
 from ur_nodes.ports.actions import Goal, GoalFollower, GoalHandlers, GoalPhase, GoalState
 from ur_nodes.ports.values import StampedPose
 from ur_nodes.ros1.ending import quiet_at_end
+from ur_nodes.ros1.topics import header_of
 
 _STATES: dict[int, GoalPhase] = {
     GoalStatus.PENDING: "pending",
@@ -42,7 +43,7 @@ class RosGoalClient:
         self._server = ""
 
         def on_states(message: GoalStatusArray) -> None:
-            self._server = message._connection_header["callerid"]
+            self._server = header_of(message).get("callerid", "")
             follower.on_states(tuple(map(state_of, message.status_list)))
 
         def on_result(message: MoveBaseActionResult) -> None:
