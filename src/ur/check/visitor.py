@@ -103,10 +103,6 @@ def _with_includes(findings: Iterable[Diagnostic], origin: Origin) -> Iterable[D
     return (replace(found, notes=(*found.notes, *steps)) for found in findings)
 
 
-def _is_old_master(found: Diagnostic) -> bool:
-    return found.rule == "unknown-tag" and found.kind == OBSOLETE  # many old files hold it
-
-
 def stamp_severity(found: Diagnostic, rules: Mapping[str, Rule]) -> Diagnostic:
     """Return a finding of the resolver with the severity of its rule."""
     rule = rules.get(found.rule)
@@ -115,7 +111,7 @@ def stamp_severity(found: Diagnostic, rules: Mapping[str, Rule]) -> Diagnostic:
         or rule.severity is found.severity
         or found.kind == TOLERATED
         or found.rule in _AS_RESOLVED
-        or _is_old_master(found)
+        or (found.rule == "unknown-tag" and found.kind == OBSOLETE)
     ):
         return found
     return replace(found, severity=rule.severity)

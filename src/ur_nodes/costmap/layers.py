@@ -130,7 +130,7 @@ def _find_passed(
     nearest = _nearest_by_sector(occupied, frame, sensor, float(steps[-1]))
     if nearest is None:
         return np.empty(0, np.intp)
-    begins = np.searchsorted(steps, nearest)[_sectors_of(bearing)]
+    begins = np.searchsorted(steps, nearest)[np.floor(bearing * (_SECTORS / math.tau)).astype(np.intp) % _SECTORS]
     counts = np.maximum(np.searchsorted(steps, free) - begins, 0)  # of the steps that are less than the free length
     ends = np.cumsum(counts)
     along = steps[np.arange(ends[-1]) + np.repeat(begins - (ends - counts), counts)]
@@ -166,10 +166,6 @@ def _nearest_by_sector(
     nearest = np.full(_SECTORS, np.inf)
     np.minimum.at(nearest, sectors, np.repeat((gaps - _HALF) * frame.resolution, counts))
     return nearest
-
-
-def _sectors_of(bearing: NDArray[np.float64]) -> NDArray[np.intp]:
-    return np.floor(bearing * (_SECTORS / math.tau)).astype(np.intp) % _SECTORS
 
 
 def shift_cells(occupied: NDArray[np.bool_], rows: int, columns: int) -> NDArray[np.bool_]:

@@ -370,7 +370,7 @@ class MoveBase:
         if pose is None or costs is None or self._goal is None:
             return
         self._key += 1
-        heading = None if self._any_heading() else self._goal.yaw
+        heading = None if self._handle and has_any_heading(self._handle.goal.id) else self._goal.yaw
         place, goal = (pose.x, pose.y), (self._goal.x, self._goal.y)
         people = self._world.people_in_map(self._now())
         request = PlanRequest(
@@ -379,9 +379,6 @@ class MoveBase:
         if self._world.global_costmap is not None and self._world.touched:
             request = replace(request, untouched=self._world.global_costmap.untouched)
         self._plans.ask(request)
-
-    def _any_heading(self) -> bool:
-        return self._handle is not None and has_any_heading(self._handle.goal.id)
 
     def _plan(self, request: PlanRequest) -> PlanAnswer:
         limits = self._settings.limits

@@ -41,7 +41,9 @@ def _find_disorder(view: LaunchView) -> Iterable[RuleFinding]:
             kind = _HEADINGS.get(heading[0]) if heading else None
         else:
             kind = _kind_of(child)
-            if kind in (_OPTIONAL, _CONVENIENCE) and (kind == _OPTIONAL or _depends_on(child, optional)):
+            if kind in (_OPTIONAL, _CONVENIENCE) and (
+                kind == _OPTIONAL or any(name in optional for name, _ in find_uses(child))
+            ):
                 optional.add(child.attributes.get("name", ""))
                 kind = max(kind, _OPTIONAL)
         if kind is None:
@@ -64,10 +66,6 @@ def _kind_of(element: Element) -> int:
     if "value" in element.attributes:
         return _CONVENIENCE
     return _OPTIONAL if "default" in element.attributes else _REQUIRED
-
-
-def _depends_on(element: Element, names: set[str]) -> bool:
-    return any(name in names for name, _ in find_uses(element))
 
 
 def _short_span(child: Element | Comment) -> Span:
