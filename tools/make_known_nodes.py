@@ -83,7 +83,11 @@ def make_module() -> str:
     rows = []
     for executable, head in read_heads().items():
         if arguments := list(_arguments(head)):
-            rows += [f'    "{executable}": make_interface(', *arguments, "    ),"]
+            joined = " ".join(map(str.strip, arguments)).removesuffix(",")
+            row = f'    "{executable}": make_interface({joined}),'
+            whole = all(each.endswith(",") for each in arguments)
+            inner = [f"        {joined}"] if whole and len(joined) <= 112 else arguments
+            rows += [row] if whole and len(row) <= 120 else [row.partition(joined)[0], *inner, "    ),"]
     return _MODULE + "\n".join(rows) + "\n}\n"
 
 

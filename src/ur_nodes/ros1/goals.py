@@ -65,7 +65,7 @@ class RosGoalClient:
         self._cancels.publish(GoalID(id=id))  # an empty one cancels all: actionlib's protocol
 
     def servers(self) -> int:
-        """Return whether the node that tells its goals' states hears both topics: a recorder may, too."""
+        """Return whether the node that tells how goals are listens to both topics: recorders listen, too."""
         return int(all(each.impl.has_connection(self._server) for each in (self._goals, self._cancels)))
 
 
