@@ -50,4 +50,6 @@ def test_recorder_that_hears_goals_is_no_server_of_them(tmp_path: Path) -> None:
         session.start(sys.executable, "-c", SERVER)
         assert printed.readline() == "served\n"
     finally:
+        for process in session.running[1:]:
+            process.kill()  # rospy may go on for long after a signal
         session.close()
