@@ -85,22 +85,21 @@ def _serve(link: socket.socket, pages: socket.socket, modules: Sequence[str]) ->
     while ready := select.select(watched, [], [], IDLE)[0]:
         client = link if link in ready else pages.accept()[0]
         client.settimeout(IDLE if client is link else _PAGE_LIMIT)
+        stdio, pipe, pid = list[int](), tuple[int, ...](), -1
         try:
             request, stdio = receive(client)
-            gate, opener = os.pipe()
+            gate, opener = pipe = os.pipe()
             if pid := _fork_twice():
-                for each in (gate, *stdio):
-                    os.close(each)
-                with os.fdopen(opener):
-                    send(client, (request[0], pid), (opener,))
+                send(client, (request[0], pid), (opener,))
         except (EOFError, OSError, ValueError):
             if client is link:
                 return None
-            continue
         if not pid:
             client.close()
             os.close(opener)
             return _enter(request, stdio, gate, host)
+        for each in (*stdio, *pipe):
+            os.close(each)
     return None
 
 
@@ -130,7 +129,9 @@ def _fork_twice() -> int:
 
 def _enter(request: Request, stdio: Sequence[int], gate: int, host: int) -> list[str]:
     """Become the process that a request describes, as `ur.run.host.fork` makes it, once the host knows this one."""
-    _name, words, folder, changes, session_mode = request
+    name, words, folder, changes, session_mode = request
+    if not name:  # a page gives all of its environment
+        os.environ.clear()
     if session_mode == SESSION:
         os.setsid()
     else:

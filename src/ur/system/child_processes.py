@@ -83,7 +83,7 @@ class ForkedProcess:
     pid: int
     stderr: asyncio.StreamReader
     writer: asyncio.StreamWriter
-    returncode: int = 1  # only its parent knows it
+    returncode: int = 0  # only its parent knows it
 
     async def wait(self) -> None:
         """Wait for its end."""

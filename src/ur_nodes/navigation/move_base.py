@@ -394,8 +394,8 @@ class MoveBase:
     def _control_if_standing(self) -> None:
         """Step the navigator without waiting for the next period, which begins anew."""
         if self._sent == AT_REST:
-            self._beats = 1
-            self._control(self._now())
+            self._beats = 0
+            self.beat()
 
     def _halt(self, *, keep_goal: bool = False) -> None:
         moving = self._navigator.phase is not NavigatorPhase.IDLE

@@ -155,7 +155,7 @@ class Navigator:
     ) -> NavigatorOutputs:
         if inputs.now - run.phase_since > self._settings.planner_patience:
             return self._get_stuck(run, inputs, run.reason or "planning took too long")
-        return NavigatorOutputs(command=self._braked(run), plan=run.may_ask(inputs.now, 0.5))
+        return NavigatorOutputs(self._braked(run), plan=run.may_ask(inputs.now, 0.5), waited=run.waited(inputs.now))
 
     def _drive(
         self, run: GoalPursuit, motion: RolloutState, local: LocalObstacles, inputs: NavigatorInputs
@@ -219,7 +219,7 @@ class Navigator:
         enough = _ROOMY if self._leads_to_people(run, inputs.odom, local, _NEXT) else _PASSED
         if back.command.blocked or room > enough or inputs.now - run.phase_since > _STAY:
             run.enter(NavigatorPhase.PLANNING, inputs.now)
-            return NavigatorOutputs(command=self._braked(run), plan=run.may_ask(inputs.now, 0.5))
+            return NavigatorOutputs(self._braked(run), plan=run.may_ask(inputs.now, 0.5), waited=run.waited(inputs.now))
         return NavigatorOutputs(command=back.command.velocity)
 
     def _turn(

@@ -16,6 +16,7 @@ from ur_nodes.navigation.steering.speed_profile import AT_REST, DriveVelocity, S
 
 _TRACK_STEP, _TRACK_TURN = 0.05, 0.1  # m, rad between poses of the track that is kept
 _TRACK = 120  # such poses
+_FORGOTTEN = 15.0  # s after the last waiting, when another begins
 _WAITED = 0.3  # m from where the robot waited for people, after which it does not any more
 _CORNERED, _PATIENCE = 0.7, 6.0  # m to people, and s of waiting for them, after which they seem unable to leave
 _RETREAT = 0.6  # m back to make room for them, and between two places where the robot does
@@ -39,6 +40,7 @@ class GoalPursuit:
     stuck_since: float | None = None
     waited_since: float | None = None
     waited_at: Pose2 | None = None
+    waited_last: float = 0.0
     made_room_at: Pose2 | None = None
     trouble_since: float | None = None
     moved_at: float = 0.0
@@ -90,9 +92,10 @@ class GoalPursuit:
 
     def wait(self, now: float, pose: Pose2) -> float:
         """Wait for people, which is no lack of progress. Return how long so far, s."""
-        if self.waited_since is None:
+        if self.waited_since is None or now - self.waited_last > _FORGOTTEN:
             self.waited_since, self.waited_at = now, pose
-        self.moved_at, self.stuck_since = now, None
+        self.moved_at = self.waited_last = now
+        self.stuck_since = None
         return self.waited(now)
 
     def waited(self, now: float) -> float:

@@ -40,10 +40,10 @@ class RosGoalClient:
         self._goals = rospy.Publisher(f"{action}/goal", MoveBaseActionGoal, queue_size=5)
         self._cancels = rospy.Publisher(f"{action}/cancel", GoalID, queue_size=5)
 
-        self._server = ""
+        self._servers = set[str]()
 
         def on_states(message: GoalStatusArray) -> None:
-            self._server = header_of(message).get("callerid", "")
+            self._servers.add(header_of(message).get("callerid", ""))
             follower.on_states(tuple(map(state_of, message.status_list)))
 
         def on_result(message: MoveBaseActionResult) -> None:
@@ -65,8 +65,9 @@ class RosGoalClient:
         self._cancels.publish(GoalID(id=id))  # an empty one cancels all: actionlib's protocol
 
     def servers(self) -> int:
-        """Return whether the node that tells how goals are listens to both topics: recorders listen, too."""
-        return int(all(each.impl.has_connection(self._server) for each in (self._goals, self._cancels)))
+        """Return whether a node that tells how goals are listens to both topics: recorders listen, too."""
+        goals, cancels = self._goals.impl, self._cancels.impl
+        return int(any(goals.has_connection(each) and cancels.has_connection(each) for each in self._servers))
 
 
 def state_of(status: GoalStatus) -> GoalState:

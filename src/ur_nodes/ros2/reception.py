@@ -4,7 +4,7 @@ The node's thread waits for messages itself, as for calls, so none is handed fro
 wait set: the middleware's own thread writes into a file (eventfd) for each message, by the C function `eventfd_write`
 as callback of rcl, and the thread polls these files. Services, clients, events of publishers and timers stay with the
 executor. Subscriptions have no events: an executor that waits for these is woken by each message. `ur doctor` names
-publishers whose messages a subscription does not get.
+publishers whose messages a subscription does not get. During a callback the simulated clock of a node stands still.
 """
 
 from __future__ import annotations
@@ -25,6 +25,8 @@ import rclpy.node
 from rclpy.callback_groups import CallbackGroup
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import SubscriptionEventCallbacks
+
+from ur.source.diagnostic import user_error
 
 if TYPE_CHECKING:
     from rcl_interfaces.msg import ParameterDescriptor
@@ -107,8 +109,9 @@ class Reception(Unserved):
         """Wait for messages or a call, at most so long, and make the callbacks of subscriptions, which put calls."""
         self._thread = threading.get_ident()
         for file, _ in self._poll.poll(seconds):
-            with suppress(OSError, rclpy_implementation.InvalidHandle):  # another thread has closed it
+            with suppress(OSError):  # another thread has closed it
                 os.eventfd_read(file)
+            with suppress(rclpy_implementation.InvalidHandle):
                 if file in self._subscriptions and self._take(*self._subscriptions[file]):
                     os.eventfd_write(file, 1)
 
@@ -127,9 +130,10 @@ class Reception(Unserved):
 
 def _call_with_messages(subscription: Subscription, call: ctypes._FuncPointer, file: int) -> None:
     """Have a function called for new messages of a subscription, and for those that wait; null: none."""
-    ctypes.CDLL("librcl.so").rcl_subscription_set_on_new_message_callback(
-        ctypes.c_void_p(subscription.handle.pointer), call, ctypes.c_void_p(file)
-    )
+    rcl, handle = ctypes.CDLL("librcl.so"), ctypes.c_void_p(subscription.handle.pointer)
+    if rcl.rcl_subscription_set_on_new_message_callback(handle, call, ctypes.c_void_p(file)):
+        message = "this middleware does not tell when messages arrive, expected Fast DDS or Cyclone DDS"
+        raise user_error(message, rule="bad-middleware", help="export RMW_IMPLEMENTATION=rmw_fastrtps_cpp")
 
 
 def accepts_details(callback: Callable[..., object]) -> bool:

@@ -25,6 +25,7 @@ from ur_nodes.ros2.names import resolve
 _Callback = Callable[[tuple[Transform, ...]], None]
 
 _MOVING = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
+_MOVING_TAKEN = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)  # a history with gaps is of no use
 _FIXED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _FIXED_TAKEN = QoSProfile(
     depth=100, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
@@ -46,7 +47,7 @@ class TransformTopics:
         Receiver(
             self._node, Transforms, "/tf_static", _FIXED_TAKEN, lambda m: fixed_callback(transforms_of(m, fixed=True))
         )
-        Receiver(self._node, Transforms, "/tf", _MOVING, lambda message: callback(transforms_of(message)))
+        Receiver(self._node, Transforms, "/tf", _MOVING_TAKEN, lambda message: callback(transforms_of(message)))
 
     def send(self, transforms: tuple[Transform, ...]) -> None:
         """Send transforms together."""

@@ -37,6 +37,7 @@ _JUST_MADE = (
 # A match
 _LEAST_AGREEMENT = 0.35  # below, the scan gives no evidence
 _CONTRADICTED = (0.5, 0.3)  # agreement below and contradiction above which the scan was taken elsewhere
+_IN_SIGHT = 0.3  # share of the last scan that must be in sight of one that it explains
 _CERTAIN = 0.03  # m: standard deviation of matches that teach, and that replace odometry
 # Where a new keyframe is due, an old one may serve
 _SEEN_AGAIN = 0.3  # m: so near to it
@@ -234,10 +235,10 @@ class ScanMapper:
             return False
         if last and last.contradicted:
             return True
-        known = [self._local_map().surface]
+        known = [(self._local_map().surface, 0.0)]
         if self._last_scan:
-            known.append(self._last_scan.surface.moved(self._pose()))
-        return all(contradiction(each, scan, match.pose) > _CONTRADICTED[1] for each in known)
+            known.append((self._last_scan.surface.moved(self._pose()), _IN_SIGHT))
+        return all(contradiction(each, scan, match.pose, least) > _CONTRADICTED[1] for each, least in known)
 
     def _local_map(self) -> LocalMap:
         if self._changed or self._local is None:

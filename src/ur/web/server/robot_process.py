@@ -149,7 +149,7 @@ class RobotProcess:
     ) -> Process:
         """Let a run that has just started fork the node, which then shares the memory of its nodes; else execute it."""
         for run in list_runs(environment, os.getuid(), read_computer()):
-            if run.master_uri.rstrip("/") != self.master.rstrip("/"):
+            if run.master_uri.rstrip("/") != self.master.rstrip("/") or not read_claims(run.folder).base:
                 continue
             ours, theirs = socket.socketpair()
             with theirs, suppress(OSError, EOFError):

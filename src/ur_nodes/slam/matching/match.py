@@ -20,10 +20,10 @@ _THROUGH = 0.3  # m: a beam that passes a wall by so much contradicts it
 _WIDEST_GAP = 0.05  # rad: what lies between beams farther apart is not in sight
 
 
-def contradiction(target: Surface, scan: MapScan, pose: Pose2) -> float:
+def contradiction(target: Surface, scan: MapScan, pose: Pose2, least: float = 0.0) -> float:
     """The share (0..1) of a map's points in sight of a scan at `pose` that its beams pass through.
 
-    1 for a scan of fewer than two points, 0 where nothing of the map is in sight.
+    1 for a scan of fewer than two points, or where less than `least` (0..1) of the map is in sight; else 0 for nothing.
     """
     inside = target.moved(pose.inverse())
     delta = inside.points - scan.origin
@@ -41,6 +41,8 @@ def contradiction(target: Surface, scan: MapScan, pose: Pose2) -> float:
     faces = (inside.normals * delta).sum(axis=1) < 0.0
     in_sight = faces & (gap < _WIDEST_GAP) & (distance < nearer + _THROUGH)
     passed = in_sight & (distance < nearer - _THROUGH)
+    if in_sight.sum() < least * len(delta):
+        return 1.0
     return float(passed.sum()) / max(1, int(in_sight.sum()))
 
 
