@@ -255,7 +255,8 @@ class MoveBase:
         if self._handle is None or not self._may_drive(self._handle, now):
             return
         if self._tick % _PATH_CHECK_PERIODS == 0:
-            self._path_blocked = self._is_path_blocked()
+            path, world = self._navigator.path, self._world.global_costmap
+            self._path_blocked = path is not None and world is not None and not path_is_free(world.costmap, path)
         answer, self._answer = self._answer, None
         before, beside = self._navigator.phase, self._contacts.beside(self._world.touched_in_base(), self._widening)
         out = self._navigator.step(
@@ -414,10 +415,6 @@ class MoveBase:
         pose = self._world.robot_in_map()
         if self._handle is not None and pose is not None:
             self._handle.report(StampedPose(self._node.now(), self._settings.world.frame, pose))
-
-    def _is_path_blocked(self) -> bool:
-        path, world = self._navigator.path, self._world.global_costmap
-        return path is not None and world is not None and not path_is_free(world.costmap, path)
 
     def _forget_obstacles(self, how: Behaviour) -> None:
         """Clear all obstacles, or with CLEAR_FAR those farther away than `reset_distance`."""

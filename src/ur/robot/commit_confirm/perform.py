@@ -63,11 +63,6 @@ def open_as(host: str) -> Open:
     return open_link
 
 
-def new_identity() -> str:
-    """Generate the id of an attempt."""
-    return secrets.token_hex(4)
-
-
 def hand_over(shell: Shell, order: Order, facts: ComputerFacts) -> None:
     """Arm the robot's guard, which starts the change a second later.
 
@@ -231,7 +226,7 @@ def begin_change(
     The id is also returned if the connection broke, so that it is unknown whether the change has started. `requester`
     is shown to other users. Raises UserError if the change did not start.
     """
-    order = Order(new_identity(), requester, wait, change)
+    order = Order(secrets.token_hex(4), requester, wait, change)
     try:
         hand_over(shell, order, facts)
         report(f"{change.title}: the robot begins, and reverts it unless it is confirmed within {wait} s")

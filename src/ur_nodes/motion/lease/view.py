@@ -79,7 +79,8 @@ def identify(environment: Mapping[str, str], program: str) -> Identity:
     client, conduct = environment.get("UR_CLIENT", ""), environment.get("UR_LEASE", "drive")
     return Identity(
         client if is_client(client) else os.urandom(8).hex(),
-        clean_name(environment.get("UR_CLIENT_NAME")) or _host_name(),
+        clean_name(environment.get("UR_CLIENT_NAME"))
+        or (re.sub(r"[.].*", "", clean_name(socket.gethostname())) or "a computer"),
         clean_name(environment.get("UR_PROGRAM")) or program,
         cast("Conduct", conduct) if conduct in get_args(Conduct) else "drive",
         environment.get("UR_ATTENDED", "1") != "0",
@@ -132,8 +133,3 @@ def view_lease(
         pending,
         lease.note,
     )
-
-
-def _host_name() -> str:
-    """Return the display name of this computer."""
-    return re.sub(r"[.].*", "", clean_name(socket.gethostname())) or "a computer"
