@@ -42,3 +42,32 @@ print("equal")
 def test_values_are_those_that_rclpy_reads_and_what_is_cut_off_is_refused(session: Ros2Session) -> None:
     done = session.run("-c", PROGRAM, within=60.0)
     assert done.stdout.split() == ["equal"], done.stderr
+
+
+HOSTILE = """
+import os
+import threading
+import rclpy
+from geometry_msgs.msg import Twist as Message
+from ur_nodes.ports.values import Twist
+from ur_nodes.ros2.node import RosNode
+
+rclpy.init()
+node, values, arrived, failed = RosNode("victim"), [], threading.Event(), threading.Event()
+node.subscribe("cmd_vel", Twist, lambda value: (values.append(value.forward), arrived.set()))
+node.begin(failed.set)
+publisher = rclpy.create_node("other").create_publisher(Message, "cmd_vel", 10)
+for data in (b"\\0\\1\\0\\0\\0", b"\\0\\2\\0\\0", b"", b"\\xff\\xff\\0\\0" + bytes(48)):
+    message = Message()
+    arrived.clear()
+    while not arrived.wait(0.1):
+        publisher.publish(data)
+        publisher.publish(message)
+print(failed.is_set(), set(values), flush=True)
+os._exit(0)
+"""
+
+
+def test_bytes_of_another_kind_are_refused_and_the_next_message_arrives(session: Ros2Session) -> None:
+    done = session.run("-c", HOSTILE, within=60.0)
+    assert done.stdout == "False {0.0}\n", done.stderr

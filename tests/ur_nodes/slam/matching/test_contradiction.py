@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 from tests.ur_nodes.slam.rooms import CENTRE, ROOM, box, scan_at, walls_of
 
@@ -26,3 +28,10 @@ def test_walls_behind_what_a_scan_sees_are_out_of_sight() -> None:
 def test_scan_without_points_contradicts_the_map() -> None:
     empty = make_scan(np.full(4, np.inf), np.zeros((4, 2)), (0.1, 10.0), CENTRE)
     assert contradiction(scan_at(CELL, HERE).surface, empty, HERE) == 1.0
+
+
+def test_surface_that_is_hardly_in_sight_explains_no_scan() -> None:
+    behind = Pose2(1.5, 0.0, math.pi)
+    ahead = scan_at(HALL, HERE, view=1.0).surface
+    assert contradiction(ahead, scan_at(HALL, behind, view=1.0), behind) == 0.0
+    assert contradiction(ahead, scan_at(HALL, behind, view=1.0), behind, 0.3) == 1.0
