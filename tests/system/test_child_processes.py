@@ -8,6 +8,7 @@ import sys
 
 import psutil
 import pytest
+from tests.json_client import wait_until
 
 from ur.system.child_processes import read_errors, start_child, wait_or_kill
 
@@ -64,5 +65,6 @@ def test_process_that_does_not_read_its_socket_ends_when_its_server_is_killed() 
     with subprocess.Popen([sys.executable, "-c", SERVER], stdout=subprocess.PIPE) as server:
         assert server.stdout is not None
         child = psutil.Process(int(server.stdout.readline()))
+        wait_until(lambda: child.name() == "sleep", 60.0, "setpriv, which asks for the signal, to start the program")
         server.kill()
     child.wait(60)
