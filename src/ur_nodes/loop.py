@@ -174,7 +174,7 @@ class Loop:
             self._ended = True
             last()
 
-        if self._thread is None or threading.current_thread() is self._thread:
+        if self._thread is None or self._thread.ident in (None, threading.get_ident()):  # None: it has not begun
             finish()
             return
         self._closing = True

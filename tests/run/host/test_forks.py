@@ -102,7 +102,7 @@ receive()
     assert drive(tmp_path, script) == ["started one", "sibling True", "exited one None 9"]
     assert (tmp_path / "page").read_text().splitlines() == [
         "shared True leads True True",
-        "is 0 1 in / with page no",
+        "is 0 1 in / with page None",
         "shown as little 0 1",
     ]
 

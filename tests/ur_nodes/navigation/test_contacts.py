@@ -72,7 +72,7 @@ def test_pressed_bumper_is_backed_off_from_and_marked() -> None:
     robot = RobotStage()
     bumper = robot.client.publish("bumper/front", bool, Quality.LATCHED)
     goal = robot.send(3.0, 0.0)
-    robot.bus.run(2.5)
+    robot.bus.run(2.3)
     touched = robot.pose
     bumper.send(True)
     robot.bus.run(0.5)
