@@ -111,7 +111,7 @@ def stamp_severity(found: Diagnostic, rules: Mapping[str, Rule]) -> Diagnostic:
         or rule.severity is found.severity
         or found.kind == TOLERATED
         or found.rule in _AS_RESOLVED
-        or (found.rule == "unknown-tag" and found.kind == OBSOLETE)
+        or (found.rule == "unknown-tag" and found.kind == OBSOLETE)  # many old files hold it
     ):
         return found
     return replace(found, severity=rule.severity)

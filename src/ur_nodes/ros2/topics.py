@@ -107,11 +107,7 @@ class RosSubscription(Generic[Value]):
         message, sender = item
         try:
             value = usable(self._value_of(message))
-        except (
-            ValueError,
-            UserError,
-            RuntimeError,
-        ) as problem:  # the last of the middleware, for bytes of another kind
+        except (ValueError, UserError, RuntimeError) as problem:  # RuntimeError: rclpy's, for bytes of another kind
             self._refusals.report(str(problem), sender.name if sender else "")
             return
         self._take(value, sender)

@@ -31,9 +31,7 @@ _ORIGIN = Pose2(0.0, 0.0, 0.0)
 _RADIUS = 5.0  # m: keyframes within are part of the local map,
 _MOST_UNCERTAIN = 0.05  # m: as long as their place relative to the reference is so certain
 _MEMBERS = 9  # keyframes at most
-_JUST_MADE = (
-    9  # keyframes, likewise: along a corridor without a landmark none is certain, but its walls tell the heading
-)
+_JUST_MADE = 9  # keyframes, likewise: in a bare corridor none is certain, but its walls tell the heading
 # A match
 _LEAST_AGREEMENT = 0.35  # below, the scan gives no evidence
 _CONTRADICTED = (0.5, 0.3)  # agreement below and contradiction above which the scan was taken elsewhere

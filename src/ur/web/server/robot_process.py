@@ -13,7 +13,7 @@ from urllib.parse import urlsplit
 
 from ur.run.host.protocol import FORKS, SESSION, receive, send
 from ur.run.join.decision import read_claims
-from ur.run.record.registry import list_runs, read_computer
+from ur.run.record.registry import RunEntry, list_runs, read_computer
 from ur.source.foreign.json_values import read_json
 from ur.source.printable import one_line
 from ur.source.run_users import PAGE, forget_user, note_user
@@ -75,14 +75,18 @@ class RobotProcess:
             value = {"viewers": viewers, "layers": sorted(layers), "plots": sorted(plots), "camera": camera}
             self._view.write(json.dumps(value).encode() + b"\n")
         # Inform the runs of this computer that end with the robot's loss whether pages show it
-        for run in list_runs(self._environment, os.getuid(), read_computer()):
-            if run.master_uri.rstrip("/") != self.master.rstrip("/") or not read_claims(run.folder).base:
-                continue
+        for run in self._base_runs():
             if not viewers:
                 forget_user(run.folder, PAGE)
                 continue
             with suppress(OSError):  # the process is ending
                 note_user(run.folder, PAGE)
+
+    def _base_runs(self) -> list[RunEntry]:
+        """Return the runs of this computer and master that have the base of the robot."""
+        runs = list_runs(self._environment, os.getuid(), read_computer())
+        master = self.master.rstrip("/")
+        return [run for run in runs if run.master_uri.rstrip("/") == master and read_claims(run.folder).base]
 
     async def run(self) -> None:
         """Start the process whenever a master answers and it is not running."""
@@ -148,9 +152,7 @@ class RobotProcess:
         self, command: Sequence[str], ends: Sequence[socket.socket], environment: Mapping[str, str]
     ) -> Process:
         """Let a run that has just started fork the node, which then shares the memory of its nodes; else execute it."""
-        for run in list_runs(environment, os.getuid(), read_computer()):
-            if run.master_uri.rstrip("/") != self.master.rstrip("/") or not read_claims(run.folder).base:
-                continue
+        for run in self._base_runs():
             ours, theirs = socket.socketpair()
             with theirs, suppress(OSError, EOFError):
                 files = tuple(each.fileno() for each in (*ends, theirs))

@@ -80,7 +80,8 @@ def identify(environment: Mapping[str, str], program: str) -> Identity:
     return Identity(
         client if is_client(client) else os.urandom(8).hex(),
         clean_name(environment.get("UR_CLIENT_NAME"))
-        or (re.sub(r"[.].*", "", clean_name(socket.gethostname())) or "a computer"),
+        or re.sub(r"[.].*", "", clean_name(socket.gethostname()))
+        or "a computer",
         clean_name(environment.get("UR_PROGRAM")) or program,
         cast("Conduct", conduct) if conduct in get_args(Conduct) else "drive",
         environment.get("UR_ATTENDED", "1") != "0",

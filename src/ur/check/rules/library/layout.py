@@ -41,9 +41,7 @@ def _find_disorder(view: LaunchView) -> Iterable[RuleFinding]:
             kind = _HEADINGS.get(heading[0]) if heading else None
         else:
             kind = _kind_of(child)
-            if kind in (_OPTIONAL, _CONVENIENCE) and (
-                kind == _OPTIONAL or any(name in optional for name, _ in find_uses(child))
-            ):
+            if kind == _OPTIONAL or (kind == _CONVENIENCE and any(name in optional for name, _ in find_uses(child))):
                 optional.add(child.attributes.get("name", ""))
                 kind = max(kind, _OPTIONAL)
         if kind is None:
