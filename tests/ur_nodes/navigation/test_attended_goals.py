@@ -8,6 +8,7 @@ import pytest
 from tests.fakes.mux import FakeMux
 from tests.ur_nodes.navigation.robot_stage import RobotStage
 
+from ur_nodes.motion.lease.text import LEASE_TIMEOUT
 from ur_nodes.navigation.goals.goal_claim import write_any_heading, write_goal_id
 from ur_nodes.ports.values import Twist
 
@@ -79,6 +80,14 @@ def test_goal_is_held_while_its_client_is_lost_and_resumed_when_it_is_back(robot
     assert robot.end(goal) == ("succeeded", "goal reached")
     assert min(robot.away(*end) for end in ENDS) < 0.15
     assert robot.holds[-1] == {"goal": "", "state": "", "text": ""}
+
+
+def test_goal_of_a_lost_client_is_held_in_time_however_late_it_arrived(robot: Attended) -> None:
+    robot.driver.say("lost")
+    robot.bus.run(1.0)
+    goal = robot.claim(*ENDS[1], age=0.9)
+    assert robot.has_status(goal, "active", "", 0.5)
+    assert robot.has_status(goal, "active", "held: ", LEASE_TIMEOUT - 0.5)
 
 
 def test_goal_is_cancelled_when_another_client_takes_over(robot: Attended) -> None:

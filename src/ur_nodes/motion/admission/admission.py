@@ -113,7 +113,7 @@ def admit_stamped(
     age = age_of(admission.challenges, answer, now, admission.freshness)
     if age is None:
         return admission, "late"
-    lease = step_lease(admission.lease, ClientCommand(client, motion), now, unix)
+    lease = step_lease(admission.lease, ClientCommand(client, motion), now, unix, age)
     if not may_drive(lease, client, follows=follows):
         return replace(admission, lease=lease), "not the driver"
     admission = replace(admission, lease=lease, stamped_at={**admission.stamped_at, source: now})
@@ -181,9 +181,10 @@ def _with(known: dict[Publisher, Kept], key: Publisher, value: Kept, most: int) 
 
 def admit_request(admission: Admission, request: LeaseRequest, now: float, unix: float) -> tuple[Admission, bool]:
     """Return the admission after a request about the lease, and whether the request was fresh and so accepted."""
-    if age_of(admission.challenges, request.answers, now, REQUEST_FRESHNESS) is None:
+    age = age_of(admission.challenges, request.answers, now, REQUEST_FRESHNESS)
+    if age is None:
         return admission, False
-    return replace(admission, lease=step_lease(admission.lease, request, now, unix)), True
+    return replace(admission, lease=step_lease(admission.lease, request, now, unix, age)), True
 
 
 def challenge(admission: Admission, now: float, unix: float) -> tuple[Admission, Stamp, tuple[Publisher, ...]]:

@@ -40,8 +40,8 @@ class ClientCommand:
 class LeaseRecord:
     """The state of the lease, and when clients last sent something.
 
-    `received_at`: the time of the last message of the holder; `asked`: those of the clients that ask;
-    `forget_at`: when a holder that has been lost since the record began is forgotten.
+    `received_at`: the earliest time at which the last message of the holder was sent; `asked`: those of the clients
+    that ask; `forget_at`: when a holder that has been lost since the record began is forgotten.
     """
 
     lease: Lease = FREE
@@ -68,15 +68,16 @@ def start_lease(
     return LeaseRecord(replace(before, state="lost", asking=(), until=until), timeout, forget_at=forget_at)
 
 
-def step_lease(record: LeaseRecord, event: LeaseEvent | None, now: float, unix: float) -> LeaseRecord:
+def step_lease(record: LeaseRecord, event: LeaseEvent | None, now: float, unix: float, age: float = 0.0) -> LeaseRecord:
     """The record after an event (None: time has passed).
 
-    `now` is in seconds of a steady clock, `unix` in seconds since 1970. Requests must have been checked for freshness.
+    `now` is in seconds of a steady clock, `unix` in seconds since 1970. Requests must have been checked for freshness;
+    no event is older than its `age` (s), from which the time counts after which its client is lost.
     """
     record = _expire(record, now, unix)
     if isinstance(event, ClientCommand):
-        return _drive(record, event, now, unix)
-    return record if event is None else _request(_remember(record, event), event, now, unix)
+        return _drive(record, event, now - age, unix)
+    return record if event is None else _request(_remember(record, event), event, now - age, unix)
 
 
 def may_drive(record: LeaseRecord, client: str, *, follows: bool = False) -> bool:

@@ -86,9 +86,11 @@ def refuse_goal(claim: Claim | None, lease: Lease | None, challenges: ReceivedCh
     return f"the goal arrived late{'' if lag is None else f' ({lag:.1f} s)'}, send it again"
 
 
-def attend_goal(claim: Claim | None) -> Attendance:
-    """Return the attendance of a goal that was just accepted."""
-    return Attendance(client=claim.client, claimed=True) if claim else Attendance()
+def attend_goal(claim: Claim | None, challenges: ReceivedChallenges, now: float) -> Attendance:
+    """Return the attendance of a goal that was just accepted; its client may be absent since it sent the goal."""
+    age = age_of_answer(challenges, claim.answer, now) if claim else None
+    since = None if age is None else now - age
+    return Attendance(client=claim.client, claimed=True, absent_since=since) if claim else Attendance()
 
 
 def step_attendance(

@@ -54,10 +54,11 @@ class GoalWatch:
 
     def accept(self, goal_id: str) -> str:
         """Accept a goal, or return why it is refused and change nothing."""
-        claim = read_claim(goal_id)
-        refusal = refuse_goal(claim, self._lease, self._challenges, self._node.steady())
+        claim, now = read_claim(goal_id), self._node.steady()
+        refusal = refuse_goal(claim, self._lease, self._challenges, now)
         if not refusal:
-            self._goal, self._attendance, self._reported = goal_id, attend_goal(claim), False
+            self._goal, self._attendance = goal_id, attend_goal(claim, self._challenges, now)
+            self._reported = False
         return refusal
 
     def finish(self) -> None:

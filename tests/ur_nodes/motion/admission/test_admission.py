@@ -152,6 +152,17 @@ def test_late_request_does_not_count(robot: AdmittingRobot) -> None:
     assert robot.driver == "a"
 
 
+def test_holder_is_lost_in_time_however_late_its_last_request_arrived(robot: AdmittingRobot) -> None:
+    sent, stamp = robot.issued[-1]
+    robot.until(sent + 0.9)
+    assert robot.request("a", "take", stamp)
+    states = []
+    for late in (-1, 2):
+        robot.until(sent + robot.admission.lease.timeout + late * PERIOD)
+        states.append(robot.admission.lease.lease.state)
+    assert states == ["held", "lost"]
+
+
 def test_plain_commands_are_ignored_while_stamped_ones_come_by_the_same_source(robot: AdmittingRobot) -> None:
     verdicts = []
     for _ in range(20):

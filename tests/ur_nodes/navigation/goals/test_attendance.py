@@ -37,8 +37,13 @@ class Goal:
         return verdict
 
 
+def attend(claim: Claim | None) -> Attendance:
+    """The attendance of a goal of unknown age."""
+    return attend_goal(claim, ReceivedChallenges(), 0.0)
+
+
 def test_goal_of_the_driver_is_held_as_soon_as_the_mux_has_lost_the_driver_and_goes_on_when_back() -> None:
-    goal = Goal(attend_goal(MINE))
+    goal = Goal(attend(MINE))
     assert goal.at(0.0, HELD) == GoalVerdict(Act.DRIVE)
     assert goal.at(1.0, LOST) == GoalVerdict(Act.HOLD, "held: no word from laptop for 3 s")
     assert goal.at(8.0, LOST).text == "held: no word from laptop for 10 s"
@@ -48,7 +53,7 @@ def test_goal_of_the_driver_is_held_as_soon_as_the_mux_has_lost_the_driver_and_g
 @pytest.mark.parametrize("before", [HELD, LOST, FREE])
 @pytest.mark.parametrize("claim", [MINE, None])
 def test_goal_is_cancelled_when_another_client_takes_over(before: Lease, claim: Claim | None) -> None:
-    goal = Goal(attend_goal(claim))
+    goal = Goal(attend(claim))
     goal.at(0.0, HELD)
     goal.at(0.1, before)
     expected = Act.DRIVE if before is FREE and claim is None else Act.CANCEL
@@ -58,7 +63,7 @@ def test_goal_is_cancelled_when_another_client_takes_over(before: Lease, claim: 
 
 
 def test_goal_that_was_sent_unattended_goes_on() -> None:
-    goal = Goal(attend_goal(MINE))
+    goal = Goal(attend(MINE))
     goal.at(0.0, replace(HELD, attended=False))
     assert goal.at(1.0, replace(LOST, attended=False)).act is Act.DRIVE
     assert goal.at(100.0, FREE).act is Act.DRIVE
@@ -66,14 +71,14 @@ def test_goal_that_was_sent_unattended_goes_on() -> None:
 
 @pytest.mark.parametrize("lease", [None, FREE])
 def test_goal_of_a_script_drives_while_nobody_holds_the_lease(lease: Lease | None) -> None:
-    goal = Goal(attend_goal(None))
+    goal = Goal(attend(None))
     for now in range(0, 1000, 7):
         assert goal.at(float(now), lease, None if lease is None else 0.0) == GoalVerdict(Act.DRIVE)
     assert goal.attendance.unattended
 
 
 def test_goal_of_a_script_belongs_to_who_drives_and_is_nobodys_again_after_the_release() -> None:
-    goal = Goal(attend_goal(None))
+    goal = Goal(attend(None))
     goal.at(0.0, HELD)
     assert goal.at(1.0, LOST).act is Act.HOLD
     assert goal.at(2.0, HELD).act is Act.DRIVE
@@ -82,17 +87,17 @@ def test_goal_of_a_script_belongs_to_who_drives_and_is_nobodys_again_after_the_r
 
 
 def test_goal_of_a_client_that_is_back_x_the_lease_says_so_and_asks_nothing() -> None:
-    goal = Goal(attend_goal(MINE))
+    goal = Goal(attend(MINE))
     assert goal.at(0.0, LOST).act is Act.DRIVE
     assert goal.at(0.2, HELD).act is Act.DRIVE
     assert goal.at(0.4, LOST).act is Act.HOLD
-    lone = Goal(attend_goal(MINE))
+    lone = Goal(attend(MINE))
     lone.at(0.0, LOST)
     assert lone.at(3.1, LOST).act is Act.HOLD
 
 
 def test_goal_of_a_script_that_comes_while_the_driver_is_lost_is_not_held_until_the_driver_was_back() -> None:
-    goal = Goal(attend_goal(None))
+    goal = Goal(attend(None))
     assert goal.at(0.0, LOST).act is Act.DRIVE
     assert goal.attendance.unattended
     assert goal.at(1.0, HELD).act is Act.DRIVE
@@ -100,7 +105,7 @@ def test_goal_of_a_script_that_comes_while_the_driver_is_lost_is_not_held_until_
 
 
 def test_held_goal_does_not_go_on_because_the_mux_was_restarted() -> None:
-    goal = Goal(attend_goal(None))
+    goal = Goal(attend(None))
     goal.at(0.0, HELD)
     goal.at(1.0, LOST)
     assert goal.at(2.0, FREE).act is Act.HOLD
@@ -108,7 +113,7 @@ def test_held_goal_does_not_go_on_because_the_mux_was_restarted() -> None:
 
 
 def test_goal_survives_a_short_restart_of_the_mux() -> None:
-    goal = Goal(attend_goal(MINE))
+    goal = Goal(attend(MINE))
     goal.at(0.0, HELD)
     assert goal.at(0.1, FREE).act is Act.DRIVE
     assert goal.at(2.0, HELD).act is Act.DRIVE
@@ -117,17 +122,17 @@ def test_goal_survives_a_short_restart_of_the_mux() -> None:
 
 
 def test_goal_that_overtook_the_lease_of_its_sender_is_driven_and_held_without_one() -> None:
-    goal = Goal(attend_goal(Claim("bb", SECOND)))
+    goal = Goal(attend(Claim("bb", SECOND)))
     assert goal.at(0.0, LOST).act is Act.DRIVE
     assert goal.at(0.2, OTHER).act is Act.DRIVE
-    late = Goal(attend_goal(Claim("cc", SECOND)))
+    late = Goal(attend(Claim("cc", SECOND)))
     assert late.at(0.0, FREE).act is Act.DRIVE
     assert late.at(3.1, FREE).text == "held: no word from the program that sent the goal for 3 s"
 
 
 @pytest.mark.parametrize("claim", [MINE, None])
 def test_goal_is_held_while_the_mux_is_silent(claim: Claim | None) -> None:
-    goal = Goal(attend_goal(claim))
+    goal = Goal(attend(claim))
     goal.at(0.0, HELD)
     assert goal.at(2.0, HELD, 2.0).act is Act.DRIVE
     assert goal.at(4.0, HELD, 4.0) == GoalVerdict(Act.HOLD, "held: no word from the mux for 4 s")
@@ -135,7 +140,7 @@ def test_goal_is_held_while_the_mux_is_silent(claim: Claim | None) -> None:
 
 
 def test_held_goal_is_cancelled_after_the_limit_unless_there_is_none() -> None:
-    goal, patient = (Goal(attend_goal(MINE), AttendanceSettings(limit=limit)) for limit in (60.0, 0.0))
+    goal, patient = (Goal(attend(MINE), AttendanceSettings(limit=limit)) for limit in (60.0, 0.0))
     for each in (goal, patient):
         each.at(-1.0, HELD)
         each.at(0.0, LOST)
@@ -182,7 +187,7 @@ def test_robot_drives_only_while_nothing_forbids_it(
     claim: Claim | None, steps: list[tuple[float, Lease, float]]
 ) -> None:
     settings = AttendanceSettings()
-    attendance, now, absent_since = attend_goal(claim), 0.0, None
+    attendance, now, absent_since = attend(claim), 0.0, None
     for gap, lease, silence in steps:
         now += gap
         before = attendance
