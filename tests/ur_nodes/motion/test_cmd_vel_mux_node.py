@@ -1,6 +1,7 @@
 """The mux on a bus: who drives, what is too late, and that the robot stops."""
 
 import json
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -305,6 +306,33 @@ def test_disk_master_and_terminal_that_hang_delay_neither_outputs_nor_challenges
     assert robot.speeds(0.5)[-1] == 0.0
     assert got == []  # it is answered when it is kept
     assert hanging
+
+
+def test_lost_client_is_announced_while_the_disk_hangs_and_nothing_older_afterwards(home: Path) -> None:
+    robot = MuxRobot(home)
+    a, b = LeaseDriver(robot.bus, "a"), LeaseDriver(robot.bus, "b", "watch")
+    robot.bus.run(0.5)
+    hanging: list[Callable[[], None]] = []
+    work = robot.mux.work
+
+    def hang(job: Callable[[], Any], callback: Callable[[Any], None], queue: str = "") -> None:
+        hanging.append(lambda: work(job, callback, queue))
+
+    robot.mux.work = hang  # type: ignore[method-assign]
+    a.lease.acquire()
+    robot.bus.run(0.5)
+    assert b.lease.view().state == "free"
+    a.node.end("killed")
+    robot.bus.run(3.0)
+    assert (b.lease.view().state, b.lease.view().holder) == ("lost", "a-host")
+    heard: list[str] = []
+    b.node.subscribe("cmd_vel_mux/lease", str, heard.append, Quality.LATCHED_EVERY)
+    robot.mux.work = work  # type: ignore[method-assign]
+    for each in hanging:
+        each()
+    robot.bus.run(0.5)
+    assert {json.loads(text)["state"] for text in heard} == {"lost"}
+    assert "lost" in next(home.rglob("*.json")).read_text()
 
 
 def test_stop_is_answered_when_the_master_is_gone(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -124,7 +124,8 @@ class AdmissionGate:
 
     `handle` is called with every event for the mux. Commands count from their challenge's issue; under simulated time,
     where nothing real moves, from their arrival. A lease takes effect at once, and is published after it is saved, so
-    that a published lease survives a crash. Commands do not wait for the disk, and the disk not for the master.
+    that a published lease survives a crash; one that is lost before that, since it holds the goal, and after a crash
+    each is. Commands do not wait for the disk, and the disk not for the master.
     """
 
     def __init__(
@@ -153,7 +154,8 @@ class AdmissionGate:
         self._foreign: dict[int, ForeignCommands] = {}
         self._named: dict[str, str] = {}  # publishers of plain commands
         self._locks: dict[tuple[int, str], LockRelease] = {}
-        self._announced: Lease | None = None
+        self._published: Lease | None = None
+        self._saved: Lease | None = None
         self._saving = False
         self._challenge = node.publish("~challenge", Time, Quality.FRESH)
         self._lease = node.publish("~lease", str, Quality.LATCHED)
@@ -280,7 +282,9 @@ class AdmissionGate:
     def _announce(self) -> None:
         """Save the lease if it has changed, then publish it. One save at a time; later changes are saved afterwards."""
         lease = self._admission.lease.lease
-        if self._saving or lease == self._announced:
+        if lease.state == "lost" and lease != self._published:
+            self._publish(lease)
+        if self._saving or lease == self._saved:
             return
         self._saving = True
 
@@ -294,12 +298,17 @@ class AdmissionGate:
         def publish(problem: str) -> None:
             if problem:
                 self._log.warn(problem, every=60.0)
-            self._lease.send(write_lease(lease))
-            self._saving, self._announced = False, lease
+            if self._admission.lease.lease.state != "lost":
+                self._publish(lease)
+            self._saving, self._saved = False, lease
             self._writes.write(_FACT, partial(self._node.facts.set, _FACT, write_lease(lease)))
             self._announce()
 
         self._node.work(save, publish, "disk")
+
+    def _publish(self, lease: Lease) -> None:
+        self._published = lease
+        self._lease.send(write_lease(lease))
 
     def _end(self) -> None:
         """Free the lease; only a mux that died keeps it."""
