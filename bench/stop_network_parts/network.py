@@ -23,7 +23,7 @@ from ur_nodes.motion.challenge.freshness import FRESHNESS
 LIBRARY = Path(__file__).resolve().parents[2] / "ubiquity_launches"
 _ROBOT_NICE, _LAPTOP_NICE = -15, -10
 _LOOK = 0.05  # s: how often it is noted how long processes have waited
-_AFTER = 1.5  # s: what is looked at after nothing can arrive any more
+_AFTER = 1.0  # s: what is looked at after nothing can arrive any more, beside the limit of the slowest lane
 BUSY = (
     0.06  # s that a mux and the recorder may wait for a processor, of the half second before the longest motion ended
 )
@@ -181,7 +181,7 @@ class Network:
         self.back_at = None
         happen(self)
         self.laptop.wait_sent(self.robot.machine.address, 180.0)
-        time.sleep(_AFTER)
+        time.sleep(_AFTER + max(lane.limit for lane in self.lanes))
         end = time.monotonic()
         trials = [self._judge(cause, pattern, lane, (began, since, end)) for lane in self._select(commanders)]
         with suppress(RuntimeError):
