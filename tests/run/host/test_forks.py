@@ -110,11 +110,11 @@ receive()
 def test_node_whose_server_was_killed_is_executed_instead(tmp_path: Path) -> None:
     script = """
 start('one', 'wait')
-above = parent(receive())
+one = receive()
 for each in filter(str.isdigit, os.listdir("/proc")):
     try:
-        with open(f"/proc/{each}/cmdline", "rb") as command:
-            if parent(each) == above and b"fork_server" in command.read():
+        with open(f"/proc/{each}/cmdline", "rb") as command:  # a node has that of its server until it runs
+            if int(each) != one and parent(each) == parent(one) and b"fork_server" in command.read():
                 os.kill(int(each), signal.SIGKILL)
     except OSError:
         pass
