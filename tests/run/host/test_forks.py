@@ -1,10 +1,14 @@
 """Nodes that are forked from one process: the host and `ur_nodes.fork_server` together, without ROS."""
 
+import socket
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 from ur.run.host.forks import NodeForks
+from ur.run.host.protocol import send
 
 NODE = """import os, sys
 import shared
@@ -142,6 +146,18 @@ host.close()
 print("ended", select.select([watch], [], [], 60)[0] == [watch])
 """
     assert drive(tmp_path, script) == ["started one", "ended True"]
+
+
+def test_message_with_files_is_sent_though_its_receiver_closes_at_once() -> None:
+    ours, theirs = socket.socketpair()
+
+    def send_to_the_end(data: list[bytes], _files: object) -> int:
+        ours.sendall(data[0])
+        theirs.close()
+        return len(data[0])
+
+    with ours:
+        send(cast(socket.socket, SimpleNamespace(sendmsg=send_to_the_end, sendall=ours.sendall)), ("one",), (0,))
 
 
 def test_nodes_are_executed_where_no_server_runs() -> None:

@@ -64,7 +64,7 @@ FORKED = "import sys; sys.stderr.write('error: forked\\n'); sys.stdin.buffer.rea
 async def test_node_is_forked_by_a_run_of_the_same_master_and_executed_by_others(tmp_path: Path) -> None:
     environment = os.environ | {"XDG_STATE_HOME": str(tmp_path), "ROS_MASTER_URI": "http://localhost:1"}
     environment |= {"XDG_RUNTIME_DIR": str(tmp_path), "ROS_VERSION": "1"}
-    computer, printed, modules = read_computer(), list[str](), list[str]()
+    computer, printed, modules = read_computer(), asyncio.Queue[str](), list[str]()
     facts = RunEntry(
         "a-run", os.getpid(), read_birth(os.getpid()) or 0, "t", "http://localhost:1/", "", 0.0, False, "h"
     )
@@ -93,14 +93,15 @@ async def test_node_is_forked_by_a_run_of_the_same_master_and_executed_by_others
         server.bind(f"{entry.folder}/{FORKS}")
         server.listen()
         forking = asyncio.create_task(asyncio.to_thread(fork))
-        node = await start_node("parrot", environment, printed.append, end._fork_or_start, links=2)
+        node = await start_node("parrot", environment, printed.put_nowait, end._fork_or_start, links=2)
         process = await forking
         assert (node.process.pid, modules) == (process.pid, ["parrot"])
         reaping = asyncio.create_task(asyncio.to_thread(process.wait, 60))
+        assert await asyncio.wait_for(printed.get(), 60) == "error: forked"
         await node.close()
-        assert (printed, node.process.returncode, await reaping) == (["error: forked"], 0, 0)
+        assert (printed.empty(), node.process.returncode, await reaping) == (True, 0, 0)
         server.close()
-        other = await start_node("no_such_module", environment, printed.append, end._fork_or_start, links=2)
+        other = await start_node("no_such_module", environment, printed.put_nowait, end._fork_or_start, links=2)
         await other.close()
         assert isinstance(other.process, asyncio.subprocess.Process)
 

@@ -44,7 +44,8 @@ def send(link: Socket, message: tuple[Any, ...], descriptors: tuple[int, ...] = 
         data = data[
             link.sendmsg([data], [(SOL_SOCKET, SCM_RIGHTS, pack_struct(f"{len(descriptors)}i", *descriptors))]) :
         ]
-    link.sendall(data)
+    if data:  # the other end may have what it needs, and be closed
+        link.sendall(data)
 
 
 def receive(link: Socket) -> tuple[tuple[Any, ...], list[int]]:
