@@ -171,9 +171,10 @@ class ScanMapper:
 
         `heading` (rad, from an arbitrary origin) replaces that of the odometry if two successive scans have one.
         """
-        if not self.scans:
-            self._graph.add_pose(_ORIGIN)
-            self.scans.append(scan)
+        if not self.scans or (len(self.scans) == 1 and not len(self.scans[0].hits)):  # begin where there is something
+            if not self.scans:
+                self._graph.add_pose(_ORIGIN)
+            self.scans[:] = [scan]
             self._leg = _Leg(odometry=odometry)
             self._predictor.add(odometry, heading)
             self._changed = True

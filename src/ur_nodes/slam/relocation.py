@@ -68,7 +68,7 @@ class WholeMap:
     """The keyframes of a map, which are searched for the place of a scan."""
 
     def __init__(self, poses: Sequence[Pose2], scans: Sequence[MapScan]) -> None:
-        """Requires at least one keyframe with hits."""
+        """Requires at least one keyframe."""
         self._poses, self._scans = list(poses), list(scans)
         self._places = np.array(self._poses)
         walls = join([scan.surface.moved(pose) for pose, scan in zip(poses, scans, strict=True)])

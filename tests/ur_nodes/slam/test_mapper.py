@@ -2,12 +2,14 @@ import math
 from itertools import pairwise
 
 import numpy as np
+import pytest
 from tests.ur_nodes.slam.rooms import CORRIDOR, ROOM, Floats, box, scan_at, walls_of
 
 from ur_nodes.geometry.grid import OCCUPIED
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.slam.mapper import ScanMapper
 from ur_nodes.slam.occupancy import OccupancyMap
+from ur_nodes.slam.tracker import MapTracker
 
 # A ring of corridors 2 m wide and 12 m long, with niches, so that every place looks different.
 RING = walls_of(
@@ -88,6 +90,31 @@ def test_map_does_not_grow_where_the_robot_drives_again() -> None:
     once, often = run(ROOM, lap, lap), run(ROOM, lap * 4, lap * 4)
     assert len(often.scans) <= len(once.scans) + 2
     assert worst_error(often, lap * 4) < 0.02
+
+
+NOTHING = scan_at(walls_of(box(90.0, 90.0, 91.0, 91.0)), Pose2(0.0, 0.0, 0.0))
+AHEAD = [Pose2(0.1 * n, 0.0, 0.0) for n in range(30)]
+
+
+@pytest.mark.parametrize("wheels", [True, False])
+@pytest.mark.parametrize("make", [ScanMapper, MapTracker])
+def test_map_begins_with_the_first_scan_that_has_points(make: type[ScanMapper | MapTracker], wheels: bool) -> None:
+    mapper = make()
+    for number, pose in enumerate(AHEAD):
+        scan = scan_at(ROOM, pose, 0.01, number) if number >= 12 else NOTHING
+        estimate = mapper.add_scan(scan, pose if wheels else None)
+    assert estimate.located
+    assert estimate.pose.x == pytest.approx(AHEAD[-1].x - AHEAD[12].x, abs=0.02)
+    assert len(mapper.scans) > 1
+
+
+def test_robot_that_leaves_what_it_sees_goes_on_by_its_odometry() -> None:
+    mapper = ScanMapper()
+    for number in range(200):
+        pose = Pose2(0.2 * number, 0.0, 0.0)
+        estimate = mapper.add_scan(NOTHING if number else scan_at(ROOM, pose), pose)
+    assert estimate.pose.x == pytest.approx(0.2 * 199)
+    assert not estimate.located
 
 
 def test_what_has_changed_replaces_the_scan_of_the_same_place() -> None:

@@ -57,12 +57,12 @@ class Pyramid:
     """Proximity to walls in cells of `cell` m; each further level is an upper bound for larger blocks."""
 
     def __init__(self, walls: Floats, cell: float = _CELL) -> None:
-        """From points (n, 2) on walls, m; at least one."""
+        """From points (n, 2) on walls, m."""
         self.cell = cell
         border = _REACH + 2**_LEVELS
-        self.low: Floats = walls.min(axis=0) - border * cell
+        self.low: Floats = (walls if len(walls) else np.zeros((1, 2))).min(axis=0) - border * cell
         columns, rows = np.floor((walls - self.low) / cell).astype(np.intp).T
-        width, height = int(columns.max()) + border + 1, int(rows.max()) + border + 1
+        width, height = int(columns.max(initial=0)) + border + 1, int(rows.max(initial=0)) + border + 1
         cells = rows * width + columns
         level = np.zeros(height * width, np.uint8)
         span = np.arange(-_REACH, _REACH + 1)

@@ -31,7 +31,7 @@ class LocalMap:
     """Points of several scans, projected onto the lines of their neighbours to average out noise."""
 
     def __init__(self, placed: Sequence[tuple[Pose2, Surface]]) -> None:
-        """Join surfaces, each given with the pose of its frame; at least one point in all.
+        """Join surfaces, each given with the pose of its frame.
 
         `surface` are the points; `clumped` (n): those that lie close together, but not on a line.
         """
@@ -57,7 +57,7 @@ def _keys(points: Floats, normals: Floats) -> Floats:
 
 def _smoothed(rough: Surface) -> tuple[Surface, NDArray[np.bool_]]:
     tree = cKDTree(_keys(rough.points, rough.normals))
-    count = min(_NEIGHBOURS, len(rough))
+    count = max(1, min(_NEIGHBOURS, len(rough)))
     distances, numbers = tree.query(_keys(rough.points, rough.normals), k=list(range(1, count + 1)))
     reach = np.maximum(_REACH, _BEAMS[0] * rough.spacing)[:, None]
     spread = np.maximum(_SPREAD, _BEAMS[1] * rough.spacing)[:, None]

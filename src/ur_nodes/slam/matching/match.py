@@ -175,7 +175,7 @@ _MOST_DOUBTED = 4.0  # likewise, of a match of poor agreement: among people, a s
 _SEARCHED = 3.0  # standard deviations of the guess that a search covers,
 _LEAST_WINDOW = Window(0.2, 0.1)  # and at least this
 _POINTS = 150  # of a scan, in a search
-_LEAST_POINTS = 20  # of a scan that is searched for
+_LEAST_POINTS = 20  # of a scan that is searched for, and of the map
 _LEAD = 0.05  # agreement by which a pose away from the guess must be better than one near it that agrees
 _PRIOR_OF_SEARCH = 4.0  # times the covariance of the guess, which has failed
 
@@ -195,7 +195,7 @@ def locate_surface(
         lead = _LEAD if match.agreement >= POOR else 0.0  # along a corridor many places agree alike
         if _is_believed(other, guess, prior) and other.agreement > match.agreement + lead:
             match = other
-    if match.agreement >= POOR or len(surface) < _LEAST_POINTS:
+    if match.agreement >= POOR or min(len(surface), len(local.surface)) < _LEAST_POINTS:
         return match
     shift, turn = _SEARCHED * math.sqrt(prior[0, 0] + prior[1, 1]), _SEARCHED * math.sqrt(prior[2, 2])
     window = Window(max(_LEAST_WINDOW.shift, shift), max(_LEAST_WINDOW.turn, turn))

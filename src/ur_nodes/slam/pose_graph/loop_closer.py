@@ -281,7 +281,7 @@ class LoopCloser:
 
     def add_keyframe(self, number: int) -> bool:
         """Schedule the search for the place of a new keyframe; returns whether poses have changed, as `step` does."""
-        self._waiting.append(number)
+        self._waiting += [number] if len(self._scans[number].surface) >= _LEAST_POINTS else []
         self._neighbours.add(number)
         return len(self._waiting) > _BACKLOG and self.step()
 
