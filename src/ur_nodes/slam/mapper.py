@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.slam.map_state import Edge, Trail, select_views
+from ur_nodes.slam.map_state import Edge, Trail, find_drives, select_views
 from ur_nodes.slam.matching.local_map import LocalMap
 from ur_nodes.slam.matching.match import (
     LEAST_NOISE,
@@ -251,7 +251,8 @@ class ScanMapper:
         poses = np.array(self._graph.poses)
         gaps = np.hypot(poses[:, 0] - here.x, poses[:, 1] - here.y)
         certain = np.isfinite(self._graph.spread_from(reference, _MOST_UNCERTAIN))
-        certain[max(0, reference - _JUST_MADE) : reference] = True
+        begun = max([0, *find_drives(self._graph.edges, reference + 1)])  # what was made before is a map of its own
+        certain[max(begun, reference - _JUST_MADE) : reference] = True
         views = select_views(poses, [reference, *np.flatnonzero((gaps < _RADIUS) & certain).tolist()])
         return sorted(views, key=lambda number: float(gaps[number]))[:_MEMBERS]
 

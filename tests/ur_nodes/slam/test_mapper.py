@@ -7,6 +7,7 @@ from tests.ur_nodes.slam.rooms import CORRIDOR, ROOM, Floats, box, scan_at, wall
 
 from ur_nodes.geometry.grid import OCCUPIED
 from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.slam.map_state import Edge
 from ur_nodes.slam.mapper import ScanMapper
 from ur_nodes.slam.occupancy import OccupancyMap
 from ur_nodes.slam.tracker import MapTracker
@@ -115,6 +116,17 @@ def test_robot_that_leaves_what_it_sees_goes_on_by_its_odometry() -> None:
         estimate = mapper.add_scan(NOTHING if number else scan_at(ROOM, pose), pose)
     assert estimate.pose.x == pytest.approx(0.2 * 199)
     assert not estimate.located
+
+
+def test_keyframes_of_before_a_join_whose_place_is_uncertain_do_not_move_the_robot() -> None:
+    before, after = run(ROOM, AHEAD, AHEAD), run(ROOM, AHEAD[:8], AHEAD[:8])
+    place, last = Pose2(0.08, 0.08, 0.0), len(before.scans) - 1
+    link = Edge(last, 0, before.keyframes[last].inverse().compose(place), np.eye(3), robust=True)
+    before.join(after, place, [link])
+    for number in range(5):
+        estimate = before.add_scan(scan_at(ROOM, AHEAD[7], 0.01, number), Pose2(0.71 + 0.01 * number, 0.0, 0.0))
+    expected = place.compose(AHEAD[7])
+    assert math.hypot(estimate.pose.x - expected.x, estimate.pose.y - expected.y) < 0.01
 
 
 def test_what_has_changed_replaces_the_scan_of_the_same_place() -> None:
