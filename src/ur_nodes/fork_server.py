@@ -94,6 +94,7 @@ def _serve(link: socket.socket, pages: socket.socket, modules: Sequence[str]) ->
         except (EOFError, OSError, ValueError):
             if client is link:
                 return None
+            client.close()  # a page does not wait for an answer then
         if not pid:
             client.close()
             os.close(opener)

@@ -7,6 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import cast
 
+from ur.run.host.fork import ProcessCreator
 from ur.run.host.forks import NodeForks
 from ur.run.host.protocol import send
 
@@ -54,10 +55,10 @@ def parent(pid):
 """
 
 
-def drive(folder: Path, script: str) -> list[str]:
-    """Run a script with a host; return what it printed."""
+def drive(folder: Path, script: str, shared: str = "") -> list[str]:
+    """Run a script with a host; return what it printed. `shared` is done where a module of the node is imported."""
     (folder / "little.py").write_text(NODE)
-    (folder / "shared.py").write_text("import os\nMADE_BY = os.getpid()\n")
+    (folder / "shared.py").write_text(f"import os\nMADE_BY = os.getpid()\n{shared}")
     command = [sys.executable, "-c", DRIVER + script + "\nhost.close()\n", str(folder)]
     return subprocess.run(command, capture_output=True, text=True, timeout=120, check=True).stdout.splitlines()
 
@@ -109,6 +110,39 @@ receive()
         "is 0 1 in / with page None",
         "shown as little 0 1",
     ]
+
+
+def test_page_is_refused_where_the_server_cannot_fork_and_no_file_of_its_node_stays_open(tmp_path: Path) -> None:
+    script = """
+import select
+from ur.web.server.robot_process import fork_node
+while not os.path.exists(folder + "/forks"):
+    pass
+for _ in range(2):
+    reader, writer = os.pipe()
+    try:
+        fork_node(folder + "/forks", "little", (null, null, writer), {})
+    except EOFError:
+        os.close(writer)
+        print("refused", select.select([reader], [], [], 60)[0] == [reader], flush=True)
+start('one')
+receive()
+receive()
+"""
+    cannot = "def cannot():\n    raise BlockingIOError(11, 'no processes')\nos.fork = cannot\n"
+    assert drive(tmp_path, script, cannot) == ["refused True"] * 2 + ["started one", "exited one 0 None"]
+    assert (tmp_path / "one").read_text() == "executed\n"
+
+
+def test_no_file_stays_open_where_the_server_cannot_be_started() -> None:
+    class Full(ProcessCreator):
+        def create(self, *_: object) -> int:
+            raise BlockingIOError(11, "no processes")
+
+    creator, forks = Full(), NodeForks()
+    before = set(Path("/proc/self/fd").iterdir())
+    forks.begin(creator, ("/bin/true",), {})
+    assert (forks.fileno(), set(Path("/proc/self/fd").iterdir())) == (-1, before)
 
 
 def test_node_whose_server_was_killed_is_executed_instead(tmp_path: Path) -> None:
