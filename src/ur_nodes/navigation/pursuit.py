@@ -92,15 +92,15 @@ class GoalPursuit:
 
     def wait(self, now: float, pose: Pose2) -> float:
         """Wait for people, which is no lack of progress. Return how long so far, s."""
-        if self.waited_since is None or now - self.waited_last > _FORGOTTEN:
+        if not self.waited(now):
             self.waited_since, self.waited_at = now, pose
         self.moved_at = self.waited_last = now
         self.stuck_since = None
         return self.waited(now)
 
     def waited(self, now: float) -> float:
-        """Return how long the robot has waited for people, s."""
-        return 0.0 if self.waited_since is None else now - self.waited_since
+        """Return how long the robot has waited for people, s; waiting of long ago does not count."""
+        return 0.0 if self.waited_since is None or now - self.waited_last > _FORGOTTEN else now - self.waited_since
 
     def drive_on(self, pose: Pose2) -> None:
         """End the waiting for people where the robot has left the place; a few centimetres do not end it."""

@@ -90,6 +90,14 @@ def test_a_few_centimetres_do_not_end_the_waiting_for_people() -> None:
     assert run.waited(4.0) == 0.0
 
 
+def test_waiting_of_long_ago_does_not_count() -> None:
+    run = GoalPursuit(GOAL, NavigatorPhase.DRIVING, 0.0)
+    assert [run.wait(now, HOME) for now in (10.0, 12.0, 20.0)] == [0.0, 2.0, 10.0]
+    assert run.waited(30.0) == 20.0
+    assert run.waited(40.0) == 0.0
+    assert [run.wait(now, HOME) for now in (40.0, 41.0)] == [0.0, 1.0]
+
+
 @pytest.fixture(scope="module")
 def blocked() -> list[Corridor]:
     """A robot before one who does not leave, after 4 s, 24 s and 34 s."""
