@@ -58,11 +58,7 @@ class GoalPursuit:
         elif not blocked and self.stuck_since is not None and self.moved_at > self.stuck_since:
             self.stuck_since = None
         began = self.moved_from
-        if (
-            began is None
-            or math.hypot(pose.x - began.x, pose.y - began.y) > 0.05
-            or (abs(wrap_angle(pose.yaw - began.yaw)) > 0.2)
-        ):
+        if began is None or math.dist(pose[:2], began[:2]) > 0.05 or abs(wrap_angle(pose.yaw - began.yaw)) > 0.2:
             self.moved_from, self.moved_at = pose, now
         if self.stuck_since is not None and now - self.stuck_since > settings.controller_patience:
             return True

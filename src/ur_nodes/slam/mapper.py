@@ -201,17 +201,8 @@ class ScanMapper:
         elif not self._return_to_keyframe(scan, match, odometry):
             self._add_keyframe(scan, pose, match.covariance, odometry, located)
         certain = match.agreement >= POOR and not contradicted and position_deviation(match.covariance) < _CERTAIN
-        return self._remember(
-            MapEstimate(
-                self._pose(),
-                match.covariance,
-                match.agreement,
-                located,
-                contradicted,
-                step=motion if certain else None,
-                wheels=predicted.wheels,
-            )
-        )
+        found = self._pose(), match.covariance, match.agreement, located, contradicted
+        return self._remember(MapEstimate(*found, step=motion if certain else None, wheels=predicted.wheels))
 
     def _pose(self) -> Pose2:
         return self._graph.poses[self._leg.reference].compose(self._relative)

@@ -130,18 +130,10 @@ def _renew(record: LeaseRecord, request: LeaseRequest, now: float) -> LeaseRecor
 def _grant(record: LeaseRecord, request: LeaseRequest, now: float, unix: float, *, taken: bool) -> LeaseRecord:
     before = record.lease
     record = _withdraw(record, request.client)
+    taken_from, taken_at = (Viewer(before.client, before.name), unix) if taken and before.client else (None, None)
     lease = Lease(
-        "held",
-        request.client,
-        request.name,
-        request.program,
-        unix,
-        request.attended,
-        record.lease.asking,
-        Viewer(before.client, before.name) if taken and before.client else None,
-        unix if taken and before.client else None,
-        request.computer,
-        terms=request.terms,
+        *("held", request.client, request.name, request.program, unix, request.attended, record.lease.asking),
+        *(taken_from, taken_at, request.computer, None, request.terms),
     )
     return replace(record, lease=lease, received_at=now, forget_at=math.inf)
 
