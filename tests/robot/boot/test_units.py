@@ -47,7 +47,7 @@ def test_guards_of_motors_are_units_that_systemd_reads_and_that_the_oom_killer_s
             ["systemd-analyze", "verify", str(tmp_path / name)], capture_output=True, text=True, check=False
         )
         assert "motor-guard" not in done.stderr
-    service, socket = texts.values()
+    socket, service = texts.values()  # a change of the service restarts the socket, which is there then
     assert "\nOOMScoreAdjust=-1000\n" in service
     assert "\nSocketMode=0600\n" in socket
     assert measure_exposure(tmp_path / "motor-guard@.service") < 3.0

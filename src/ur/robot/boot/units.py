@@ -190,12 +190,13 @@ def program_unit(name: str, line: str, user: str, home: str, *, master: bool = T
 
 
 def guard_units(user: str, home: str) -> dict[str, str]:
-    """Return the texts of the units that start guards of motors for a user's drivers, by path; the socket is last."""
+    """Return the texts of the units that start guards of motors for a user's drivers, by path; the socket is first."""
     start = f"/bin/sh -c {_quote(own_line('-m ur_nodes.drivers.lines.guard_program'))}"
     limits = _LIMITS.format(home=_quote(f"-{home}"))
     return {
-        f"{FOLDER}/{GUARD}@.service": _GUARD.format(user=user, start=start, limits=limits),
+        # A change of the service restarts the socket, which must be there then
         f"{FOLDER}/{GUARD}.socket": _GUARD_SOCKET.format(path=GUARD_SOCKET, user=user),
+        f"{FOLDER}/{GUARD}@.service": _GUARD.format(user=user, start=start, limits=limits),
     }
 
 
