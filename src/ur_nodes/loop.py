@@ -86,11 +86,19 @@ class Loop:
     """Runs calls in the order in which they were posted, and beats when they are due by `read` (s).
 
     `steady`: `read` passes at the rate of real time, so that the wait for a beat can be slept. Otherwise `passed` is to
-    be called when the time of `read` is another one.
+    be called when the time of `read` is another one. While `calls_first` is true, beats that are due wait for calls.
     """
 
-    def __init__(self, read: Callable[[], float], *, steady: bool, calls: Calls | None = None) -> None:
+    def __init__(
+        self,
+        read: Callable[[], float],
+        *,
+        steady: bool,
+        calls: Calls | None = None,
+        calls_first: Callable[[], bool] = lambda: False,
+    ) -> None:
         self._calls: Calls = calls or queue.SimpleQueue()
+        self._calls_first = calls_first
         self._read = read
         self._beats = Beats(read, steady=steady)
         self._steady_beats = self._beats if steady else Beats(time.monotonic, steady=True)
@@ -187,7 +195,7 @@ class Loop:
         try:
             while not self._ended:
                 for beats in self._all_beats:
-                    if (beat := beats.pop()) is not None:
+                    if not self._calls_first() and (beat := beats.pop()) is not None:
                         beat()
                 try:
                     call = self._calls.get(timeout=max(0.0, self._wait()))

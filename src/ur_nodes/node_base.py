@@ -47,6 +47,9 @@ class LoopNode:
     def steady(self) -> float:
         return steady_time()
 
+    def hold_messages(self, hold: bool) -> None:
+        """See Node: here messages do not wait."""
+
     def on_end(self, call: Callable[[], None], within: float = 2.0) -> None:
         self._at_end.append(call)
         self._end_limit = max(self._end_limit, within)

@@ -352,6 +352,9 @@ class MemoryNode:
             full = name if name.startswith("/") else f"{self.name.rpartition('/')[0]}/{name}"
         return self._remaps.get(full, full)
 
+    def hold_messages(self, hold: bool) -> None:
+        """See Node: here messages do not wait."""
+
     def on_end(self, call: Callable[[], None], within: float = 2.0) -> None:  # noqa: ARG002
         self._at_end.append(call)
 

@@ -1,5 +1,6 @@
 """The mux of velocity commands: replaces twist_mux, with the emergency stop and the limits of the base."""
 
+import math
 import os
 import sys
 from collections.abc import Callable
@@ -94,6 +95,7 @@ def start(node: Node) -> None:
         obstacle_stop.note(
             state.verdict, (wanted.forward, wanted.turn, wanted.left), (output.forward, output.turn, output.left)
         )
+        gate.note_output(more=math.isfinite(state.next_at))
 
     first = start_mux(settings.mux, stopped=settings.stopped, share=settings.share)
     runner = MuxRunner(node, first, _OUTPUT, publish_state, report_output)
@@ -107,7 +109,7 @@ def start(node: Node) -> None:
         sonars=settings.sonars,
         lag=settings.mux.lag,
     )
-    AdmissionGate(
+    gate = AdmissionGate(
         node,
         settings.mux,
         runner.handle,

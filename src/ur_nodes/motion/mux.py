@@ -112,7 +112,8 @@ def step(state: MuxState, event: Event | None, now: float) -> tuple[MuxState, Ve
         state = state._replace(active=active)
     if was_silent and state.active is None and state.output.still:
         return state, None
-    if not (was_silent or isinstance(event, EmergencyStopped) or now >= state.next_at - _SOON):
+    slack = -_SOON if event is None else state.settings.brake_period  # an event may be one of several before an output
+    if not (was_silent or isinstance(event, EmergencyStopped) or now >= state.next_at + slack):
         return state, None
     return _send(state, now)
 

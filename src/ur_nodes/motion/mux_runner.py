@@ -1,5 +1,6 @@
 """A running mux: events in, velocities out on `cmd_vel`, on time."""
 
+import math
 from collections.abc import Callable
 
 from ur_nodes.motion.mux import MuxState, step
@@ -62,7 +63,8 @@ class MuxRunner:
     """Owns a state, steps it at events and when it is due, and publishes the outputs.
 
     `on_change` is called with every new state whose active source or emergency stop differs from the one before,
-    `on_output` with every state that has sent something.
+    `on_output` with every state that has sent something. While there are outputs, messages wait for the next one, which
+    alone they change: one wake of the thread serves all of them.
     """
 
     def __init__(
@@ -97,6 +99,8 @@ class MuxRunner:
             self._on_change(self._state)
         if self._state.next_at != self._timer_at:
             self._arm()
+        if math.isinf(before.next_at) != math.isinf(self._state.next_at):
+            self._node.hold_messages(math.isfinite(self._state.next_at))
         return self._state
 
     def _arm(self) -> None:
@@ -104,12 +108,12 @@ class MuxRunner:
         if self._timer is not None:
             self._timer.cancel()
         self._timer, self._timer_at = None, self._state.next_at
-        if self._timer_at < float("inf"):
+        if self._timer_at < math.inf:
             left = self._timer_at - read_mux_time(self._node)  # read again: sending took a moment
             self._timer = self._node.after(max(0.0, left), self._take_due)
 
     def _take_due(self) -> None:
-        self._timer_at = float("nan")  # the timer is used up
+        self._timer_at = math.nan  # the timer is used up
         self.handle(None)
 
     def _on_subscriber(self) -> Velocity | None:

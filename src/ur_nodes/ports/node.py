@@ -169,6 +169,9 @@ class Node(Protocol):
     def resolve(self, name: str) -> str:
         """Resolve a name of this node to its full name."""
 
+    def hold_messages(self, hold: bool) -> None:
+        """Let messages that arrive wait, if the middleware can, for the next timer, which has to be due soon."""
+
     def on_end(self, call: Callable[[], None], within: float = 2.0) -> None:
         """Call when the node ends, before its topics close; values sent then are still delivered.
 

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
+import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
@@ -99,7 +100,8 @@ class RosNode(LoopNode):
         self._clock = self._node.get_clock()
         self._transforms: Transforms | None = None
         read = self._seconds if self._simulated else time.monotonic
-        loop = Loop(read, steady=not self._simulated, calls=self._node.reception)
+        reception = self._node.reception
+        loop = Loop(read, steady=not self._simulated, calls=reception, calls_first=reception.comes_first)
         logger = self._node.get_logger()
         log = ThrottledLog(logger.debug, logger.info, logger.warning, logger.error, self._seconds)
         super().__init__(loop, log, Parameters(self._stored))
@@ -128,6 +130,11 @@ class RosNode(LoopNode):
             self._actions.close()
         self._node.destroy_node()
         self._node.reception.close()
+
+    def hold_messages(self, hold: bool) -> None:
+        """See Node. Not where messages tell the time, or the middleware does not note when they came."""
+        dated = hold and rclpy.get_rmw_implementation_identifier().startswith("rmw_fastrtps")
+        self._node.reception.holds = dated and not self._simulated
 
     @property
     def transforms(self) -> Transforms:

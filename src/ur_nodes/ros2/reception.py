@@ -63,11 +63,15 @@ class Reception(Unserved):
         super().__init__()
         self._calls: deque[Callable[[], None]] = deque()
         self._turns = 0  # calls until messages are looked for although others wait
+        self.holds = False  # messages wait for the time-out of `get`, or for a call of another thread
         self._thread = 0  # that receives
         self._wake = os.fdopen(os.eventfd(0, _FLAGS), "wb", buffering=0)
         self._poll = select.epoll()
-        self._poll.register(self._wake, select.EPOLLIN)
-        self._subscriptions: dict[int, tuple[Subscription, bool]] = {}  # by file; whether the callback takes details
+        self._wakes = select.epoll()
+        for poll in (self._poll, self._wakes):
+            poll.register(self._wake, select.EPOLLIN)
+        # By file; whether the callback takes details, and how many messages to receive at once.
+        self._subscriptions: dict[int, tuple[Subscription, bool, int]] = {}
 
     def put(self, call: Callable[[], None]) -> None:
         self._calls.append(call)
@@ -84,9 +88,14 @@ class Reception(Unserved):
         self._turns -= 1
         return self._calls.popleft()
 
+    def comes_first(self) -> bool:
+        """Return whether messages that were held wait, which come before the timer that they were held for."""
+        return self.holds and self._turns > 0
+
     def close(self) -> None:
         """Close the files, after the subscriptions were destroyed and the thread has ended."""
         self._wake.close()
+        self._wakes.close()
         self._poll.close()
 
     def add_entity(self, entity: object) -> None:
@@ -94,13 +103,14 @@ class Reception(Unserved):
         super().add_entity(entity)
         subscription = cast("Subscription", entity)
         file = os.eventfd(0, _FLAGS)
-        self._subscriptions[file] = subscription, accepts_details(subscription.callback)
+        most = min(subscription.qos_profile.depth or _MOST_AT_ONCE, _MOST_AT_ONCE)
+        self._subscriptions[file] = subscription, accepts_details(subscription.callback), most
         self._poll.register(file, select.EPOLLIN)
         _call_with_messages(subscription, _COUNT, file)
 
     def drop(self, subscription: Subscription) -> None:
         """Stop receiving for a subscription."""
-        for file in [file for file, (each, _) in self._subscriptions.items() if each is subscription]:
+        for file in [file for file, (each, *_) in self._subscriptions.items() if each is subscription]:
             _call_with_messages(subscription, _OnMessages(), file)
             del self._subscriptions[file]
             os.close(file)
@@ -108,24 +118,26 @@ class Reception(Unserved):
     def _receive(self, seconds: float) -> None:
         """Wait for messages or a call, at most so long, and make the callbacks of subscriptions, which put calls."""
         self._thread = threading.get_ident()
-        for file, _ in self._poll.poll(seconds):
+        if self.holds:
+            self._wakes.poll(seconds)
+        for file, _ in self._poll.poll(0.0 if self.holds else seconds):
             with suppress(OSError):  # another thread has closed it
                 os.eventfd_read(file)
             with suppress(rclpy_implementation.InvalidHandle):
                 if file in self._subscriptions and self._take(*self._subscriptions[file]):
                     os.eventfd_write(file, 1)
 
-    def _take(self, subscription: Subscription, detailed: bool) -> bool:
+    def _take(self, subscription: Subscription, detailed: bool, most: int) -> bool:
         """Receive messages; return whether more may wait."""
         handle = subscription.handle
         with handle:
-            for _ in range(_MOST_AT_ONCE):
+            for _ in range(most):
                 taken = handle.take_message(subscription.msg_type, subscription.raw)
                 if taken is None:
                     return False
                 message, info = taken
                 subscription.callback(*((message, info) if detailed else (message,)))
-        return True
+        return most == _MOST_AT_ONCE
 
 
 def _call_with_messages(subscription: Subscription, call: ctypes._FuncPointer, file: int) -> None:

@@ -27,6 +27,8 @@ _AGAIN = 60.0  # s until the log has the same again
 _SHOWN = 10.0  # s after the last command that was refused
 _SILENCE = 1.0  # s without a stamped command, after which challenges come less often
 _QUIET_PERIOD = 0.05  # s between them: the newest one is then still young enough for a command that begins
+_LATE = 0.25  # s after which the next one does not wait for an output
+_NEARLY = 0.75  # of a period
 
 
 class RefusalReports:
@@ -161,8 +163,9 @@ class AdmissionGate:
         self._lease = node.publish("~lease", str, Quality.LATCHED)
         node.on_end(self._end)
         node.after(0.0, self._issue, steady=True)
-        self._commanded_at, self._period, self._quiet = node.steady(), 1.0 / rate, False
-        self._timer = node.every(self._period, self._issue, steady=True)
+        self._commanded_at = self._issued_at = node.steady()
+        self._period = self._timer_period = 1.0 / rate
+        self._timer = node.every(self._period, self._issue_due, steady=True)
         for index, source in enumerate(settings.sources):
             if source.foreign:
                 self._foreign[index] = ForeignCommands(node, source.topic, partial(self._on_plain, index))
@@ -193,16 +196,25 @@ class AdmissionGate:
         self._pass(index, velocity, now, verdict, _name(sender), stamped=True)
         self._announce()
         self._commanded_at = now
-        if self._quiet:  # what follows answers a young challenge
-            self._set_quiet(False)
+        if self._period < self._timer_period == _QUIET_PERIOD:  # what follows answers a young challenge
+            self._set_timer(self._period)
             self._issue()
 
-    def _set_quiet(self, quiet: bool) -> None:
-        """Issue challenges at the full rate, or less often while commanders are silent."""
-        self._quiet = quiet
-        self._timer.cancel()
-        period = max(self._period, _QUIET_PERIOD) if quiet else self._period
-        self._timer = self._node.every(period, self._issue, steady=True)
+    def note_output(self, *, more: bool) -> None:
+        """Issue the next challenge with an output of the mux, in place of a wake of its own; `more` will follow."""
+        if _NEARLY * self._settings.period <= self._period:
+            self._set_timer(_LATE if more else self._period)
+            self._issue_due()
+
+    def _set_timer(self, period: float) -> None:
+        if period != self._timer_period:
+            self._timer_period = period
+            self._timer.cancel()
+            self._timer = self._node.every(period, self._issue_due, steady=True)
+
+    def _issue_due(self) -> None:
+        if self._node.steady() - self._issued_at >= _NEARLY * self._period:
+            self._issue()
 
     def _on_plain(self, index: int, twist: Twist, sender: Sender | None) -> None:
         velocity = _velocity_of(twist)
@@ -260,16 +272,16 @@ class AdmissionGate:
 
     def _issue(self) -> None:
         """Issue a challenge, and report what was dropped."""
-        now = self._node.steady()
-        if not self._quiet and now - self._commanded_at > _SILENCE:
-            self._set_quiet(True)
+        self._issued_at = now = self._node.steady()
+        if now - self._commanded_at > _SILENCE and self._timer_period < _QUIET_PERIOD:
+            self._set_timer(_QUIET_PERIOD)
         self._admission, stamp, slow = challenge(self._admission, now, time.time())
         self._challenge.send(Time(stamp[0] * SECOND + stamp[1]))
         self._announce()
         for line, help_ in self._drops.lines(now, self._admission.lease.lease):
             self._refusals.report(line, help_)
-        tool = "rostopic pub" if self._node.raw.encoding == "ros1" else "ros2 topic pub"
         for index, publisher in slow:
+            tool = "rostopic pub" if self._node.raw.encoding == "ros1" else "ros2 topic pub"
             source = self._settings.sources[index]
             kind: type = self._foreign[index].kind if source.foreign else Twist
             does = describe_slow(self._admission.plain[index, publisher], NAMES[kind])
