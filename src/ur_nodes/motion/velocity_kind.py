@@ -8,7 +8,7 @@ from ur_nodes.ports.values import StampedTwist, Twist
 
 NAMES: dict[type, str] = {Twist: "Twist", StampedTwist: "TwistStamped"}
 KINDS = tuple(NAMES)
-_LOOK = 0.125  # s: how often the graph is asked
+_LOOK, _LOOK_AGAIN = 0.125, 0.5  # s: how often the graph is asked while there is no other end, and after one is found
 
 
 def choose_kind(current: type | None, found: frozenset[type]) -> type | None:
@@ -40,7 +40,8 @@ class KindWatch:
 
         A kind that appears beside the one in use replaces that while it is `silent`, as after the death of its program.
         """
-        self._topic, self._full, self._ask, self._use, self._text = topic, node.resolve(topic), ask, use, text
+        self._node, self._topic, self._full, self._text = node, topic, node.resolve(topic), text
+        self._ask, self._use = ask, use
         self._log, self._silent = AsideLog(node), silent
         self._kind: type | None = None
         self._found: frozenset[type] = frozenset()
@@ -49,10 +50,10 @@ class KindWatch:
             use(Twist)
             return
         self._look()
-        node.every(_LOOK, self._look, steady=True)
 
     def _look(self) -> None:
         found = self._ask(self._topic, KINDS) or frozenset()
+        self._node.after(_LOOK_AGAIN if found else _LOOK, self._look, steady=True)
         new, self._found = found - self._found, found
         kind = choose_kind(self._kind, new if new and self._silent() else found)
         if kind is not None and kind is not self._kind:
