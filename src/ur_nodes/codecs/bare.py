@@ -11,15 +11,19 @@ import math
 import struct
 from array import array
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
+import numpy as np
 from geometry_msgs.msg import TransformStamped
+from numpy.typing import NDArray
 from std_msgs.msg import Header
 
 from ur_nodes.codecs.geometry import matrix_of
 from ur_nodes.geometry.pose import Pose2, yaw_of_quaternion
+from ur_nodes.ports.node import SECOND
 from ur_nodes.ports.validation import UNIT_SLACK
-from ur_nodes.ports.values import Odometry, StampedTwist, Twist
+from ur_nodes.ports.values import Odometry, Scan, StampedTwist, Time, Twist
 
 _LITTLE_ENDIAN = b"\x00\x01\x00\x00"
 ORDERS = {b"\x00\x01": "<", b"\x00\x00": ">"}
@@ -81,13 +85,18 @@ class Reader:
         self._place += struct.calcsize(f"<{form}")
         return numbers
 
-    def unpack_bytes(self) -> bytes:
-        """Take a sequence of bytes."""
-        (count,) = self.unpack("I")
+    def unpack_bytes(self, size: int = 1) -> bytes:
+        """Take a sequence of items of so many bytes, which is at most the size of the number before it."""
+        count = self.unpack("I")[0] * size
         if count > len(self._data) - self._place:
             raise ValueError(f"sequence of {count} bytes, {len(self._data) - self._place} are left")
         self._place += count
         return bytes(self._data[self._place - count : self._place])
+
+    def unpack_floats(self) -> NDArray[np.float32]:
+        """Take a sequence of numbers of 32 bits."""
+        data = self.unpack_bytes(4)
+        return np.frombuffer(data, f"{self._order}f4").astype(np.float32, copy=False)
 
     def unpack_text(self) -> str:
         """Take a string."""
@@ -172,22 +181,40 @@ def _read_twist(reader: Reader) -> Twist:
 
 
 def _read_stamp(reader: Reader) -> int:
-    (seconds,), (rest,) = reader.unpack("i"), reader.unpack("I")
-    return int(seconds * 1_000_000_000 + rest)
+    seconds, rest = reader.unpack("iI")
+    return int(seconds * SECOND + rest)
 
 
 def _read_odometry(reader: Reader) -> Odometry:
     stamp, frame, child = _read_stamp(reader), reader.unpack_text(), reader.unpack_text()
     x, y, _, *turn = reader.unpack("7d")
     yaw = yaw_of_quaternion(*turn) if abs(math.hypot(*turn) - 1.0) <= UNIT_SLACK else math.nan
-    covariance, twist = matrix_of(reader.unpack("36d")), _read_twist(reader)
+    covariance, twist = _matrix_of(reader.unpack("36d")), _read_twist(reader)
     ends = frame.lstrip("/"), child.lstrip("/")
-    return Odometry(stamp, *ends, Pose2(x, y, yaw), twist, covariance, matrix_of(reader.unpack("36d")))
+    return Odometry(stamp, *ends, Pose2(x, y, yaw), twist, covariance, _matrix_of(reader.unpack("36d")))
+
+
+_matrix_of = lru_cache(maxsize=16)(matrix_of)  # covariances seldom change, and no node changes one
+
+
+def _read_scan(reader: Reader) -> Scan:
+    stamp, frame = _read_stamp(reader), reader.unpack_text().lstrip("/")
+    first, last, step, beam, turn, nearest, furthest = reader.unpack("7f")
+    ranges, intensities = reader.unpack_floats(), reader.unpack_floats()
+    return Scan(stamp, frame, first, step, nearest, furthest, ranges, intensities, turn, last, beam)
 
 
 READERS: dict[type, Callable[[Reader], object]] = {
     Odometry: _read_odometry,
+    Scan: _read_scan,
     StampedTwist: lambda reader: StampedTwist(_read_stamp(reader), reader.unpack_text(), _read_twist(reader)),
+    Time: lambda reader: Time(_read_stamp(reader)),
     Twist: _read_twist,
 }
 """Functions that read values of a kind, and raise ValueError. rclpy would make an object for each part of a message."""
+
+WRITERS: dict[type, Callable[[Any], bytes]] = {
+    Time: lambda time: _LITTLE_ENDIAN + struct.pack("<iI", *divmod(time.stamp, SECOND)),
+    Twist: lambda to: _LITTLE_ENDIAN + struct.pack("<6d", to.forward, to.left, to.up, to.roll, to.pitch, to.turn),
+}
+"""Functions that write values of a kind."""

@@ -9,7 +9,7 @@ from rclpy.serialization import deserialize_message
 
 from ur.source.diagnostic import UserError
 from ur_nodes.codecs import KindCodec
-from ur_nodes.codecs.bare import ORDERS, READERS, Reader
+from ur_nodes.codecs.bare import ORDERS, READERS, WRITERS, Reader
 from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.topics import Sender
@@ -42,12 +42,15 @@ class RosPublisher(Generic[Value]):
         on_subscriber: Callable[[], None] | None,
     ) -> None:
         self.topic = resolve(node, topic)
-        self._codec = codec
+        self._fill, self._write = codec.fill, WRITERS.get(kind)
         self._message = codec.message_class()
         self._sender = ends.MessageSender(node, codec.message_class, self.topic, offered(quality, kind), on_subscriber)
 
     def send(self, value: Value) -> None:
-        self._codec.fill(self._message, value)
+        if self._write is not None:
+            self._sender.send(self._write(value))
+            return
+        self._fill(self._message, value)
         self._sender.send(self._message)
 
     def subscribers(self) -> int:

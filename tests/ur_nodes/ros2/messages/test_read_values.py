@@ -6,19 +6,24 @@ from tests.ros2_session import Ros2Session
 
 PROGRAM = """
 import numpy as np
-from rclpy.serialization import serialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 
 from ur_nodes.codecs import find_codec
-from ur_nodes.codecs.bare import READERS, Reader
+from ur_nodes.codecs.bare import READERS, WRITERS, Reader
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.ports.values import Odometry, StampedTwist, Twist
+from ur_nodes.ports.values import Odometry, Scan, StampedTwist, Time, Twist
 
 twist = Twist(0.5, -1.0, 0.25, 1.0, 2.0, 3.0)
 matrix = np.arange(9.0).reshape(3, 3)
-values = [twist, *(StampedTwist(3, "i" * length, twist) for length in range(9))]
+values = [twist, Time(3_000_000_007), *(StampedTwist(3, "i" * length, twist) for length in range(9))]
 values += [
     Odometry(8, "o" * length, "b" * other, Pose2(1.0, 2.0, 0.5), twist, matrix, 2.0 * matrix)
     for length in range(5) for other in range(5)
+]
+beams = np.array([1.0, np.inf, np.nan, 0.1], np.float32)
+values += [
+    Scan(7, "l" * length, -1.5, 0.25, 0.1, 12.0, beams[:count], beams[:other], 0.1, 1.5, 0.01)
+    for length in range(5) for count in range(4) for other in (0, count)
 ]
 for value in values:
     kind = type(value)
@@ -26,7 +31,9 @@ for value in values:
     message = codec.message_class()
     codec.fill(message, value)
     data = bytes(serialize_message(message))
-    assert repr(READERS[kind](Reader(data))) == repr(codec.value_of(message)), value
+    received = codec.value_of(deserialize_message(data, codec.message_class))
+    assert repr(READERS[kind](Reader(data))) == repr(received), value
+    assert kind not in WRITERS or WRITERS[kind](value) == data, value
     for end in range(len(data)):
         try:
             READERS[kind](Reader(data[:end]))
