@@ -43,6 +43,7 @@ class Subscription:
         WithMessageInfo = ...
 
     topic_name: str
+    qos_profile: QoSProfile
     handle: SubscriptionHandle
     msg_type: object
     raw: bool

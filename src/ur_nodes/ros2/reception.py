@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
 _MOST_AT_ONCE = 20  # messages of a topic, while others wait
 _FLAGS = os.EFD_CLOEXEC | os.EFD_NONBLOCK
+_WRITTEN = select.EPOLLIN | select.EPOLLET  # each time, so that nothing has to be read
 _OnMessages = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_size_t)
 _COUNT = (  # into the file whose number is the pointer; its arguments are of these sizes on 64 bits only
     _OnMessages(("eventfd_write", ctypes.CDLL(None))) if sys.maxsize > 2**32 else _OnMessages(os.eventfd_write)
@@ -69,7 +70,7 @@ class Reception(Unserved):
         self._poll = select.epoll()
         self._wakes = select.epoll()
         for poll in (self._poll, self._wakes):
-            poll.register(self._wake, select.EPOLLIN)
+            poll.register(self._wake, _WRITTEN)
         # By file; whether the callback takes details, and how many messages to receive at once.
         self._subscriptions: dict[int, tuple[Subscription, bool, int]] = {}
 
@@ -105,7 +106,7 @@ class Reception(Unserved):
         file = os.eventfd(0, _FLAGS)
         most = min(subscription.qos_profile.depth or _MOST_AT_ONCE, _MOST_AT_ONCE)
         self._subscriptions[file] = subscription, accepts_details(subscription.callback), most
-        self._poll.register(file, select.EPOLLIN)
+        self._poll.register(file, _WRITTEN)
         _call_with_messages(subscription, _COUNT, file)
 
     def drop(self, subscription: Subscription) -> None:
@@ -118,12 +119,10 @@ class Reception(Unserved):
     def _receive(self, seconds: float) -> None:
         """Wait for messages or a call, at most so long, and make the callbacks of subscriptions, which put calls."""
         self._thread = threading.get_ident()
-        if self.holds:
+        if self.holds and seconds:
             self._wakes.poll(seconds)
         for file, _ in self._poll.poll(0.0 if self.holds else seconds):
-            with suppress(OSError):  # another thread has closed it
-                os.eventfd_read(file)
-            with suppress(rclpy_implementation.InvalidHandle):
+            with suppress(rclpy_implementation.InvalidHandle):  # another thread has destroyed it
                 if file in self._subscriptions and self._take(*self._subscriptions[file]):
                     os.eventfd_write(file, 1)
 
