@@ -19,7 +19,7 @@ from ur.worlds.world_file import WorldModel
 from ur_nodes.geometry.hull import Floats
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.mux import MuxState, start_mux, step
-from ur_nodes.motion.mux_events import Event, GuardChanged, MuxSettings, Source, Velocity, VelocityCommand
+from ur_nodes.motion.mux_events import Event, MuxSettings, Source, Velocity, VelocityCommand
 from ur_nodes.motion.obstacle_stop.guard import make_guard
 from ur_nodes.motion.obstacle_stop.obstacle_stop import contact_points, make_sight
 from ur_nodes.motion.obstacle_stop.sensors import RangeSensor
@@ -73,7 +73,8 @@ class Drive:
         self._pressed: dict[str, bool] = {}
         self._collisions = 0
         if self.guarded:
-            self._step(GuardChanged(make_guard(self.sight, self.base.limits, self.base.limits.lag)))
+            guard = make_guard(self.sight, self.base.limits, self.base.limits.lag)
+            self._state = self._state._replace(guard=guard)
 
     def run(self, seconds: float, until: Callable[[Pose2], bool] = lambda _: False) -> float:
         """Drive for so long, or until a pose is reached; return the time (s)."""
@@ -170,7 +171,7 @@ class Drive:
     def _take(self, sight: Sight) -> None:
         self.sight = sight
         if self._state.guard is not None:
-            self._step(GuardChanged(replace(self._state.guard, sight=sight)))
+            self._state = self._state._replace(guard=replace(self._state.guard, sight=sight))
 
     def _judge(self, at: float) -> None:
         """Note a contact as seen when a sensor had its place in view lately, while that was clear of the outline."""

@@ -9,7 +9,7 @@ from functools import partial
 from ur.source.diagnostic import UserError, error
 from ur_nodes.motion.admission.gate import AdmissionGate
 from ur_nodes.motion.mux import MuxState, start_mux
-from ur_nodes.motion.mux_events import EmergencyReleased, EmergencyStopped, Event, GuardChanged, Source, SpeedLimited
+from ur_nodes.motion.mux_events import EmergencyReleased, EmergencyStopped, Event, Source, SpeedLimited
 from ur_nodes.motion.mux_runner import MuxRunner
 from ur_nodes.motion.mux_settings import LEAST_LIMIT, LIMIT, STOPPED, read_limit, read_settings, read_share
 from ur_nodes.motion.obstacle_stop.obstacle_stop import ObstacleStop
@@ -103,7 +103,7 @@ def start(node: Node) -> None:
     obstacle_stop = ObstacleStop(
         node,
         settings.base,
-        lambda guard: runner.handle(GuardChanged(guard)),
+        runner.guard,
         writes,
         on=settings.obstacle_stop,
         sonars=settings.sonars,

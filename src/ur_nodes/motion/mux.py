@@ -20,7 +20,6 @@ While something is active or the robot moves there is an output every
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from ur_nodes.motion.mux_events import (
@@ -29,7 +28,6 @@ from ur_nodes.motion.mux_events import (
     EmergencyReleased,
     EmergencyStopped,
     Event,
-    GuardChanged,
     Lock,
     LockMessage,
     MuxSettings,
@@ -45,8 +43,7 @@ from ur_nodes.motion.ramp import Axis, approach
 _SOON = 1e-6  # s: outputs that are this near to being due are due
 
 
-@dataclass(frozen=True, slots=True)
-class ReceivedCommand:
+class ReceivedCommand(NamedTuple):
     """The newest command of a source, its time, and the time of the source's last motion."""
 
     velocity: Velocity = STILL
@@ -145,11 +142,9 @@ def _apply(state: MuxState, event: Event | None, now: float) -> MuxState:
     if isinstance(event, SpeedLimited):
         share = max(0.0, min(1.0, event.share)) if math.isfinite(event.share) else state.share
         return state._replace(now=now, share=share)
-    if isinstance(event, GuardChanged):
-        return state._replace(now=now, guard=event.guard)
     if isinstance(event, EmergencyReleased) and state.stopped:
         pairs = zip(state.settings.sources, state.received, strict=True)
-        barred = tuple(replace(each, barred=now - each.moved_at <= source.timeout) for source, each in pairs)
+        barred = tuple(each._replace(barred=now - each.moved_at <= source.timeout) for source, each in pairs)
         return state._replace(now=now, stopped=False, received=barred)
     return state._replace(now=now)
 
@@ -168,7 +163,8 @@ def _choose(state: MuxState, now: float) -> int | None:
     """Return the index of the source to follow."""
     if state.stopped:
         return None
-    floor = max((lock.priority for lock, message in _locks(state) if _is_locked(lock, message, now)), default=None)
+    locks = zip(state.settings.locks, state.locks, strict=True)
+    floor = max((lock.priority for lock, message in locks if _is_locked(lock, message, now)), default=None)
     best: int | None = None
     for index, (source, received) in enumerate(zip(state.settings.sources, state.received, strict=True)):
         if received.barred or (floor is not None and source.priority < floor) or not _drives(source, received, now):
@@ -184,10 +180,6 @@ def _choose(state: MuxState, now: float) -> int | None:
 def _drives(source: Source, received: ReceivedCommand, now: float) -> bool:
     since = received.at if source.zeros_hold else received.moved_at
     return now - received.at <= source.timeout and now - since <= source.timeout
-
-
-def _locks(state: MuxState) -> zip[tuple[Lock, tuple[bool, float]]]:
-    return zip(state.settings.locks, state.locks, strict=True)
 
 
 def _is_locked(lock: Lock, message: tuple[bool, float], now: float) -> bool:

@@ -2,8 +2,8 @@
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
-from ur_nodes.motion.obstacle_stop.guard import Guard
 from ur_nodes.motion.ramp import NO_AXIS, Axis
 
 IDLE = "idle"
@@ -64,8 +64,7 @@ class MuxSettings:
         return max(0.0, self.brake_after + min(abs(speed), axis.speed) / axis.slow_down - self.stop_time)
 
 
-@dataclass(frozen=True, slots=True)
-class Velocity:
+class Velocity(NamedTuple):
     """m/s forward, rad/s about z, m/s to the left."""
 
     forward: float = 0.0
@@ -86,8 +85,7 @@ class Velocity:
 STILL = Velocity()
 
 
-@dataclass(frozen=True, slots=True)
-class VelocityCommand:
+class VelocityCommand(NamedTuple):
     """A command of the source with this index, given at the time `at`. Values that are not finite mean a stop.
 
     `at` is a time of the mux's clock, not an age: a delay of the mux between admission and `step` makes the
@@ -124,14 +122,7 @@ class SpeedLimited:
     share: float
 
 
-@dataclass(frozen=True, slots=True)
-class GuardChanged:
-    """The new guard of commands; None: commands are not guarded."""
-
-    guard: Guard | None
-
-
-Event = VelocityCommand | LockMessage | EmergencyStopped | EmergencyReleased | SpeedLimited | GuardChanged
+Event = VelocityCommand | LockMessage | EmergencyStopped | EmergencyReleased | SpeedLimited
 
 
 def slow_to(wanted: Velocity, share: float, settings: MuxSettings, speed: float = math.inf) -> Velocity:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from ur_nodes.motion.mux import MuxState, step
 from ur_nodes.motion.mux_events import STILL, Event, MuxSettings, Velocity
 from ur_nodes.motion.mux_time import read_mux_time
+from ur_nodes.motion.obstacle_stop.guard import Guard
 from ur_nodes.motion.velocity_kind import KindWatch
 from ur_nodes.ports.node import Node, Publisher, Timer
 from ur_nodes.ports.values import StampedTwist, Twist
@@ -63,8 +64,7 @@ class MuxRunner:
     """Owns a state, steps it at events and when it is due, and publishes the outputs.
 
     `on_change` is called with every new state whose active source or emergency stop differs from the one before,
-    `on_output` with every state that has sent something. While there are outputs, messages wait for the next one, which
-    alone they change: one wake of the thread serves all of them.
+    `on_output` with every state that has sent something.
     """
 
     def __init__(
@@ -88,6 +88,10 @@ class MuxRunner:
         """Use changed limits from the next output on; the sources are the same."""
         self._state = self._state._replace(settings=settings)
 
+    def guard(self, guard: Guard | None) -> None:
+        """Have commands guarded from the next output on; None: they are not."""
+        self._state = self._state._replace(guard=guard)
+
     def handle(self, event: Event | None) -> MuxState:
         """Apply an event now (None: time has passed), and return the new state."""
         before = self._state
@@ -99,8 +103,6 @@ class MuxRunner:
             self._on_change(self._state)
         if self._state.next_at != self._timer_at:
             self._arm()
-        if math.isinf(before.next_at) != math.isinf(self._state.next_at):
-            self._node.hold_messages(math.isfinite(self._state.next_at))
         return self._state
 
     def _arm(self) -> None:

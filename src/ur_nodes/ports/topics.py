@@ -1,13 +1,11 @@
 """Publishers and subscriptions of topics."""
 
-from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import NamedTuple, Protocol, TypeVar
 
 Sent = TypeVar("Sent", contravariant=True)
 
 
-@dataclass(frozen=True, slots=True)
-class Sender:
+class Sender(NamedTuple):
     """The sender of a value: the name of its node, and whether the value was stored by the topic (LATCHED).
 
     `id` distinguishes publishers, also those of one name. Where the middleware cannot tell several of them apart, they

@@ -17,7 +17,6 @@ from ur_nodes.motion.mux_events import (
     EmergencyReleased,
     EmergencyStopped,
     Event,
-    GuardChanged,
     Lock,
     LockMessage,
     MuxSettings,
@@ -365,7 +364,7 @@ def make_guard_before_a_wall(clear: float) -> Guard:
 def test_commands_of_people_stop_before_what_is_seen_and_those_of_navigation_do_not() -> None:
     sources = (SOURCES[KEYBOARD], replace(SOURCES[NAVIGATION], avoids_obstacles=True))
     run = MuxRun(start_mux(replace(SETTINGS, sources=sources)))
-    run.handle(GuardChanged(make_guard_before_a_wall(0.02)))
+    run.state = run.state._replace(guard=make_guard_before_a_wall(0.02))
     run.drive(0, AHEAD, 0.4, rate=30.0)
     assert run.last == STILL
     assert run.state.verdict is not None
@@ -380,20 +379,20 @@ def test_commands_of_people_stop_before_what_is_seen_and_those_of_navigation_do_
 
 def test_guard_that_is_switched_off_or_on_counts_at_once_and_brakes_within_the_limits(run: MuxRun) -> None:
     run.drive(KEYBOARD, AHEAD, 1.0, rate=30.0)
-    run.handle(GuardChanged(make_guard_before_a_wall(0.02)))
+    run.state = run.state._replace(guard=make_guard_before_a_wall(0.02))
     begin = len(run.sent) - 1
     run.drive(KEYBOARD, AHEAD, 0.4, rate=30.0)
     assert run.last == STILL
     for (before, fast, _), (after, slow, _) in pairwise(run.sent[begin:]):
         assert fast.forward - slow.forward <= FORWARD.slow_down * (after - before) + 1e-9
-    run.handle(GuardChanged(None))
+    run.state = run.state._replace(guard=None)
     run.drive(KEYBOARD, AHEAD, 1.0, rate=30.0)
     assert run.last == AHEAD
 
 
 def test_robot_stops_in_time_before_an_obstacle_when_commands_end() -> None:
     run = MuxRun(start_mux(SETTINGS))
-    run.handle(GuardChanged(make_guard_before_a_wall(0.3)))
+    run.state = run.state._replace(guard=make_guard_before_a_wall(0.3))
     run.drive(KEYBOARD, AHEAD, 0.5, rate=30.0)
     ended = run.sent[-1][0]
     run.until(run.now + 1.0)

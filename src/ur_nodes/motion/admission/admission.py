@@ -9,8 +9,7 @@ All functions are pure; `now` is in seconds of a steady clock, `unix` in seconds
 """
 
 import math
-from dataclasses import dataclass, field, replace
-from typing import Literal, TypeVar
+from typing import Any, Literal, NamedTuple, TypeVar
 
 from ur_nodes.motion.admission.probation import Probation, restart_proof, step_probation, too_slow
 from ur_nodes.motion.challenge.freshness import (
@@ -45,8 +44,7 @@ FALL = 0.02  # s
 _NANO = 1_000_000_000
 
 
-@dataclass(frozen=True, slots=True)
-class Stamps:
+class Stamps(NamedTuple):
     """The stamps of a publisher: the `least` difference (s) that was seen, `at` which arrival, since `origin` (ns).
 
     `proven` is the least difference when the publisher began to prove its rhythm.
@@ -71,6 +69,7 @@ def step_stamps(state: Stamps, sent: int, arrived: float) -> tuple[Stamps, float
     return Stamps(state.origin, difference, arrived, proven), 0.0, fell
 
 
+_NONE: dict[Any, Any] = {}  # is never changed
 _MOST_PUBLISHERS = 32
 _MOST_STAMPS = 512  # of publishers: one that is forgotten could pass old commands off as new
 
@@ -80,17 +79,16 @@ Kept = TypeVar("Kept", Probation, Stamps)
 Sent = tuple[int, float]  # when a command was sent (ns of the sender's clock), and when it arrived (s)
 
 
-@dataclass(frozen=True, slots=True)
-class Admission:
+class Admission(NamedTuple):
     """The challenges, the lease, the publishers of plain commands, and the last stamped command of each source."""
 
     challenges: IssuedChallenges
     lease: LeaseRecord
     timeouts: tuple[float, ...]  # s, of the sources
     freshness: float = FRESHNESS
-    plain: dict[Publisher, Probation] = field(default_factory=dict)
-    stamped_at: dict[int, float] = field(default_factory=dict)
-    stamps: dict[Publisher, Stamps] = field(default_factory=dict)
+    plain: dict[Publisher, Probation] = _NONE
+    stamped_at: dict[int, float] = _NONE
+    stamps: dict[Publisher, Stamps] = _NONE
 
 
 def admit_stamped(
@@ -115,8 +113,8 @@ def admit_stamped(
         return admission, "late"
     lease = step_lease(admission.lease, ClientCommand(client, motion), now, unix, age)
     if not may_drive(lease, client, follows=follows):
-        return replace(admission, lease=lease), "not the driver"
-    admission = replace(admission, lease=lease, stamped_at={**admission.stamped_at, source: now})
+        return admission._replace(lease=lease), "not the driver"
+    admission = admission._replace(lease=lease, stamped_at={**admission.stamped_at, source: now})
     return admission, age if client and client == lease.lease.client else hold_to_terms(admission, age, now)
 
 
@@ -141,13 +139,13 @@ def admit_plain(
     if sent is not None:
         stamps, delay, fell = step_stamps(admission.stamps.get(key, Stamps()), *sent)
         age = delay + max(0.0, now - sent[1])
-        admission = replace(admission, stamps=_with(admission.stamps, key, stamps, _MOST_STAMPS))
+        admission = admission._replace(stamps=_with(admission.stamps, key, stamps, _MOST_STAMPS))
         if age > admission.freshness:
             return admission, "held back"
         if fell:
             probation = restart_proof(probation)
     state = step_probation(probation, now if sent is None else sent[1], motion=motion, aged=sent is not None)
-    admission = replace(admission, plain=_with(admission.plain, rhythm, state, _MOST_PUBLISHERS))
+    admission = admission._replace(plain=_with(admission.plain, rhythm, state, _MOST_PUBLISHERS))
     if not state.accepted:
         return admission, "on probation"
     if now - admission.stamped_at.get(source, -math.inf) <= admission.timeouts[source]:
@@ -184,7 +182,7 @@ def admit_request(admission: Admission, request: LeaseRequest, now: float, unix:
     age = age_of(admission.challenges, request.answers, now, REQUEST_FRESHNESS)
     if age is None:
         return admission, False
-    return replace(admission, lease=step_lease(admission.lease, request, now, unix, age)), True
+    return admission._replace(lease=step_lease(admission.lease, request, now, unix, age)), True
 
 
 def challenge(admission: Admission, now: float, unix: float) -> tuple[Admission, Stamp, tuple[Publisher, ...]]:
@@ -193,6 +191,6 @@ def challenge(admission: Admission, now: float, unix: float) -> tuple[Admission,
     checked = {key: too_slow(state, now) for key, state in admission.plain.items()}
     slow = tuple(key for key, (_, is_slow) in checked.items() if is_slow)
     if slow:
-        admission = replace(admission, plain={key: state for key, (state, _) in checked.items()})
+        admission = admission._replace(plain={key: state for key, (state, _) in checked.items()})
     lease = step_lease(admission.lease, None, now, unix)
-    return replace(admission, challenges=challenges, lease=lease), stamp, slow
+    return admission._replace(challenges=challenges, lease=lease), stamp, slow

@@ -201,8 +201,12 @@ class AdmissionGate:
             self._issue()
 
     def note_output(self, *, more: bool) -> None:
-        """Issue the next challenge with an output of the mux, in place of a wake of its own; `more` will follow."""
+        """Note an output of the mux. While `more` follow as often as challenges, these are issued with them.
+
+        Messages wait for the next output, too, which alone they change: one wake of the thread serves all.
+        """
         if _NEARLY * self._settings.period <= self._period:
+            self._node.hold_messages(more)
             self._set_timer(_LATE if more else self._period)
             self._issue_due()
 

@@ -21,23 +21,23 @@ does, and sends to a source for such nodes.
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 from ur_nodes.motion.lease.text import FREE, MOST_ASKING, Lease, LeaseRequest, Viewer
 
+_NONE: dict[Any, Any] = {}  # is never changed
 _MOST_KNOWN = 64  # clients whose names are remembered
 
 
-@dataclass(frozen=True, slots=True)
-class ClientCommand:
+class ClientCommand(NamedTuple):
     """A fresh velocity command of a client has arrived; `motion` is whether it asks for any."""
 
     client: str
     motion: bool
 
 
-@dataclass(frozen=True, slots=True)
-class LeaseRecord:
+class LeaseRecord(NamedTuple):
     """The state of the lease, and when clients last sent something.
 
     `received_at`: the earliest time at which the last message of the holder was sent; `asked`: those of the clients
@@ -48,7 +48,7 @@ class LeaseRecord:
     timeout: float = 3.0
     received_at: float = -math.inf
     asked: tuple[float, ...] = ()  # as lease.asking
-    known: dict[str, LeaseRequest] = field(default_factory=dict)  # the last request of each client, newest last
+    known: dict[str, LeaseRequest] = _NONE  # the last request of each client, newest last
     forget_at: float = math.inf
 
 
@@ -106,7 +106,7 @@ def _drive(record: LeaseRecord, event: ClientCommand, now: float, unix: float) -
     if record.lease.client == event.client:
         held = record.lease.state == "held" and record.lease.until is None
         lease = record.lease if held else replace(record.lease, state="held", until=None)
-        return replace(record, lease=lease, received_at=now, forget_at=math.inf)
+        return record._replace(lease=lease, received_at=now, forget_at=math.inf)
     if record.lease.state == "free" and event.motion:
         known = record.known.get(event.client) or LeaseRequest(event.client, event.client[:8], "", "acquire")
         return _grant(record, known, now, unix, taken=False)
@@ -124,7 +124,7 @@ def _renew(record: LeaseRecord, request: LeaseRequest, now: float) -> LeaseRecor
         until=None,
         terms=request.terms,
     )
-    return replace(record, lease=lease, received_at=now, forget_at=math.inf)
+    return record._replace(lease=lease, received_at=now, forget_at=math.inf)
 
 
 def _grant(record: LeaseRecord, request: LeaseRequest, now: float, unix: float, *, taken: bool) -> LeaseRecord:
@@ -135,7 +135,7 @@ def _grant(record: LeaseRecord, request: LeaseRequest, now: float, unix: float, 
         *("held", request.client, request.name, request.program, unix, request.attended, record.lease.asking),
         *(taken_from, taken_at, request.computer, None, request.terms),
     )
-    return replace(record, lease=lease, received_at=now, forget_at=math.inf)
+    return record._replace(lease=lease, received_at=now, forget_at=math.inf)
 
 
 def _is_available(lease: Lease, request: LeaseRequest) -> bool:
@@ -157,7 +157,7 @@ def _grant_to_first(record: LeaseRecord, now: float, unix: float) -> LeaseRecord
 def _release(record: LeaseRecord, now: float, unix: float, note: str = "") -> LeaseRecord:
     if record.lease.asking:
         return _grant_to_first(record, now, unix)
-    return replace(record, lease=replace(FREE, note=note), received_at=-math.inf, forget_at=math.inf)
+    return record._replace(lease=replace(FREE, note=note), received_at=-math.inf, forget_at=math.inf)
 
 
 def _ask(record: LeaseRecord, request: LeaseRequest, now: float) -> LeaseRecord:
@@ -165,11 +165,11 @@ def _ask(record: LeaseRecord, request: LeaseRequest, now: float) -> LeaseRecord:
     clients = [each.client for each in record.lease.asking]
     if request.client in clients:
         index = clients.index(request.client)
-        return replace(record, asked=(*record.asked[:index], now, *record.asked[index + 1 :]))
+        return record._replace(asked=(*record.asked[:index], now, *record.asked[index + 1 :]))
     if request.action != "ask" or len(clients) >= MOST_ASKING:
         return record
     asking = (*record.lease.asking, Viewer(request.client, request.name))
-    return replace(record, lease=replace(record.lease, asking=asking), asked=(*record.asked, now))
+    return record._replace(lease=replace(record.lease, asking=asking), asked=(*record.asked, now))
 
 
 def _withdraw(record: LeaseRecord, client: str) -> LeaseRecord:
@@ -185,7 +185,7 @@ def _expire(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
         record = _with_asking(record, pairs)
     if record.lease.state == "held" and not 0.0 <= now - record.received_at <= record.timeout:
         until = max(0.0, unix - max(0.0, now - record.received_at))
-        return replace(record, lease=replace(record.lease, state="lost", until=until))
+        return record._replace(lease=replace(record.lease, state="lost", until=until))
     if record.lease.state == "lost" and now >= record.forget_at:
         return _release(record, now, unix)
     return record
@@ -193,7 +193,7 @@ def _expire(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
 
 def _with_asking(record: LeaseRecord, pairs: list[tuple[Viewer, float]]) -> LeaseRecord:
     asking, asked = tuple(person for person, _ in pairs), tuple(at for _, at in pairs)
-    return replace(record, lease=replace(record.lease, asking=asking), asked=asked)
+    return record._replace(lease=replace(record.lease, asking=asking), asked=asked)
 
 
 def _remember(record: LeaseRecord, request: LeaseRequest) -> LeaseRecord:
@@ -201,4 +201,4 @@ def _remember(record: LeaseRecord, request: LeaseRequest) -> LeaseRecord:
     known[request.client] = request
     while len(known) > _MOST_KNOWN:
         del known[next(iter(known))]
-    return replace(record, known=known)
+    return record._replace(known=known)
