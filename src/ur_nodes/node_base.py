@@ -18,6 +18,8 @@ _END_LIMIT = 3.0  # s, besides the time that the jobs of the end have
 class LoopNode:
     """See `ports.node.Node` for the methods. `failed`: a call of the end has failed."""
 
+    steady = staticmethod(steady_time)
+
     def __init__(self, loop: Loop, log: Log, parameters: Parameters) -> None:
         self.log = log
         self.parameters = parameters
@@ -43,9 +45,6 @@ class LoopNode:
         self._unfinished += self._ending
         post = self._results.put if self._ending else self._loop.post
         self._lanes.add(job, callback, queue, post)
-
-    def steady(self) -> float:
-        return steady_time()
 
     def hold_messages(self, hold: bool) -> None:
         """See Node: here messages do not wait."""

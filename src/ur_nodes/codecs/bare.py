@@ -77,17 +77,20 @@ class Reader:
 
     def unpack(self, form: str) -> tuple[Any, ...]:
         """Take numbers of one size."""
-        self._place += -self._place % struct.calcsize(f"<{form[-1]}")
+        size, all_sizes = _sizes(form)
+        self._place += -self._place % size
         try:
             numbers = struct.unpack_from(self._order + form, self._data, self._place)
         except struct.error as problem:
             raise ValueError(f"message of {len(self._data)} bytes that ends too early: {problem}") from problem
-        self._place += struct.calcsize(f"<{form}")
+        self._place += all_sizes
         return numbers
 
     def unpack_bytes(self, size: int = 1) -> bytes:
         """Take a sequence of items of so many bytes, which is at most the size of the number before it."""
-        count = self.unpack("I")[0] * size
+        return self._unpack_bytes(self.unpack("I")[0] * size)
+
+    def _unpack_bytes(self, count: int) -> bytes:
         if count > len(self._data) - self._place:
             raise ValueError(f"sequence of {count} bytes, {len(self._data) - self._place} are left")
         self._place += count
@@ -100,7 +103,12 @@ class Reader:
 
     def unpack_text(self) -> str:
         """Take a string."""
-        return self.unpack_bytes().rstrip(b"\0").decode(errors="replace")
+        return _text_of(self.unpack_bytes())
+
+    def unpack_head(self) -> tuple[int, str]:
+        """Take a std_msgs/Header as stamp (ns) and frame."""
+        seconds, rest, length = self.unpack("iII")
+        return seconds * SECOND + rest, _text_of(self._unpack_bytes(length))
 
     def unpack_header(self) -> Header:
         """Take a std_msgs/Header."""
@@ -108,6 +116,15 @@ class Reader:
         (header.stamp.sec,), (header.stamp.nanosec,) = self.unpack("i"), self.unpack("I")
         header.frame_id = self.unpack_text()
         return header
+
+
+@lru_cache
+def _sizes(form: str) -> tuple[int, int]:
+    return struct.calcsize(f"<{form[-1]}"), struct.calcsize(f"<{form}")
+
+
+def _text_of(data: bytes) -> str:
+    return data.rstrip(b"\0").decode(errors="replace")
 
 
 class BareGridUpdate:
@@ -175,41 +192,35 @@ class BareTransforms:
         return made
 
 
-def _read_twist(reader: Reader) -> Twist:
-    forward, left, up, roll, pitch, turn = reader.unpack("6d")
+def _twist_of(forward: float, left: float, up: float, roll: float, pitch: float, turn: float) -> Twist:
     return Twist(forward, turn, left, up, roll, pitch)
 
 
-def _read_stamp(reader: Reader) -> int:
-    seconds, rest = reader.unpack("iI")
-    return int(seconds * SECOND + rest)
-
-
 def _read_odometry(reader: Reader) -> Odometry:
-    stamp, frame, child = _read_stamp(reader), reader.unpack_text(), reader.unpack_text()
-    x, y, _, *turn = reader.unpack("7d")
+    (stamp, frame), child = reader.unpack_head(), reader.unpack_text()
+    numbers = reader.unpack("85d")
+    turn = numbers[3:7]
     yaw = yaw_of_quaternion(*turn) if abs(math.hypot(*turn) - 1.0) <= UNIT_SLACK else math.nan
-    covariance, twist = _matrix_of(reader.unpack("36d")), _read_twist(reader)
-    ends = frame.lstrip("/"), child.lstrip("/")
-    return Odometry(stamp, *ends, Pose2(x, y, yaw), twist, covariance, _matrix_of(reader.unpack("36d")))
+    pose, twist = Pose2(numbers[0], numbers[1], yaw), _twist_of(*numbers[43:49])
+    covariances = _matrix_of(numbers[7:43]), _matrix_of(numbers[49:])
+    return Odometry(stamp, frame.lstrip("/"), child.lstrip("/"), pose, twist, *covariances)
 
 
 _matrix_of = lru_cache(maxsize=16)(matrix_of)  # covariances seldom change, and no node changes one
 
 
 def _read_scan(reader: Reader) -> Scan:
-    stamp, frame = _read_stamp(reader), reader.unpack_text().lstrip("/")
+    stamp, frame = reader.unpack_head()
     first, last, step, beam, turn, nearest, furthest = reader.unpack("7f")
     ranges, intensities = reader.unpack_floats(), reader.unpack_floats()
-    return Scan(stamp, frame, first, step, nearest, furthest, ranges, intensities, turn, last, beam)
+    return Scan(stamp, frame.lstrip("/"), first, step, nearest, furthest, ranges, intensities, turn, last, beam)
 
 
 READERS: dict[type, Callable[[Reader], object]] = {
     Odometry: _read_odometry,
     Scan: _read_scan,
-    StampedTwist: lambda reader: StampedTwist(_read_stamp(reader), reader.unpack_text(), _read_twist(reader)),
-    Time: lambda reader: Time(_read_stamp(reader)),
-    Twist: _read_twist,
+    StampedTwist: lambda reader: StampedTwist(*reader.unpack_head(), _twist_of(*reader.unpack("6d"))),
+    Twist: lambda reader: _twist_of(*reader.unpack("6d")),
 }
 """Functions that read values of a kind, and raise ValueError. rclpy would make an object for each part of a message."""
 

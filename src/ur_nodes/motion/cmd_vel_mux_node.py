@@ -91,10 +91,7 @@ def start(node: Node) -> None:
         stopped.send(state.stopped)
 
     def report_output(state: MuxState) -> None:
-        wanted, output = state.wanted, state.output
-        obstacle_stop.note(
-            state.verdict, (wanted.forward, wanted.turn, wanted.left), (output.forward, output.turn, output.left)
-        )
+        obstacle_stop.note(state.verdict, state.wanted, state.output)
         gate.note_output(more=math.isfinite(state.next_at))
 
     first = start_mux(settings.mux, stopped=settings.stopped, share=settings.share)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from ur_nodes.motion.mux import MuxState, step
 from ur_nodes.motion.mux_events import STILL, Event, MuxSettings, Velocity
-from ur_nodes.motion.mux_time import read_mux_time
+from ur_nodes.motion.mux_time import mux_clock
 from ur_nodes.motion.obstacle_stop.guard import Guard
 from ur_nodes.motion.velocity_kind import KindWatch
 from ur_nodes.ports.node import Node, Publisher, Timer
@@ -75,7 +75,7 @@ class MuxRunner:
         on_change: Callable[[MuxState], None] = lambda _: None,
         on_output: Callable[[MuxState], None] = lambda _: None,
     ) -> None:
-        self._node = node
+        self._node, self._time = node, mux_clock(node)
         self._state = state
         self._on_change, self._on_output = on_change, on_output
         self._timer: Timer | None = None
@@ -95,7 +95,7 @@ class MuxRunner:
     def handle(self, event: Event | None) -> MuxState:
         """Apply an event now (None: time has passed), and return the new state."""
         before = self._state
-        self._state, output = step(before, event, read_mux_time(self._node))
+        self._state, output = step(before, event, self._time())
         if output is not None:
             self._output.send(output)
             self._on_output(self._state)
@@ -111,7 +111,7 @@ class MuxRunner:
             self._timer.cancel()
         self._timer, self._timer_at = None, self._state.next_at
         if self._timer_at < math.inf:
-            left = self._timer_at - read_mux_time(self._node)  # read again: sending took a moment
+            left = self._timer_at - self._time()  # read again: sending took a moment
             self._timer = self._node.after(max(0.0, left), self._take_due)
 
     def _take_due(self) -> None:

@@ -103,7 +103,9 @@ def _judge_integer(name: str, value: int) -> str:
 
 
 def _judge_array(name: str, value: NDArray[np.floating]) -> str:
-    good = value.dtype.kind != "f" or not value.size or bool(np.abs(value).max() <= _LARGEST)
+    good = (
+        value.dtype.kind != "f" or bool(np.vdot(value, value) <= _LARGEST**2) or bool(np.abs(value).max() <= _LARGEST)
+    )
     return "" if good else f"{name} has a number that is not finite or too large"
 
 
@@ -121,6 +123,10 @@ def _judge_rotation(rotation: Quaternion, slack: float = UNIT_SLACK) -> str:
 
 def _judge_twist(_name: str, twist: values.Twist) -> str:
     return _limit_all("a velocity", (twist.forward, twist.turn, twist.left, twist.up, twist.roll, twist.pitch))
+
+
+def _judge_stamped(name: str, value: values.StampedTwist) -> str:
+    return _judge_twist(name, value.twist) or _judge_integer("stamp", value.stamp)
 
 
 def _judge_driver_odometry(name: str, odometry: values.DriverOdometry) -> str:
@@ -188,6 +194,7 @@ _RULES: dict[type, Callable[..., str]] = {
     Pose3: _judge_pose3,
     Grid: _judge_grid,
     values.Twist: _judge_twist,
+    values.StampedTwist: _judge_stamped,
     values.DriverOdometry: _judge_driver_odometry,
     values.Scan: _judge_scan,
     values.Range: _judge_range,

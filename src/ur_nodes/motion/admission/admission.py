@@ -106,7 +106,7 @@ def admit_stamped(
 
     A source that `follows` the lease may send without an id of a client, also while a client has it.
     """
-    if client and not is_client(client):
+    if client and client != admission.lease.lease.client and not is_client(client):
         return admission, "no client"
     age = age_of(admission.challenges, answer, now, admission.freshness)
     if age is None:

@@ -206,15 +206,15 @@ class AdmissionGate:
         Messages wait for the next output, too, which alone they change: one wake of the thread serves all.
         """
         if _NEARLY * self._settings.period <= self._period:
-            self._node.hold_messages(more)
-            self._set_timer(_LATE if more else self._period)
+            if (period := _LATE if more else self._period) != self._timer_period:
+                self._node.hold_messages(more)
+                self._set_timer(period)
             self._issue_due()
 
     def _set_timer(self, period: float) -> None:
-        if period != self._timer_period:
-            self._timer_period = period
-            self._timer.cancel()
-            self._timer = self._node.every(period, self._issue_due, steady=True)
+        self._timer_period = period
+        self._timer.cancel()
+        self._timer = self._node.every(period, self._issue_due, steady=True)
 
     def _issue_due(self) -> None:
         if self._node.steady() - self._issued_at >= _NEARLY * self._period:
@@ -300,7 +300,7 @@ class AdmissionGate:
         lease = self._admission.lease.lease
         if lease.state == "lost" and lease != self._published:
             self._publish(lease)
-        if self._saving or lease == self._saved:
+        if self._saving or lease is self._saved or lease == self._saved:
             return
         self._saving = True
 

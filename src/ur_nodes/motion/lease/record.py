@@ -178,11 +178,9 @@ def _withdraw(record: LeaseRecord, client: str) -> LeaseRecord:
 
 
 def _expire(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
-    pairs = [
-        pair for pair in zip(record.lease.asking, record.asked, strict=True) if 0.0 <= now - pair[1] <= record.timeout
-    ]
-    if len(pairs) != len(record.asked):
-        record = _with_asking(record, pairs)
+    if not all(0.0 <= now - at <= record.timeout for at in record.asked):
+        pairs = zip(record.lease.asking, record.asked, strict=True)
+        record = _with_asking(record, [pair for pair in pairs if 0.0 <= now - pair[1] <= record.timeout])
     if record.lease.state == "held" and not 0.0 <= now - record.received_at <= record.timeout:
         until = max(0.0, unix - max(0.0, now - record.received_at))
         return record._replace(lease=replace(record.lease, state="lost", until=until))

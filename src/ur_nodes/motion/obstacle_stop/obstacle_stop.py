@@ -8,7 +8,7 @@ import numpy as np
 from ur.robot.base import Base
 from ur.source.printable import printable
 from ur_nodes.geometry.hull import Floats, Hull, hull_of_outline
-from ur_nodes.motion.mux_time import read_mux_time
+from ur_nodes.motion.mux_time import mux_clock
 from ur_nodes.motion.obstacle_stop.guard import Guard, GuardVerdict, make_guard, reach_of
 from ur_nodes.motion.obstacle_stop.report import CLEAR, OFF, Motion, ObstacleReport, report_of, write_report
 from ur_nodes.motion.obstacle_stop.sensors import sensors_of
@@ -83,7 +83,7 @@ class ObstacleStop:
     ) -> None:
         """`on` is the initial choice, `sonars`: the base has those of its file, `lag` (s) that of the mux."""
         self._node, self._base, self._watch, self._writes = node, base, watch, writes
-        self._log = AsideLog(node)
+        self._log, self._time = AsideLog(node), mux_clock(node)
         sight = make_sight(base, sonars=sonars)
         self._sensors = {sensor.name: sensor for sensor in sight.sensors}
         self._guard = make_guard(sight, base.limits, lag)
@@ -111,8 +111,10 @@ class ObstacleStop:
         if not self._on:
             return
         report = report_of(verdict, wanted, output)
-        now = read_mux_time(self._node)
-        if report == self._reported or (report.state == self._reported.state and now - self._reported_at < _EVERY):
+        if report == self._reported:
+            return
+        now = self._time()
+        if report.state == self._reported.state and now - self._reported_at < _EVERY:
             return
         self._reported_at = now
         if report.state == "stopped" != self._reported.state and not 0.0 <= now - self._logged_at < _LOG_EVERY:
@@ -143,7 +145,7 @@ class ObstacleStop:
 
     def _time_of(self, stamp: int) -> float:
         """The mux's time at which a value was measured, by its stamp (ns); not later than now."""
-        now = read_mux_time(self._node)
+        now = self._time()
         return now - max(0.0, (self._node.now() - stamp) * 1e-9) if stamp else now
 
     def _on_odometry(self, odometry: Odometry) -> None:

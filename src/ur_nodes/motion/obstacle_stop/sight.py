@@ -5,8 +5,8 @@ remembered for `MEMORY` s. What is nearer than a sensor can measure (-inf, REP 1
 """
 
 import math
-from dataclasses import dataclass, field, replace
-from typing import Literal
+from dataclasses import dataclass, field
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,6 +93,7 @@ _SLACK = 0.05  # m: a point at most so far beyond an echo has made it
 _MOST = 500  # points that are remembered
 Contact = Literal["bumper", "cliff"]
 _NONE: Floats = np.empty((0, 2))
+_NOTHING: dict[Any, Any] = {}  # is never changed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -134,8 +135,7 @@ class RememberedPoints:
     times: Floats = field(default_factory=lambda: np.empty(0))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Sight:
+class Sight(NamedTuple):
     """The track of the base, the newest points of each sensor, older ones, and touched ones.
 
     `touched` holds the points of the outline (n, 2), in the base's frame, of pressed bumpers and of cliffs by name.
@@ -144,10 +144,10 @@ class Sight:
     hull: Hull
     sensors: tuple[RangeSensor, ...]
     reach: float  # m from the origin of the base: what is further away is left out
-    track: Track = field(default_factory=Track)
-    seen: dict[str, SeenPoints] = field(default_factory=dict)
-    memory: RememberedPoints = field(default_factory=RememberedPoints)
-    touched: dict[tuple[Contact, str], Floats] = field(default_factory=dict)
+    track: Track = Track()
+    seen: dict[str, SeenPoints] = _NOTHING
+    memory: RememberedPoints = RememberedPoints()
+    touched: dict[tuple[Contact, str], Floats] = _NOTHING
 
     def points_at(self, now: float) -> Floats:
         """All points (n, 2) in the base's frame at `now`, remembered ones included, touched ones not."""
@@ -167,13 +167,13 @@ class Sight:
 def move(sight: Sight, reading: Odometer) -> Sight:
     """Return the sight after a reading of odometry."""
     track, same = follow(sight.track, reading)
-    return replace(sight, track=track) if same else replace(sight, track=track, seen={}, memory=RememberedPoints())
+    return sight._replace(track=track) if same else sight._replace(track=track, seen={}, memory=RememberedPoints())
 
 
 def touch(sight: Sight, contact: tuple[Contact, str], points: Floats | None) -> Sight:
     """The sight after a bumper or cliff sensor: the points (n, 2) of the outline that it covers, None for released."""
     touched = {each: where for each, where in sight.touched.items() if each != contact}
-    return replace(sight, touched=touched if points is None else {**touched, contact: points})
+    return sight._replace(touched=touched if points is None else {**touched, contact: points})
 
 
 def look(sight: Sight, sensor: RangeSensor, reading: SensorRanges) -> Sight:
@@ -189,7 +189,7 @@ def look(sight: Sight, sensor: RangeSensor, reading: SensorRanges) -> Sight:
     ends = _ends(sight, sensor, reading, np.where(returns.near, reading.limits[0], ranges), hits)
     seen = dict(sight.seen)
     seen[sensor.name] = SeenPoints(ends, reading.begun)
-    return replace(sight, seen=seen, memory=_remember(sight, sensor, reading, before))
+    return sight._replace(seen=seen, memory=_remember(sight, sensor, reading, before))
 
 
 def _remember(sight: Sight, sensor: RangeSensor, reading: SensorRanges, before: SeenPoints | None) -> RememberedPoints:

@@ -31,9 +31,11 @@ for value in values:
     message = codec.message_class()
     codec.fill(message, value)
     data = bytes(serialize_message(message))
+    assert kind not in WRITERS or WRITERS[kind](value) == data, value
+    if kind not in READERS:
+        continue
     received = codec.value_of(deserialize_message(data, codec.message_class))
     assert repr(READERS[kind](Reader(data))) == repr(received), value
-    assert kind not in WRITERS or WRITERS[kind](value) == data, value
     for end in range(len(data)):
         try:
             READERS[kind](Reader(data[:end]))
