@@ -8,6 +8,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable
+from pathlib import Path
 
 from ur.source.diagnostic import UserError
 from ur.source.render import render_human
@@ -15,6 +16,7 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ros2.attached import attach
 
 _LEAVE = 10.0  # s
+_PROFILES = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE")
 
 
 def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = False) -> int:
@@ -30,8 +32,13 @@ def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = Fals
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda _number, _frame: ended.set())
     threading.excepthook = fail
+    own_profiles = not any(each in os.environ for each in _PROFILES)
+    if own_profiles:  # until the middleware has read it
+        os.environ[_PROFILES[0]] = str(Path(__file__).with_name("fast_dds.xml"))
     try:
         with attach(name, start, ended.set, quiet=own_terminal) as (_wired, node):
+            if own_profiles:
+                del os.environ[_PROFILES[0]]
             node.leaving = limit_shutdown
             ended.wait()
         return int(node.failed or bool(failures))
