@@ -3,10 +3,10 @@
 import contextlib
 import json
 import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
+from ur.source.replace import PRIVATE, replace_file
 from ur.system.ros import find_facts, parameters_file
 
 
@@ -23,10 +23,7 @@ class FileFacts:
     def set(self, name: str, value: object) -> None:
         facts = self._read() | {name: value}
         self._file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        number, new = tempfile.mkstemp(dir=self._file.parent, prefix=".facts")
-        with os.fdopen(number, "w") as file:
-            json.dump(facts, file)
-        Path(new).replace(self._file)
+        replace_file(self._file, json.dumps(facts), mode=PRIVATE, follow=False, lasting=False)
 
     def _read(self) -> dict[str, object]:
         with contextlib.suppress(OSError, ValueError):

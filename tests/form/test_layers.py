@@ -55,7 +55,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.geometry": ("ur.source", "ur.worlds"),
     "ur_nodes.ports": ("ur.source", "ur_nodes.geometry"),
     "ur_nodes.memory": ("ur_nodes.goal_topics", "ur_nodes.ports"),
-    "ur_nodes.file_facts": ("ur.system",),
+    "ur_nodes.file_facts": ("ur.source.replace", "ur.system"),
     "ur_nodes.one_process": (
         *("ur.source", "ur.system"),
         *("ur_nodes.file_facts", "ur_nodes.loop", "ur_nodes.memory", "ur_nodes.ports"),

@@ -2,7 +2,6 @@
 
 import math
 import os
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, TypeVar
@@ -10,6 +9,7 @@ from typing import Annotated, TypeVar
 from msgspec import Meta
 
 from ur.source.foreign.json_values import BadJsonError, PrintableValue, read_json, write_json
+from ur.source.replace import PRIVATE, replace_file
 from ur.source.user_folders import runtime_folder
 
 FOLDER = "ubiquity_launches/drivers"
@@ -125,10 +125,7 @@ def write_health(path: Path, health: PrintableValue) -> str:
     """Write a file in one step; return why that failed, '' where it did not."""
     try:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        number, new = tempfile.mkstemp(dir=path.parent, prefix=".health")
-        with os.fdopen(number, "w", encoding="utf-8") as file:
-            file.write(write_json(health))
-        Path(new).replace(path)
+        replace_file(path, write_json(health), mode=PRIVATE, follow=False, lasting=False)
     except OSError as problem:
         return problem.strerror or str(problem)
     return ""

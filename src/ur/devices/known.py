@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 from typing import Literal
 
 Kind = Literal["serial", "camera", "joystick", "i2c", "gpio", "hid", "usb"]
@@ -144,7 +144,7 @@ def parse_known(text: str) -> tuple[KnownDevice, ...]:
 @cache
 def load_known() -> tuple[KnownDevice, ...]:
     """Return the table of known devices."""
-    return parse_known((files(__package__) / "known_devices.tsv").read_text(encoding="utf-8"))
+    return parse_known(Path(__file__).with_name("known_devices.tsv").read_text(encoding="utf-8"))
 
 
 def find_known(device: Device, table: Sequence[KnownDevice] | None = None) -> tuple[KnownDevice, ...]:

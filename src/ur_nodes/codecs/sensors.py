@@ -11,14 +11,8 @@ from ur_nodes.codecs.codec import Codec, fill_header, frame_of
 from ur_nodes.codecs.dialect import ScanMessage, array_of, field_of, stamp_of
 from ur_nodes.ports.values import Battery, Imu, Range, Scan
 
-# sensor_msgs/BatteryState knows no lead.
-_TECHNOLOGIES = {
-    "lifepo4": BatteryState.POWER_SUPPLY_TECHNOLOGY_LIFE,
-    "lithium-ion": BatteryState.POWER_SUPPLY_TECHNOLOGY_LION,
-    "lithium-polymer": BatteryState.POWER_SUPPLY_TECHNOLOGY_LIPO,
-    "nicd": BatteryState.POWER_SUPPLY_TECHNOLOGY_NICD,
-    "nimh": BatteryState.POWER_SUPPLY_TECHNOLOGY_NIMH,
-}
+# Of sensor_msgs/BatteryState, which knows no lead.
+_TECHNOLOGIES = {"nimh": 1, "lithium-ion": 2, "lithium-polymer": 3, "lifepo4": 4, "nicd": 5}
 _TECHNOLOGY_OF = {number: name for name, number in _TECHNOLOGIES.items()}
 
 

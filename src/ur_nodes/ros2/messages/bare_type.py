@@ -14,7 +14,6 @@ from importlib.util import find_spec
 from typing import Any
 
 from rclpy.utilities import get_rmw_implementation_identifier
-from sensor_msgs.msg import PointCloud2
 
 _HANDLE = b"rosidl_message_type_support_t"
 _TABLES, _FIELDS = "rosidl_typesupport_fastrtps_c", "rosidl_typesupport_introspection_c"
@@ -85,6 +84,8 @@ def bare_class(package: str, name: str, hash: str) -> Any:
         support.func = ctypes.cast(part, ctypes.c_void_p)  # type: ignore[arg-type]  # a function of C
     make = ctypes.pythonapi.PyCapsule_New
     make.restype, make.argtypes = ctypes.py_object, (ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p)
+    from sensor_msgs.msg import PointCloud2
+
     PointCloud2.__class__.__import_type_support__()  # type: ignore[attr-defined]  # of rclpy's metaclass
     names = ("_CREATE_ROS_MESSAGE", "_CONVERT_FROM_PY", "_CONVERT_TO_PY", "_DESTROY_ROS_MESSAGE")
     parts = {each: getattr(PointCloud2, each) for each in names}
