@@ -73,7 +73,10 @@ class Beats:
 
 
 class Calls(Protocol):
-    """A queue of calls, as `queue.SimpleQueue`; any thread may put some, the loop's alone gets them."""
+    """A queue of calls, as `queue.SimpleQueue`; any thread may put some, the loop's alone gets them.
+
+    Beats that are due wait for calls while `comes_first`, where the queue has it, returns True.
+    """
 
     def put(self, call: Callable[[], None], /) -> None:
         """Append a call."""
@@ -86,19 +89,12 @@ class Loop:
     """Runs calls in the order in which they were posted, and beats when they are due by `read` (s).
 
     `steady`: `read` passes at the rate of real time, so that the wait for a beat can be slept. Otherwise `passed` is to
-    be called when the time of `read` is another one. While `calls_first` is true, beats that are due wait for calls.
+    be called when the time of `read` is another one.
     """
 
-    def __init__(
-        self,
-        read: Callable[[], float],
-        *,
-        steady: bool,
-        calls: Calls | None = None,
-        calls_first: Callable[[], bool] = lambda: False,
-    ) -> None:
+    def __init__(self, read: Callable[[], float], *, steady: bool, calls: Calls | None = None) -> None:
         self._calls: Calls = calls or queue.SimpleQueue()
-        self._calls_first = calls_first
+        self._calls_first: Callable[[], bool] = getattr(calls, "comes_first", lambda: False)
         self._read = read
         self._beats = Beats(read, steady=steady)
         self._steady_beats = self._beats if steady else Beats(time.monotonic, steady=True)

@@ -76,21 +76,19 @@ class Reader:
         self._place = 0
 
     def unpack(self, form: str) -> tuple[Any, ...]:
-        """Take numbers of one size."""
-        size, all_sizes = _sizes(form)
+        """Take numbers of 4 or 8 bytes."""
+        size = 8 if form[-1] == "d" else 4
         self._place += -self._place % size
         try:
             numbers = struct.unpack_from(self._order + form, self._data, self._place)
         except struct.error as problem:
             raise ValueError(f"message of {len(self._data)} bytes that ends too early: {problem}") from problem
-        self._place += all_sizes
+        self._place += size * len(numbers)
         return numbers
 
-    def unpack_bytes(self, size: int = 1) -> bytes:
-        """Take a sequence of items of so many bytes, which is at most the size of the number before it."""
-        return self._unpack_bytes(self.unpack("I")[0] * size)
-
-    def _unpack_bytes(self, count: int) -> bytes:
+    def unpack_bytes(self, count: int | None = None) -> bytes:
+        """Take a sequence of bytes, of `count` where that was read before."""
+        count = self.unpack("I")[0] if count is None else count
         if count > len(self._data) - self._place:
             raise ValueError(f"sequence of {count} bytes, {len(self._data) - self._place} are left")
         self._place += count
@@ -98,33 +96,24 @@ class Reader:
 
     def unpack_floats(self) -> NDArray[np.float32]:
         """Take a sequence of numbers of 32 bits."""
-        data = self.unpack_bytes(4)
+        data = self.unpack_bytes(4 * self.unpack("I")[0])
         return np.frombuffer(data, f"{self._order}f4").astype(np.float32, copy=False)
 
-    def unpack_text(self) -> str:
-        """Take a string."""
-        return _text_of(self.unpack_bytes())
+    def unpack_text(self, count: int | None = None) -> str:
+        """Take a string, as `unpack_bytes`."""
+        return self.unpack_bytes(count).rstrip(b"\0").decode(errors="replace")
 
     def unpack_head(self) -> tuple[int, str]:
         """Take a std_msgs/Header as stamp (ns) and frame."""
         seconds, rest, length = self.unpack("iII")
-        return seconds * SECOND + rest, _text_of(self._unpack_bytes(length))
+        return seconds * SECOND + rest, self.unpack_text(length)
 
     def unpack_header(self) -> Header:
         """Take a std_msgs/Header."""
         header = Header()
-        (header.stamp.sec,), (header.stamp.nanosec,) = self.unpack("i"), self.unpack("I")
-        header.frame_id = self.unpack_text()
+        header.stamp.sec, header.stamp.nanosec, length = self.unpack("iII")
+        header.frame_id = self.unpack_text(length)
         return header
-
-
-@lru_cache
-def _sizes(form: str) -> tuple[int, int]:
-    return struct.calcsize(f"<{form[-1]}"), struct.calcsize(f"<{form}")
-
-
-def _text_of(data: bytes) -> str:
-    return data.rstrip(b"\0").decode(errors="replace")
 
 
 class BareGridUpdate:
@@ -224,7 +213,7 @@ READERS: dict[type, Callable[[Reader], object]] = {
 }
 """Functions that read values of a kind, and raise ValueError. rclpy would make an object for each part of a message."""
 
-WRITERS: dict[type, Callable[[Any], bytes]] = {
+WRITERS: dict[type, Callable[..., bytes]] = {
     Time: lambda time: _LITTLE_ENDIAN + struct.pack("<iI", *divmod(time.stamp, SECOND)),
     Twist: lambda to: _LITTLE_ENDIAN + struct.pack("<6d", to.forward, to.left, to.up, to.roll, to.pitch, to.turn),
 }

@@ -125,10 +125,6 @@ def _judge_twist(_name: str, twist: values.Twist) -> str:
     return _limit_all("a velocity", (twist.forward, twist.turn, twist.left, twist.up, twist.roll, twist.pitch))
 
 
-def _judge_stamped(name: str, value: values.StampedTwist) -> str:
-    return _judge_twist(name, value.twist) or _judge_integer("stamp", value.stamp)
-
-
 def _judge_driver_odometry(name: str, odometry: values.DriverOdometry) -> str:
     return _judge_rotation(odometry.rotation, _DRIVER_SLACK) or _judge_fields(name, odometry)
 
@@ -194,7 +190,7 @@ _RULES: dict[type, Callable[..., str]] = {
     Pose3: _judge_pose3,
     Grid: _judge_grid,
     values.Twist: _judge_twist,
-    values.StampedTwist: _judge_stamped,
+    values.StampedTwist: lambda name, value: _judge_twist(name, value.twist) or _judge_integer("stamp", value.stamp),
     values.DriverOdometry: _judge_driver_odometry,
     values.Scan: _judge_scan,
     values.Range: _judge_range,

@@ -7,9 +7,9 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
-import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.utilities import get_rmw_implementation_identifier
 
 from ur_nodes.codecs import KindCodec, find_codec
 from ur_nodes.file_facts import FileFacts
@@ -32,7 +32,11 @@ from ur_nodes.ros2.topics import RosPublisher, RosSubscription
 
 if TYPE_CHECKING:
     from lifecycle_msgs.srv import GetState
+    from rclpy.clock import JumpHandle
+    from rclpy.node import Clock, TopicEndpointInfo
     from std_srvs.srv import Trigger
+
+    from ur_nodes.ros2.navigation.server import NavigationActions
 
 STANDS_IN: Final = {
     "amcl": ("amcl",),
@@ -72,12 +76,6 @@ def _answer_active(_request: Trigger.Request, response: Trigger.Response) -> Tri
     return response
 
 
-if TYPE_CHECKING:
-    from rclpy.clock import JumpHandle
-    from rclpy.node import Clock, TopicEndpointInfo
-
-    from ur_nodes.ros2.navigation.server import NavigationActions
-
 Value = TypeVar("Value")
 
 _MOST_TRANSFORMS = 1000  # messages that wait while a callback takes long: a history with gaps is of no use
@@ -100,8 +98,7 @@ class RosNode(LoopNode):
         self._clock = self._node.get_clock()
         self._transforms: Transforms | None = None
         read = self._seconds if self._simulated else time.monotonic
-        reception = self._node.reception
-        loop = Loop(read, steady=not self._simulated, calls=reception, calls_first=reception.comes_first)
+        loop = Loop(read, steady=not self._simulated, calls=self._node.reception)
         logger = self._node.get_logger()
         log = ThrottledLog(logger.debug, logger.info, logger.warning, logger.error, self._seconds)
         super().__init__(loop, log, Parameters(self._stored))
@@ -132,8 +129,8 @@ class RosNode(LoopNode):
         self._node.reception.close()
 
     def hold_messages(self, hold: bool) -> None:
-        """See Node. Not where messages tell the time, or the middleware does not note when they came."""
-        dated = hold and rclpy.get_rmw_implementation_identifier().startswith("rmw_fastrtps")
+        """See Node. Not where messages are the clock, or without their times of arrival."""
+        dated = hold and get_rmw_implementation_identifier().startswith("rmw_fastrtps")
         self._node.reception.holds = dated and not self._simulated
 
     @property

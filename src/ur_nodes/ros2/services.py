@@ -22,6 +22,12 @@ from ur_nodes.ports.values import Result, Transform
 from ur_nodes.ros2.ends import MessageSender, Receiver
 from ur_nodes.ros2.names import resolve
 
+if TYPE_CHECKING:
+    from rclpy.executors import SingleThreadedExecutor
+    from rclpy.node import Client
+
+Value = TypeVar("Value")
+
 _Callback = Callable[[tuple[Transform, ...]], None]
 
 _MOVING = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
@@ -73,12 +79,6 @@ def _message(transforms: tuple[Transform, ...]) -> Transforms:
     fill_transforms(message, transforms)
     return message
 
-
-if TYPE_CHECKING:
-    from rclpy.executors import SingleThreadedExecutor
-    from rclpy.node import Client, Node
-
-Value = TypeVar("Value")
 
 _LOOK_FOR_SERVICE = 0.02  # s
 _ASK_AGAIN = 3.0  # s: the server drops an answer while it does not know all of its client

@@ -9,7 +9,7 @@ All functions are pure; `now` is in seconds of a steady clock, `unix` in seconds
 """
 
 import math
-from typing import Any, Literal, NamedTuple, TypeVar
+from typing import Literal, NamedTuple, TypeVar
 
 from ur_nodes.motion.admission.probation import Probation, restart_proof, step_probation, too_slow
 from ur_nodes.motion.challenge.freshness import (
@@ -69,7 +69,6 @@ def step_stamps(state: Stamps, sent: int, arrived: float) -> tuple[Stamps, float
     return Stamps(state.origin, difference, arrived, proven), 0.0, fell
 
 
-_NONE: dict[Any, Any] = {}  # is never changed
 _MOST_PUBLISHERS = 32
 _MOST_STAMPS = 512  # of publishers: one that is forgotten could pass old commands off as new
 
@@ -79,6 +78,11 @@ Kept = TypeVar("Kept", Probation, Stamps)
 Sent = tuple[int, float]  # when a command was sent (ns of the sender's clock), and when it arrived (s)
 
 
+_NO_PROBATIONS: dict[Publisher, Probation] = {}
+_NO_TIMES: dict[int, float] = {}
+_NO_STAMPS: dict[Publisher, Stamps] = {}
+
+
 class Admission(NamedTuple):
     """The challenges, the lease, the publishers of plain commands, and the last stamped command of each source."""
 
@@ -86,9 +90,9 @@ class Admission(NamedTuple):
     lease: LeaseRecord
     timeouts: tuple[float, ...]  # s, of the sources
     freshness: float = FRESHNESS
-    plain: dict[Publisher, Probation] = _NONE
-    stamped_at: dict[int, float] = _NONE
-    stamps: dict[Publisher, Stamps] = _NONE
+    plain: dict[Publisher, Probation] = _NO_PROBATIONS
+    stamped_at: dict[int, float] = _NO_TIMES
+    stamps: dict[Publisher, Stamps] = _NO_STAMPS
 
 
 def admit_stamped(

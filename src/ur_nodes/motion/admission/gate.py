@@ -1,7 +1,7 @@
 """Commands, locks and lease requests from topics: the mux gets what `admission` admits, the rest is reported."""
 
 import math
-import random
+import os
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -147,7 +147,7 @@ class AdmissionGate:
         self._log = AsideLog(node)
         self._store = make_store(environment, node.name, str(node.facts.get("run_id", "")))
         self._admission = Admission(
-            IssuedChallenges(random.SystemRandom().randrange(2**30 * SECOND) + 1),
+            IssuedChallenges(int.from_bytes(os.urandom(8), "big") % (2**30 * SECOND) + 1),
             self._start_lease(lease_timeout),
             tuple(source.timeout for source in settings.sources),
             freshness,
@@ -195,9 +195,10 @@ class AdmissionGate:
         )
         self._pass(index, velocity, now, verdict, _name(sender), stamped=True)
         self._announce()
-        self._commanded_at = now
-        if self._period < self._timer_period == _QUIET_PERIOD:  # what follows answers a young challenge
-            self._set_timer(self._period)
+        silent, self._commanded_at = now - self._commanded_at > _SILENCE, now
+        if silent:  # what follows answers a young challenge
+            if self._timer_period != _LATE:
+                self._set_timer(self._period)
             self._issue()
 
     def note_output(self, *, more: bool) -> None:
@@ -217,7 +218,9 @@ class AdmissionGate:
         self._timer = self._node.every(period, self._issue_due, steady=True)
 
     def _issue_due(self) -> None:
-        if self._node.steady() - self._issued_at >= _NEARLY * self._period:
+        now = self._node.steady()
+        silent = now - self._commanded_at > _SILENCE
+        if now - self._issued_at >= _NEARLY * (max(self._period, _QUIET_PERIOD) if silent else self._period):
             self._issue()
 
     def _on_plain(self, index: int, twist: Twist, sender: Sender | None) -> None:

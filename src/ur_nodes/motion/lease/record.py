@@ -22,11 +22,11 @@ does, and sends to a source for such nodes.
 
 import math
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ur_nodes.motion.lease.text import FREE, MOST_ASKING, Lease, LeaseRequest, Viewer
 
-_NONE: dict[Any, Any] = {}  # is never changed
+_NO_REQUESTS: dict[str, LeaseRequest] = {}
 _MOST_KNOWN = 64  # clients whose names are remembered
 
 
@@ -48,7 +48,7 @@ class LeaseRecord(NamedTuple):
     timeout: float = 3.0
     received_at: float = -math.inf
     asked: tuple[float, ...] = ()  # as lease.asking
-    known: dict[str, LeaseRequest] = _NONE  # the last request of each client, newest last
+    known: dict[str, LeaseRequest] = _NO_REQUESTS  # the last request of each client, newest last
     forget_at: float = math.inf
 
 

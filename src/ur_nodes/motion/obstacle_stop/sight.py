@@ -6,7 +6,7 @@ remembered for `MEMORY` s. What is nearer than a sensor can measure (-inf, REP 1
 
 import math
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,7 +93,7 @@ _SLACK = 0.05  # m: a point at most so far beyond an echo has made it
 _MOST = 500  # points that are remembered
 Contact = Literal["bumper", "cliff"]
 _NONE: Floats = np.empty((0, 2))
-_NOTHING: dict[Any, Any] = {}  # is never changed
+_NOT_TOUCHED: dict[tuple[Contact, str], Floats] = {}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,6 +135,9 @@ class RememberedPoints:
     times: Floats = field(default_factory=lambda: np.empty(0))
 
 
+_NOT_SEEN: dict[str, SeenPoints] = {}
+
+
 class Sight(NamedTuple):
     """The track of the base, the newest points of each sensor, older ones, and touched ones.
 
@@ -145,9 +148,9 @@ class Sight(NamedTuple):
     sensors: tuple[RangeSensor, ...]
     reach: float  # m from the origin of the base: what is further away is left out
     track: Track = Track()
-    seen: dict[str, SeenPoints] = _NOTHING
+    seen: dict[str, SeenPoints] = _NOT_SEEN
     memory: RememberedPoints = RememberedPoints()
-    touched: dict[tuple[Contact, str], Floats] = _NOTHING
+    touched: dict[tuple[Contact, str], Floats] = _NOT_TOUCHED
 
     def points_at(self, now: float) -> Floats:
         """All points (n, 2) in the base's frame at `now`, remembered ones included, touched ones not."""
