@@ -94,6 +94,18 @@ def test_challenges_are_never_repeated_and_come_more_often_while_commands_arrive
     assert set(gaps(1.0)) == {50_000_000}
 
 
+def test_challenges_come_with_outputs_while_there_are_any(home: Path) -> None:
+    robot, got = MuxRobot(home), list[int]()
+    robot.person.subscribe("cmd_vel_mux/challenge", Time, lambda _: got.append(robot.bus.now))
+    driver = LeaseDriver(robot.bus, "a")
+    driver.wanted = AHEAD
+    robot.bus.run(1.0)
+    del got[:], robot.outputs[:]
+    robot.bus.run(1.0)
+    assert len(got) == 50
+    assert got == [at for at, _ in robot.outputs]
+
+
 @pytest.mark.parametrize("phase", [0.0, 0.01, 0.02, 0.03, 0.04])
 def test_commander_that_begins_after_a_silence_drives_with_its_first_command(home: Path, phase: float) -> None:
     robot = MuxRobot(home, lambda _topic: 40_000_000)  # a slow network, both ways

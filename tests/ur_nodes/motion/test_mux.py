@@ -411,6 +411,17 @@ def test_mux_that_was_suspended_while_it_drove_moves_the_robot_no_further(run: M
     assert set(after) == {STILL}
 
 
+def test_commands_at_the_time_of_an_output_come_before_it(run: MuxRun) -> None:
+    run.drive(KEYBOARD, AHEAD, 1.0)
+    run.now, count = run.state.next_at, len(run.sent)
+    for forward in (0.0, 0.4):
+        run.handle(VelocityCommand(KEYBOARD, Velocity(forward, 0.0)))
+    assert len(run.sent) == count
+    run.handle(None)
+    assert len(run.sent) == count + 1
+    assert 0.4 <= run.last.forward < AHEAD.forward
+
+
 def test_mux_that_was_suspended_goes_on_from_zero_for_fresh_commands(run: MuxRun) -> None:
     run.drive(KEYBOARD, AHEAD, 2.0)
     run.now += 2.0
