@@ -8,7 +8,7 @@ from ur_nodes.ports.values import StampedTwist, Twist
 
 NAMES: dict[type, str] = {Twist: "Twist", StampedTwist: "TwistStamped"}
 KINDS = tuple(NAMES)
-_LOOK, _LOOK_AGAIN = 0.125, 0.5  # s: how often the graph is asked while there is no other end, and after one is found
+_LOOK, _LOOK_AGAIN = 0.125, 1.0  # s: how often the graph is asked while there is no other end, and after one is found
 
 
 def choose_kind(current: type | None, found: frozenset[type]) -> type | None:
