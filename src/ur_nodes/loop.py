@@ -73,10 +73,7 @@ class Beats:
 
 
 class Calls(Protocol):
-    """A queue of calls, as `queue.SimpleQueue`; any thread may put some, the loop's alone gets them.
-
-    Beats that are due wait for calls while `comes_first`, where the queue has it, returns True.
-    """
+    """A queue of calls, as `queue.SimpleQueue`; any thread may put some, the loop's alone gets them."""
 
     def put(self, call: Callable[[], None], /) -> None:
         """Append a call."""
@@ -94,7 +91,7 @@ class Loop:
 
     def __init__(self, read: Callable[[], float], *, steady: bool, calls: Calls | None = None) -> None:
         self._calls: Calls = calls or queue.SimpleQueue()
-        self._calls_first: Callable[[], bool] = getattr(calls, "comes_first", lambda: False)
+        self._calls_first: Callable[[], bool] = getattr(calls, "comes_first", lambda: False)  # beats that are due wait
         self._read = read
         self._beats = Beats(read, steady=steady)
         self._steady_beats = self._beats if steady else Beats(time.monotonic, steady=True)

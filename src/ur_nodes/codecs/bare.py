@@ -44,14 +44,11 @@ class MessageWriter:
 
     def add_text(self, text: str) -> None:
         """Add a string."""
-        data = text.encode() + b"\0"
-        self.add("I", len(data))
-        self._data += data
+        self.add_bytes(text.encode() + b"\0")
 
     def add_header(self, header: Header) -> None:
         """Add a std_msgs/Header."""
-        self.add("i", header.stamp.sec)
-        self.add("I", header.stamp.nanosec)
+        self.add("iI", header.stamp.sec, header.stamp.nanosec)
         self.add_text(header.frame_id)
 
     def add_bytes(self, data: bytes) -> None:

@@ -84,15 +84,13 @@ def _fill_joystick(message: Joy, value: Joystick) -> None:
     message.axes, message.buttons = value.axes, value.buttons
 
 
-def _joystick_of(message: Joy) -> Joystick:
-    return Joystick(stamp_of(message.header.stamp), tuple(message.axes), tuple(message.buttons))
-
-
 CODECS = {
     Twist: Codec(TwistMessage, _fill_twist, twist_of),
     StampedTwist: Codec(TwistStamped, _fill_stamped, _stamped_of),
     Odometry: Codec(OdometryMessage, _fill_odometry, _odometry_of),
     DriverOdometry: Codec(OdometryMessage, _fill_driver_odometry, _driver_odometry_of),
     Joints: Codec(JointState, _fill_joints, _joints_of),
-    Joystick: Codec(Joy, _fill_joystick, _joystick_of),
+    Joystick: Codec(
+        Joy, _fill_joystick, lambda joy: Joystick(stamp_of(joy.header.stamp), tuple(joy.axes), tuple(joy.buttons))
+    ),
 }

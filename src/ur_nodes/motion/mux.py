@@ -28,7 +28,6 @@ from ur_nodes.motion.mux_events import (
     EmergencyReleased,
     EmergencyStopped,
     Event,
-    Lock,
     LockMessage,
     MuxSettings,
     Source,
@@ -164,26 +163,20 @@ def _choose(state: MuxState, now: float) -> int | None:
     if state.stopped:
         return None
     locks = zip(state.settings.locks, state.locks, strict=True)
-    floor = max((lock.priority for lock, message in locks if _is_locked(lock, message, now)), default=None)
-    best: int | None = None
-    for index, (source, received) in enumerate(zip(state.settings.sources, state.received, strict=True)):
-        if received.barred or (floor is not None and source.priority < floor) or not _drives(source, received, now):
-            continue
-        if best is None or (source.priority, index == state.active) > (
-            state.settings.sources[best].priority,
-            best == state.active,
-        ):
-            best = index
-    return best
+    locked = (lock.priority for lock, (on, at) in locks if on or 0.0 < lock.timeout < now - at)
+    floor = max(locked, default=None)
+    sources = state.settings.sources
+    drive = [
+        index
+        for index, (source, received) in enumerate(zip(sources, state.received, strict=True))
+        if _drives(source, received, now) and (floor is None or source.priority >= floor)
+    ]
+    return max(drive, key=lambda index: (sources[index].priority, index == state.active), default=None)
 
 
 def _drives(source: Source, received: ReceivedCommand, now: float) -> bool:
     since = received.at if source.zeros_hold else received.moved_at
-    return now - received.at <= source.timeout and now - since <= source.timeout
-
-
-def _is_locked(lock: Lock, message: tuple[bool, float], now: float) -> bool:
-    return message[0] or (lock.timeout > 0.0 and now - message[1] > lock.timeout)
+    return not received.barred and now - received.at <= source.timeout and now - since <= source.timeout
 
 
 def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
@@ -196,7 +189,8 @@ def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
     seconds = max(0.0, min(settings.period, now - state.output_at))
     left_to_brake = left - settings.brake_period
     output = _approach(state.output, wanted, settings, left_to_brake, seconds)
-    verdict = _judge(state, output, now)
+    guarded = state.active is not None and not settings.sources[state.active].avoids_obstacles
+    verdict = state.guard.permit(output.forward, output.turn, now, output.left) if state.guard and guarded else None
     if verdict is not None and verdict.cause is not None:
         wanted = Velocity(verdict.forward, verdict.turn, verdict.left)
         output = _approach(state.output, wanted, settings, left_to_brake, seconds)
@@ -208,13 +202,6 @@ def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
         next_at = _next_output(settings, output, wanted, left, now)
     state = state._replace(output=output, output_at=now, zeros_left=zeros_left, verdict=verdict, next_at=next_at)
     return state, output
-
-
-def _judge(state: MuxState, output: Velocity, now: float) -> GuardVerdict | None:
-    """Return the guard's verdict on an output; None if the driving source is not guarded."""
-    if state.guard is None or state.active is None or state.settings.sources[state.active].avoids_obstacles:
-        return None
-    return state.guard.permit(output.forward, output.turn, now, output.left)
 
 
 def _approach(before: Velocity, target: Velocity, settings: MuxSettings, left: float, seconds: float) -> Velocity:
@@ -235,17 +222,11 @@ def _follow(value: float, target: float, axis: Axis, left: float, seconds: float
 
 
 def _next_output(settings: MuxSettings, output: Velocity, target: Velocity, left: float, now: float) -> float:
-    slows = (
-        abs(output.forward) > abs(target.forward)
-        or abs(output.turn) > abs(target.turn)
-        or abs(output.left) > abs(target.left)
-    )
-    axes = (
-        (output.forward, target.forward, settings.forward),
-        (output.turn, target.turn, settings.turn),
-        (output.left, target.left, settings.left),
-    )
+    if any(abs(value) > abs(wanted) for value, wanted in zip(output, target, strict=True)):
+        return now + settings.brake_period
+    axes = settings.forward, settings.turn, settings.left
     brake_in = left + min(
-        settings.braking_beyond_stop_time(wanted, axis) - abs(value) / axis.slow_down for value, wanted, axis in axes
+        settings.braking_beyond_stop_time(wanted, axis) - abs(value) / axis.slow_down
+        for value, wanted, axis in zip(output, target, axes, strict=True)
     )  # s: then the speed is too high for the age of the command
-    return now + max(settings.brake_period, min(settings.period, 0.0 if slows else brake_in))
+    return now + max(settings.brake_period, min(settings.period, brake_in))

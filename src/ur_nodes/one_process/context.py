@@ -38,7 +38,9 @@ class NodeContext:
         """Make a node, and call `start` with it on the thread of the bus. Raises the exceptions of `start`."""
 
         def make() -> tuple[Wired, LiveNode]:
-            node = self.bus.node(self.name or self._free_name(name), self.remaps)
+            names = itertools.chain([f"/{name}"], (f"/{name}_{number}" for number in itertools.count(2)))
+            free = next(each for each in names if each not in self.bus.nodes)
+            node = self.bus.node(self.name or free, self.remaps)
             assert isinstance(node, LiveNode)
             try:
                 return start(node), node
@@ -50,10 +52,6 @@ class NodeContext:
         self.wired(node)
         self.started()
         return wired, node
-
-    def _free_name(self, name: str) -> str:
-        numbered = (f"/{name}_{number}" for number in itertools.count(2))
-        return next(each for each in itertools.chain([f"/{name}"], numbered) if each not in self.bus.nodes)
 
 
 def current_context(name: str) -> NodeContext:

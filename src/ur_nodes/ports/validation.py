@@ -103,18 +103,12 @@ def _judge_integer(name: str, value: int) -> str:
 
 
 def _judge_array(name: str, value: NDArray[np.floating]) -> str:
-    good = (
-        value.dtype.kind != "f" or bool(np.vdot(value, value) <= _LARGEST**2) or bool(np.abs(value).max() <= _LARGEST)
-    )
+    good = value.dtype.kind != "f" or np.vdot(value, value) <= _LARGEST**2 or np.abs(value).max() <= _LARGEST
     return "" if good else f"{name} has a number that is not finite or too large"
 
 
 def _judge_pose(_name: str, pose: Pose2) -> str:
     return _limit_all("a coordinate", pose[:2]) or ("" if abs(pose.yaw) <= FARTHEST else _NO_ROTATION)
-
-
-def _judge_pose3(_name: str, pose: Pose3) -> str:
-    return _limit_all("a coordinate", pose[:3]) or _judge_rotation(pose.rotation)
 
 
 def _judge_rotation(rotation: Quaternion, slack: float = UNIT_SLACK) -> str:
@@ -123,10 +117,6 @@ def _judge_rotation(rotation: Quaternion, slack: float = UNIT_SLACK) -> str:
 
 def _judge_twist(_name: str, twist: values.Twist) -> str:
     return _limit_all("a velocity", (twist.forward, twist.turn, twist.left, twist.up, twist.roll, twist.pitch))
-
-
-def _judge_driver_odometry(name: str, odometry: values.DriverOdometry) -> str:
-    return _judge_rotation(odometry.rotation, _DRIVER_SLACK) or _judge_fields(name, odometry)
 
 
 def _judge_scan(_name: str, scan: values.Scan) -> str:
@@ -175,10 +165,6 @@ def _judge_grid(name: str, grid: Grid) -> str:
     return _judge_pose(name, grid.origin) if all(grid.shape) else "map without cells, expected one or more"
 
 
-def _accept(_name: str, _value: object) -> str:
-    return ""
-
-
 _UNMEASURED = (values.Battery, values.Markers, values.MarkerChanges, values.PointCloud, MappedFiducials)
 _JUDGED_LATER = (values.Transform, Goal, AskPath)
 _RULES: dict[type, Callable[..., str]] = {
@@ -187,15 +173,15 @@ _RULES: dict[type, Callable[..., str]] = {
     tuple: _judge_items,
     np.ndarray: _judge_array,
     Pose2: _judge_pose,
-    Pose3: _judge_pose3,
+    Pose3: lambda _name, pose: _limit_all("a coordinate", pose[:3]) or _judge_rotation(pose.rotation),
     Grid: _judge_grid,
     values.Twist: _judge_twist,
     values.StampedTwist: lambda name, value: _judge_twist(name, value.twist) or _judge_integer("stamp", value.stamp),
-    values.DriverOdometry: _judge_driver_odometry,
+    values.DriverOdometry: lambda name, of: _judge_rotation(of.rotation, _DRIVER_SLACK) or _judge_fields(name, of),
     values.Scan: _judge_scan,
     values.Range: _judge_range,
     values.Imu: _judge_imu,
     values.Joints: _judge_joints,
     values.Calibration: _judge_calibration,
-    **dict.fromkeys((str, bool, bytes, type(None), *_UNMEASURED, *_JUDGED_LATER), _accept),
+    **dict.fromkeys((str, bool, bytes, type(None), *_UNMEASURED, *_JUDGED_LATER), lambda _name, _value: ""),
 }

@@ -86,7 +86,8 @@ class Senders:
         waited = waiting_time(info.get("received_timestamp"), time.time_ns())
         self._arrived = arrived = max(self._arrived, time.clock_gettime(time.CLOCK_BOOTTIME) - waited)
         sent = int(info["source_timestamp"])
-        id = _read_id(info.get("publisher_gid")) or self._infer(info.get("publication_sequence_number"), sent)
+        gid = info.get("publisher_gid")
+        id = bytes(gid["data"]).hex() if gid else self._infer(info.get("publication_sequence_number"), sent)
         if self._names.get(id, _UNNAMED) == _UNNAMED:  # its name may arrive after its first messages
             self._ask()
             self._names.setdefault(id, "")
@@ -131,10 +132,6 @@ class Senders:
         while len(self._names) > _MOST:
             del self._names[next(iter(self._names))]
         return list(found)
-
-
-def _read_id(gid: Mapping[str, bytes] | None) -> str:
-    return bytes(gid["data"]).hex() if gid else ""
 
 
 def waiting_time(received: int | None, now: int) -> float:

@@ -71,8 +71,7 @@ class Reception(Unserved):
         self._wakes = select.epoll()
         for poll in (self._poll, self._wakes):
             poll.register(self._wake, _WRITTEN)
-        # By file; whether the callback takes details, and how many messages to receive at once.
-        self._subscriptions: dict[int, tuple[Subscription, bool, int]] = {}
+        self._subscriptions: dict[int, tuple[Subscription, bool, int]] = {}  # by file; details? messages at once
 
     def put(self, call: Callable[[], None]) -> None:
         self._calls.append(call)

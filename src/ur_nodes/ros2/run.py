@@ -32,13 +32,10 @@ def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = Fals
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda _number, _frame: ended.set())
     threading.excepthook = fail
-    own_profiles = not any(each in os.environ for each in _PROFILES)
-    if own_profiles:  # until the middleware has read it
+    if not any(each in os.environ for each in _PROFILES):
         os.environ[_PROFILES[0]] = str(Path(__file__).with_name("fast_dds.xml"))
     try:
         with attach(name, start, ended.set, quiet=own_terminal) as (_wired, node):
-            if own_profiles:
-                del os.environ[_PROFILES[0]]
             node.leaving = limit_shutdown
             ended.wait()
         return int(node.failed or bool(failures))

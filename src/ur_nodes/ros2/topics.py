@@ -47,11 +47,9 @@ class RosPublisher(Generic[Value]):
         self._sender = ends.MessageSender(node, codec.message_class, self.topic, offered(quality, kind), on_subscriber)
 
     def send(self, value: Value) -> None:
-        if self._write is not None:
-            self._sender.send(self._write(value))
-            return
-        self._fill(self._message, value)
-        self._sender.send(self._message)
+        if self._write is None:
+            self._fill(self._message, value)
+        self._sender.send(self._message if self._write is None else self._write(value))
 
     def subscribers(self) -> int:
         return self._sender.subscribers()

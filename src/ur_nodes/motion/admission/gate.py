@@ -187,7 +187,8 @@ class AdmissionGate:
         return start_lease(stored, timeout, unix=time.time(), forget_at=self._node.steady() + _MEMORY)
 
     def _on_stamped(self, index: int, command: StampedTwist, sender: Sender | None) -> None:
-        velocity, follows = _velocity_of(command.twist), self._settings.sources[index].avoids_obstacles
+        twist, follows = command.twist, self._settings.sources[index].avoids_obstacles
+        velocity = Velocity(twist.forward, twist.turn, twist.left)
         now, motion = self._node.steady(), not velocity.still
         stamp = divmod(command.stamp, SECOND)
         self._admission, verdict = admit_stamped(
@@ -202,10 +203,7 @@ class AdmissionGate:
             self._issue()
 
     def note_output(self, *, more: bool) -> None:
-        """Note an output of the mux. While `more` follow as often as challenges, these are issued with them.
-
-        Messages wait for the next output, too, which alone they change: one wake of the thread serves all.
-        """
+        """Note an output: while `more` follow soon, challenges and messages, which change nothing before, wait for it."""
         if _NEARLY * self._settings.period <= self._period:
             if (period := _LATE if more else self._period) != self._timer_period:
                 self._node.hold_messages(more)
@@ -224,7 +222,7 @@ class AdmissionGate:
             self._issue()
 
     def _on_plain(self, index: int, twist: Twist, sender: Sender | None) -> None:
-        velocity = _velocity_of(twist)
+        velocity = Velocity(twist.forward, twist.turn, twist.left)
         now, motion = self._node.steady(), not velocity.still
         sent = None
         if sender is not None and sender.sent is not None and sender.arrived is not None:
@@ -333,10 +331,6 @@ class AdmissionGate:
         """Free the lease; only a mux that died keeps it."""
         self._node.work(lambda: attempt(self._store.clear), lambda _done: None, "disk")
         self._writes.write(_FACT, partial(self._node.facts.set, _FACT, write_lease(FREE)))
-
-
-def _velocity_of(twist: Twist) -> Velocity:
-    return Velocity(twist.forward, twist.turn, twist.left)
 
 
 def _name(sender: Sender | None) -> str:

@@ -21,6 +21,7 @@ does, and sends to a source for such nodes.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -92,7 +93,8 @@ def _request(record: LeaseRecord, request: LeaseRequest, now: float, unix: float
     if request.action == "take" or (request.action in ("acquire", "ask") and _is_available(lease, request)):
         return _grant(record, request, now, unix, taken=True)
     if request.action == "release":
-        return _release(record, now, unix, request.note) if own else _withdraw(record, request.client)
+        withdrawn = _keep_asking(record, lambda person, _: person.client != request.client)
+        return _release(record, now, unix, request.note) if own else withdrawn
     if request.action == "grant" and own and lease.asking:
         return _grant_to_first(record, now, unix)
     if request.action in ("ask", "renew"):
@@ -129,11 +131,19 @@ def _renew(record: LeaseRecord, request: LeaseRequest, now: float) -> LeaseRecor
 
 def _grant(record: LeaseRecord, request: LeaseRequest, now: float, unix: float, *, taken: bool) -> LeaseRecord:
     before = record.lease
-    record = _withdraw(record, request.client)
-    taken_from, taken_at = (Viewer(before.client, before.name), unix) if taken and before.client else (None, None)
+    record = _keep_asking(record, lambda person, _: person.client != request.client)
     lease = Lease(
-        *("held", request.client, request.name, request.program, unix, request.attended, record.lease.asking),
-        *(taken_from, taken_at, request.computer, None, request.terms),
+        "held",
+        request.client,
+        request.name,
+        request.program,
+        unix,
+        request.attended,
+        record.lease.asking,
+        Viewer(before.client, before.name) if taken and before.client else None,
+        unix if taken and before.client else None,
+        request.computer,
+        terms=request.terms,
     )
     return record._replace(lease=lease, received_at=now, forget_at=math.inf)
 
@@ -172,15 +182,9 @@ def _ask(record: LeaseRecord, request: LeaseRequest, now: float) -> LeaseRecord:
     return record._replace(lease=replace(record.lease, asking=asking), asked=(*record.asked, now))
 
 
-def _withdraw(record: LeaseRecord, client: str) -> LeaseRecord:
-    pairs = [pair for pair in zip(record.lease.asking, record.asked, strict=True) if pair[0].client != client]
-    return _with_asking(record, pairs)
-
-
 def _expire(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
     if not all(0.0 <= now - at <= record.timeout for at in record.asked):
-        pairs = zip(record.lease.asking, record.asked, strict=True)
-        record = _with_asking(record, [pair for pair in pairs if 0.0 <= now - pair[1] <= record.timeout])
+        record = _keep_asking(record, lambda _, at: 0.0 <= now - at <= record.timeout)
     if record.lease.state == "held" and not 0.0 <= now - record.received_at <= record.timeout:
         until = max(0.0, unix - max(0.0, now - record.received_at))
         return record._replace(lease=replace(record.lease, state="lost", until=until))
@@ -189,7 +193,8 @@ def _expire(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
     return record
 
 
-def _with_asking(record: LeaseRecord, pairs: list[tuple[Viewer, float]]) -> LeaseRecord:
+def _keep_asking(record: LeaseRecord, keeps: Callable[[Viewer, float], bool]) -> LeaseRecord:
+    pairs = [pair for pair in zip(record.lease.asking, record.asked, strict=True) if keeps(*pair)]
     asking, asked = tuple(person for person, _ in pairs), tuple(at for _, at in pairs)
     return record._replace(lease=replace(record.lease, asking=asking), asked=asked)
 

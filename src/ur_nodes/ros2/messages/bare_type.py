@@ -56,12 +56,7 @@ def reset_error() -> None:
 
     The next failure would report both.
     """
-    _load_utilities().rcutils_reset_error()
-
-
-@cache
-def _load_utilities() -> ctypes.CDLL:
-    return ctypes.CDLL("librcutils.so")
+    ctypes.CDLL("librcutils.so").rcutils_reset_error()
 
 
 @cache

@@ -73,7 +73,7 @@ class IntervalRecorder:
                 return
             self._receive()
             self._node.destroy_subscription(before.subscription)
-        subscription, schema = open_subscription(self._node, topic, offer, Quality.EVERY, _ignore, self._group)
+        subscription, schema = open_subscription(self._node, topic, offer, Quality.EVERY, lambda _: None, self._group)
         self._open[topic] = _OpenTopic(publishers, offer, subscription, RecordedType(topic, offer.kind, schema))
 
     def close(self) -> None:
@@ -99,7 +99,3 @@ class IntervalRecorder:
                         batch.append(RecordedMessage(each.kind, noted, bytes(data)))
         if batch:
             self._take(batch)
-
-
-def _ignore(_message: bytes) -> None:
-    """Nothing: no executor calls it."""
