@@ -39,32 +39,41 @@ def confirmed_share(
     reach = max(math.hypot(moved.x, moved.y), 0.5 * abs(moved.yaw))
     counts = near_still & near_driven & (np.maximum(np.abs(change), np.abs(seen)) < 3.0 * reach)
     bearings, change, seen, doubt = (each[counts] for each in (bearings, change, seen, doubt))
-    sectors = np.minimum(bearings // (math.tau / _SECTORS), _SECTORS - 1).astype(np.intp)  # -1e-20 % tau is tau
+    sectors = np.minimum((bearings / (math.tau / _SECTORS)).astype(np.intp), _SECTORS - 1)  # -1e-20 + tau is tau
     beams = np.bincount(sectors, minlength=_SECTORS)
     some = np.maximum(beams, 1)
     expected, shown, unsure = (np.bincount(sectors, each, _SECTORS) / some for each in (change, seen, doubt))
     spread = np.sqrt(np.bincount(sectors, (change - expected[sectors]) ** 2, _SECTORS)) / some
     least = np.maximum(np.maximum(_CHANGE * reach, _CERTAIN * spread), np.abs(unsure))
     clear = (beams >= _BEAMS) & (np.abs(expected) > least)
-    return float(np.median(shown[clear] / expected[clear])) if clear.sum() >= _FEWEST else None
+    shares = sorted((shown[clear] / expected[clear]).tolist())
+    half = len(shares) // 2
+    return 0.5 * (shares[half] + shares[-half - 1]) if len(shares) >= _FEWEST else None  # np.median takes 40 us
 
 
 def _polar(points: NDArray[np.float64], sensor: tuple[float, float]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return bearings (n), ascending, 0 to 2 pi, and ranges (n) of points (n, 2)."""
-    x, y = (points - sensor).T
-    bearings = np.arctan2(y, x) % math.tau
+    x, y = points[:, 0] - sensor[0], points[:, 1] - sensor[1]
+    bearings = _in_turn(np.arctan2(y, x))
     order = np.argsort(bearings)
     return bearings[order], np.maximum(np.hypot(x, y)[order], 1e-3)
+
+
+def _in_turn(angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return angles (n) between -2 and 2 pi as 0 to 2 pi: what % does, in a tenth of its time."""
+    return np.where(angles < 0.0, angles + math.tau, angles)
 
 
 def _ranges_at(
     wanted: NDArray[np.float64], bearings: NDArray[np.float64], ranges: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Return the ranges (n) in wanted directions (n), on the line between two beams, and which have such beams."""
-    above = np.searchsorted(bearings, wanted) % len(bearings)
-    gap = (bearings[above] - bearings[above - 1]) % math.tau
+    above = np.searchsorted(bearings, wanted)
+    above[above == len(bearings)] = 0
+    below = bearings[above - 1]
+    gap = _in_turn(bearings[above] - below)
     far, near = ranges[above], ranges[above - 1]
-    along = ((wanted - bearings[above - 1]) % math.tau) / np.maximum(gap, 1e-9)
+    along = _in_turn(wanted - below) / np.maximum(gap, 1e-9)
     there = (gap <= _GAP) & (np.abs(far - near) < _EDGE * np.minimum(far, near))
     return 1.0 / (along / far + (1.0 - along) / near), there
 
