@@ -197,11 +197,15 @@ class FilterSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClusterEstimate:
-    """An estimate: pose in the map, covariance (3, 3) of its cluster, the cluster's share of all weight."""
+    """An estimate: pose in the map, covariance (3, 3) of its cluster, the cluster's share of all weight.
+
+    `agreement` is the share (0..1) of the beams on walls there; 0 where none were matched.
+    """
 
     pose: Pose2
     covariance: NDArray[np.float64]
     share: float
+    agreement: float = 0.0
 
 
 class ParticleLocaliser:
@@ -313,10 +317,12 @@ class ParticleLocaliser:
 
     def _judge(self, estimate: ClusterEstimate, points: NDArray[np.float64]) -> None:
         """Determine whether the robot is lost, and search if it is."""
-        match = match_scan(self._field, estimate.pose, estimate.covariance, points, self._match)
-        decisive = self._lost or match.agreement < LITTLE  # else walls decide nothing, and tracing them takes long
+        agreement = estimate.agreement
+        if self._lost or agreement < _GOOD:
+            agreement = match_scan(self._field, estimate.pose, estimate.covariance, points, self._match).agreement
+        decisive = self._lost or agreement < LITTLE  # else walls decide nothing, and tracing them takes long
         through = share_through_walls(self._field.grid, estimate.pose, points) if decisive else 0.0
-        fit = PoseFit(match.agreement, through)
+        fit = PoseFit(agreement, through)
         self._doubt = step_doubt(self._doubt, fit)
         if self._lost:
             self._found = self._found + 1 if fit.is_good and not self._ambiguous else 0
@@ -365,7 +371,7 @@ class ParticleLocaliser:
         turned = abs(wrap_angle(match.pose.yaw - cluster.pose.yaw))
         if far > FARTHEST_MATCH or turned > FARTHEST_MATCH:
             return raw
-        return ClusterEstimate(match.pose, cluster.covariance, cluster.share)
+        return ClusterEstimate(match.pose, cluster.covariance, cluster.share, match.agreement)
 
     def _novelty(self, odometry: Pose2) -> float:
         """Return the weight of a scan at this pose after the last one, 0.1 to 1."""
