@@ -113,6 +113,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur.robot.base",
         "ur.worlds",
         "ur_nodes.geometry",
+        "ur_nodes.memory_use",
         "ur_nodes.ports",
         "ur_nodes.run",
         "ur_nodes.motion.ramp",

@@ -25,6 +25,7 @@ from ur.robot.base import Base, Camera
 from ur.source.diagnostic import Diagnostic, UserError, error, user_error
 from ur.source.foreign.json_values import read_json, write_json
 from ur.worlds.world_file import Fiducial, WorldModel
+from ur_nodes.memory_use import return_code
 from ur_nodes.simulator.mujoco_model import build_model
 from ur_nodes.simulator.scenery import build_scenery, draw_textures
 
@@ -33,6 +34,7 @@ _ANSWER = struct.Struct("<qq")
 _LONGEST_JOB = 64 << 20  # bytes
 _BACKENDS = ("egl", "osmesa")  # how MuJoCo can draw without a screen, the quicker to start first
 _ABSENT = "not installed"
+_SETTLED = 100  # pictures, after which Mesa has compiled what they need; the first one needs nearly all of it
 _INSTALL = "sudo apt-get install libegl1 libopengl0 libgl1-mesa-dri"
 
 
@@ -198,6 +200,7 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> int:
         return 1
     answers.write(b"ok\n")
     answers.flush()
+    drawn = 0
     try:
         while True:
             robot, pixels, jpeg, size = _REQUEST.unpack(_read(requests, _REQUEST.size))
@@ -210,6 +213,9 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> int:
             packed = pack_jpeg(image, job.quality) if jpeg else b""
             answers.write(_ANSWER.pack(len(raw), len(packed)) + raw + packed)
             answers.flush()
+            if drawn % _SETTLED == 0:
+                return_code("libLLVM")
+            drawn += 1
     except (EOFError, OSError):
         return 0
     finally:

@@ -66,6 +66,20 @@ def test_picture_turns_with_the_robot(magni: Base, make_world: MakeWorld) -> Non
     assert np.abs(np.frombuffer(ahead.pixels, np.uint8).astype(int) - np.frombuffer(left.pixels, np.uint8)).mean() > 5.0
 
 
+def test_process_keeps_no_code_that_compiled_what_draws(magni: Base, make_world: MakeWorld) -> None:
+    needs_renderer()
+    base, world = look(magni), make_world("")
+    assert base.raspicam
+    process, state = CameraProcess(world, base, base.raspicam, 1), Simulation(world, base).state()
+    try:
+        pictures = [process.render(0, state, pixels=True, jpeg=False).pixels for _ in range(3)]
+        code = [each for each in psutil.Process(process.pid).memory_maps(grouped=False) if each.perms == "r-xp"]
+    finally:
+        process.close()
+    assert pictures[0] == pictures[2]
+    assert sum(each.rss for each in code if "libLLVM" in each.path) < 8e6  # 48 MB while it compiles
+
+
 def test_camera_says_which_package_is_missing_where_nothing_can_draw(magni: Base, make_world: MakeWorld) -> None:
     base = look(magni)
     assert base.raspicam
