@@ -59,7 +59,7 @@ def beams_of_scan(scan: RangeScan, *, inf_is_valid: bool) -> Beams:
     """
     ranges = np.asarray(scan.ranges, dtype=np.float64)
     hits = classify_ranges(ranges, (scan.range_min, scan.range_max)).hits
-    keep = hits | np.isposinf(ranges) if inf_is_valid else hits
+    keep = hits | (ranges == math.inf) if inf_is_valid else hits
     angles = angles_of_beams(len(ranges), scan.angle_min, scan.angle_increment)
     return Beams(angles[keep], np.where(hits, ranges, scan.range_max)[keep], hits[keep])
 

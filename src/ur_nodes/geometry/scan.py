@@ -76,7 +76,7 @@ def classify_ranges(ranges: NDArray[np.floating], limits: tuple[float, float]) -
     compared in the precision of the ranges.
     """
     low, high = limits
-    return Returns((ranges >= low) & (ranges < high), ranges >= high, np.isneginf(ranges))
+    return Returns((ranges >= low) & (ranges < high), ranges >= high, ranges == -math.inf)
 
 
 @functools.lru_cache(maxsize=8)

@@ -215,7 +215,7 @@ def _steer(
     dx, dy = x + variant[1] * across - state.x, y + variant[1] * along - state.y
     c, s = math.cos(state.yaw), math.sin(state.yaw)
     forward, left = c * dx + s * dy, c * dy - s * dx
-    bearing = float(np.arctan2(left, forward))
+    bearing = math.atan2(left, forward)
     curvature = 2.0 * left / max(dx * dx + dy * dy, _NEAREST_SQUARED)
     share = min(max((settings.turn_first - abs(bearing)) / (settings.turn_first - settings.turn_some), 0.0), 1.0)
     if limits.radius:  # it cannot turn first
