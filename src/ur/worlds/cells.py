@@ -94,8 +94,8 @@ class CellFrame:
 
 def look_up(frame: CellFrame, values: NDArray[Value], points: NDArray[np.floating], outside: Any) -> NDArray[Value]:
     """Return the values (...) at points (..., 2) in m; `outside` beyond the grid."""
-    cells = np.floor(frame.fractions_of_points(points)).astype(np.int32)
-    rows, columns, inside = cells[..., 0], cells[..., 1], frame.contains(cells)
+    rows, columns = (np.floor(each).astype(np.int32) for each in frame.fractions_at(points[..., 0], points[..., 1]))
+    inside = (rows >= 0) & (rows < frame.height) & (columns >= 0) & (columns < frame.width)
     if inside.all():
         below: NDArray[Value] = values[rows, columns]
         return below

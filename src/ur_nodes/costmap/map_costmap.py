@@ -47,7 +47,9 @@ class MapCostmap:
         self._occupied: NDArray[np.bool_] = sparse_zeros(costs.shape, bool)
         self._marked: Box | None = None  # holds all of _occupied
         self._touched = np.empty((0, 2), np.intp)  # cells
-        self._near = _disc(_KNOWN / grid.resolution)
+        far = math.floor(_KNOWN / grid.resolution)
+        offsets = np.stack(np.meshgrid(*[np.arange(-far, far + 1)] * 2), axis=-1).reshape(-1, 2)
+        self._near = offsets[np.hypot(*offsets.T) <= _KNOWN / grid.resolution]
         self._known: NDArray[np.int8] = sparse_zeros(costs.shape, np.int8)  # of `_is_known`: 1 and -1, 0 not looked at
         self._changed: Box | None = None
         self.changes = 0
@@ -213,11 +215,3 @@ def _box_round(cells: NDArray[np.intp]) -> Box | None:
         return None
     (top, left), (bottom, right) = cells.min(axis=0).tolist(), cells.max(axis=0).tolist()
     return slice(top, bottom + 1), slice(left, right + 1)
-
-
-def _disc(cells: float) -> NDArray[np.intp]:
-    """The offsets (n, 2) of all cells within a radius."""
-    reach = math.floor(cells)
-    offsets = np.stack(np.meshgrid(*[np.arange(-reach, reach + 1)] * 2), axis=-1).reshape(-1, 2)
-    disc: NDArray[np.intp] = offsets[np.hypot(*offsets.T) <= max(cells, 0.0)]
-    return disc

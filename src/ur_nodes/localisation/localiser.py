@@ -293,7 +293,8 @@ class ParticleLocaliser:
         settings = self.settings
         particles = self._moved(odometry)
         novelty = self._novelty(odometry)
-        chosen = points[_evenly(len(points), settings.max_beams)]
+        count = len(points)
+        chosen = points[np.linspace(0, count - 1, min(count, settings.max_beams)).round().astype(np.intp)]
         if len(chosen) >= LEAST_BEAMS:
             beams = min(INDEPENDENT_BEAMS, float(len(chosen))) * novelty
             if self._search == SEARCH_UPDATES:
@@ -396,9 +397,3 @@ class ParticleLocaliser:
 
     def _propose(self, points: NDArray[np.float64], count: int, size: int = POOL) -> NDArray[np.float64]:
         return propose_poses(self._field, points, count, INDEPENDENT_BEAMS, self._rng, size)
-
-
-def _evenly(count: int, wanted: int) -> NDArray[np.intp]:
-    """Return the indices of at most `wanted` of `count` items, evenly spaced, with the first and the last."""
-    chosen: NDArray[np.intp] = np.linspace(0, count - 1, min(count, wanted)).round().astype(np.intp)
-    return chosen

@@ -57,7 +57,8 @@ def plan_path(
     escape = np.array([start]) if weights[costmap.costs[_cell(costmap, start)]] == math.inf else np.empty((0, 2))
     if not len(escape):
         points[0] = start
-    points = _without_doubles(points)
+    keep = np.hypot(*np.diff(points, axis=0, prepend=points[:1] - 1.0).T) > 1e-9  # no point twice
+    points = points[keep] if keep.sum() > 1 else points[[0, -1]]
     straight = pull_straight(points, costmap, weights)
     straight = pull_straight(resample(straight, 2.0 * settings.spacing), costmap, weights)
     smoothed = smooth(straight, costmap, weights, settings.bending)
@@ -170,8 +171,3 @@ def _inside(costmap: Costmap, cell: tuple[int, int]) -> bool:
 
 def _place(point: tuple[float, float]) -> str:
     return f"({point[0]:.2f}, {point[1]:.2f})"
-
-
-def _without_doubles(points: Points) -> Points:
-    keep = np.hypot(*np.diff(points, axis=0, prepend=points[:1] - 1.0).T) > 1e-9
-    return points[keep] if keep.sum() > 1 else points[[0, -1]]

@@ -150,7 +150,8 @@ class Pedestrians:
     def _give_way(self, number: int, person: _Person, time: float, robots: Sequence[NearbyRobot]) -> None:
         """Let a standing person leave after a robot has waited in front for a while."""
         here = self.places[number]
-        waits = any(_is_resting(robot) and _gap(robot.hull, robot.pose, here) < _WAITING for robot in robots)
+        resting = (robot for robot in robots if abs(robot.forward) < _RESTING and abs(robot.left) < _RESTING)
+        waits = any(_gap(robot.hull, robot.pose, here) < _WAITING for robot in resting)
         person.blocked = person.blocked + _PERIOD if waits else 0.0
         if person.blocked > person.patience:
             person.until = time
@@ -232,10 +233,6 @@ def _keeps_space(here: Floats, velocity: Floats, space: float, robot: NearbyRobo
         if walked < space and walked < min(stayed, now) + 0.05 * seconds:
             return False
     return True
-
-
-def _is_resting(robot: NearbyRobot) -> bool:
-    return abs(robot.forward) < _RESTING and abs(robot.left) < _RESTING
 
 
 def _gap(hull: Hull, pose: Pose2, point: Floats) -> float:

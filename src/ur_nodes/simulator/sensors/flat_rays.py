@@ -225,14 +225,11 @@ def _prism_of(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> _Prism |
     points = model.mesh_vert[first : first + int(model.mesh_vertnum[mesh])] @ turn.T + (x, y, z)
     low, high = float(points[:, 2].min()), float(points[:, 2].max())
     above, below = points[points[:, 2] > high - _EVEN, :2], points[points[:, 2] < low + _EVEN, :2]
-    if len(above) + len(below) != len(points) or not _are_equal(above, below):
+    if not len(above) == len(below) == len(points) / 2:
+        return None
+    if not all(np.abs(below - each).max(axis=1).min() < _EVEN for each in above):  # the same in any order
         return None
     return _Prism(hull_of_outline([(px, py) for px, py in above.tolist()]).corners, low, high)
-
-
-def _are_equal(some: Floats, others: Floats) -> bool:
-    """Return whether points, shape (n, 2), are the same in any order."""
-    return len(some) == len(others) and all(np.abs(others - each).max(axis=1).min() < _EVEN for each in some)
 
 
 def _sides_of(corners: Floats) -> Floats:
