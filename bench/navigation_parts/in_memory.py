@@ -1,6 +1,7 @@
 """Goals on a bus in one process: no ROS, no real time, the same drive to the last bit for a seed."""
 
 import math
+import time
 from itertools import pairwise
 
 from bench.navigation_parts.comfort import Comfort, judge_comfort
@@ -26,6 +27,7 @@ class MemoryDriver:
         """`people` walk in the world."""
         name, _, variant = base.partition(":")
         self.drive = FirstDrive(world.source, base=name, variant=variant, seed=seed, people=people)
+        self.used = 0.0  # s of processor, without the shortest ways
         self._collisions = self.drive.record("simulator/collisions", int)
         self._strikes = self.drive.record("simulator/people_struck", int)
         self._lost = self.drive.record("amcl/lost", str)
@@ -55,7 +57,7 @@ class MemoryDriver:
         drive, bus = self.drive, self.drive.bus
         start, target = drive.truth.pose, Pose2(goal[0], goal[1], math.radians(goal[2]))
         way = shortest_path(self._grid, self._free, (start.x, start.y), goal[:2])
-        began, length, last, errors = bus.now, 0.0, start, []
+        began, used, length, last, errors = bus.now, time.process_time(), 0.0, start, []
         id = drive.send_goal(*target)
 
         def ended() -> bool:
@@ -70,6 +72,7 @@ class MemoryDriver:
                 errors.append(math.dist(drive.estimates[-1].pose[:2], here[:2]))
         seconds, state = (bus.now - began) * 1e-9, drive.states.get(id)
         bus.run(_REST)
+        self.used += time.process_time() - used
         here = drive.truth.pose
         return Drive(
             reached=state is not None and state.state == "succeeded",
