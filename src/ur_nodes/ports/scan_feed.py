@@ -160,7 +160,8 @@ class ScanFeed:
 
 def at_its_middle(scan: Scan) -> Scan:
     """Return the scan with its stamp halfway between first and last beam, so that motion shifts both halves alike."""
-    return replace(scan, stamp=scan.stamp + round(turn_time(scan) / 2.0 * SECOND))
+    half = round(turn_time(scan) / 2.0 * SECOND)
+    return replace(scan, stamp=scan.stamp + half) if half else scan
 
 
 def feed_beams(node: Node, topic: str, use: Callable[[Scan, float], None]) -> None:
