@@ -78,6 +78,8 @@ class MuxRunner:
     def guard(self, guard: Guard | None) -> None:
         """Have commands guarded from the next output on; None: they are not."""
         self._state = self._state._replace(guard=guard)
+        if self._time() < self._state.now:
+            self.handle(None)  # time was set back
 
     def handle(self, event: Event | None) -> MuxState:
         """Apply an event now (None: time has passed), and return the new state."""
