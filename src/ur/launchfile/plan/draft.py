@@ -63,6 +63,7 @@ class Draft:
         self.machine_uses: list[tuple[str, Element, Scope]] = []
         self.reads_angles = False  # roslaunch knows deg() and rad() once it has seen its first <rosparam>
         self.includes: list[IncludeSpec] = []
+        self.endless: set[str] = set()  # files that include themselves to no end, and are not entered again
         self._parsed: dict[str, LaunchFile] = {} if parsed is None else parsed
         self._trees = trees
 
@@ -106,19 +107,17 @@ class Draft:
 
     def parse(self, path: str) -> LaunchFile:
         """Return a launch file, which is read and parsed only once. Raises OSError."""
-        known = self._parsed.get(path)
-        if known is None:
-            known = self._parsed[path] = self._parse(path)
-        return known
+        if path not in self._parsed:
+            self._parsed[path] = self._parse(path)
+        return self._parsed[path]
 
     def _parse(self, path: str) -> LaunchFile:
         if self._trees is None:
             return parse_launch_file(path, self.world.read_bytes(path), self.world.read_bytes)
         path = self.world.absolute(path)
-        known = self._trees.get(path)
-        if known is None:
-            known = self._trees[path] = parse_launch_file(path, self.world.read_bytes(path), self.world.read_bytes)
-        return known
+        if path not in self._trees:
+            self._trees[path] = parse_launch_file(path, self.world.read_bytes(path), self.world.read_bytes)
+        return self._trees[path]
 
     def add_param(self, param: ParamSpec, scope: Scope) -> None:
         """Set a parameter; the last value is used, at the position of the first."""

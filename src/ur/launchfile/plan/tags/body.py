@@ -203,6 +203,8 @@ def _open(path: str, element: Element, draft: Draft, scope: Scope, child: Scope)
     if len(draft.includes) >= MAX_INCLUDES:
         draft.refuse(refuse(f"more than {MAX_INCLUDES:,} included files", element.span, "too-many-includes"), scope)
         raise TooMuch
+    if draft.world.absolute(path) in draft.endless:
+        raise TagRefused(None)
     if len(scope.chain) >= MAX_DEPTH:
         raise _too_deep(path, element, draft, scope)
     try:
@@ -211,22 +213,21 @@ def _open(path: str, element: Element, draft: Draft, scope: Scope, child: Scope)
         _note_include(path, False, element, draft, scope, child)
         raise missing_file(path, problem, element, "file", draft) from None
     _note_include(path, True, element, draft, scope, child)
-    chain = (*scope.chain, element.span)
     for found in included.diagnostics:
-        draft.add_diagnostic(found, chain)
+        draft.add_diagnostic(found, (*scope.chain, element.span))
     return included
 
 
 def _too_deep(path: str, element: Element, draft: Draft, scope: Scope) -> TagRefused:
     name = draft.world.absolute(path)
-    steps = [step for step in scope.chain if draft.world.absolute(step.file.path) == name]
-    if steps:
+    if first := next((step for step in scope.chain if draft.world.absolute(step.file.path) == name), None):
+        draft.endless.add(name)
         return refuse(
             f"{path} includes itself, through {MAX_DEPTH} levels and more, expected an end",
             element.value_span("file"),
             "include-cycle",
             "break the circle, or end it with an 'if' that becomes false",
-            (Note("it comes from here", steps[0]),),
+            (Note("it comes from here", first),),
             path,
         )
     return refuse(
