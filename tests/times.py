@@ -5,8 +5,8 @@ has started, as if the test ran alone. What fixtures of a module, a class or the
 uses them; that of a package is divided among its tests, which always run together.
 """
 
+import contextlib
 import os
-from collections import defaultdict
 from collections.abc import Generator
 from pathlib import Path
 from typing import Any
@@ -32,23 +32,14 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def read_processor_time() -> float:
     """Return the seconds of processor that this process and its descendants have taken so far."""
-    children: dict[int, list[int]] = defaultdict(list)
-    ticks: dict[int, int] = {}
-    for pid in map(int, filter(str.isdecimal, os.listdir("/proc"))):  # noqa: PTH208 - twice as fast, for each test
-        try:
-            fields = Path(f"/proc/{pid}/stat").read_bytes().rpartition(b")")[2].split()
-        except OSError:  # it has ended
-            continue
-        children[int(fields[1])].append(pid)
-        ticks[pid] = sum(map(int, fields[11:15]))
-    times = os.times()
-    own = times.user + times.system + times.children_user + times.children_system
-    waiting, sum_of_ticks = list(children[os.getpid()]), 0
+    waiting, ticks = [str(os.getpid())], 0
     while waiting:
-        pid = waiting.pop()
-        sum_of_ticks += ticks[pid]
-        waiting += children[pid]
-    return own + sum_of_ticks / TICK
+        process = Path("/proc", waiting.pop())
+        with contextlib.suppress(OSError):  # it has ended, or one of its threads
+            ticks += sum(map(int, process.joinpath("stat").read_bytes().rpartition(b")")[2].split()[11:15]))
+            for thread in process.joinpath("task").iterdir():  # to look at all processes takes 8 ms, for each test
+                waiting += thread.joinpath("children").read_text().split()
+    return ticks / TICK
 
 
 class _Times:
