@@ -28,7 +28,7 @@ def measure(source: Path, folder: Path) -> Callable[[], None]:
 
     A fork has what its parent had met until then. What this process writes has the files that it has not imported, too.
     """
-    probes = Slipcover(branch=True, source=[str(source)], exclude_also=[_STUBS])
+    probes = Slipcover(branch=True, source=[str(source)], exclude_also=[_STUBS], d_miss_threshold=1000)
     sys.meta_path.insert(0, _Finder(probes, importer.FileMatcher(sources=[source])))
     first = os.getpid()
 
