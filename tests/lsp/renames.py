@@ -9,7 +9,7 @@ import os
 import sys
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from ur.check.cases import resolve_cases
 from ur.check.rule import survey_launch_file
@@ -81,12 +81,12 @@ def plans_of(
 def with_old_name(plan: Plan, renamed: frozenset[str] | set[str], old: str) -> Plan:
     """A plan with what is passed to `renamed` files as it was called before; findings may speak of the new name."""
     includes = tuple(
-        replace(each, arguments=tuple((old if name == NEW else name, value) for name, value in each.arguments))
+        each._replace(arguments=tuple((old if name == NEW else name, value) for name, value in each.arguments))
         if each.file in renamed
         else each
         for each in plan.includes
     )
-    return replace(plan, includes=includes, diagnostics=())
+    return plan._replace(includes=includes, diagnostics=())
 
 
 def main() -> int:

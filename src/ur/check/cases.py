@@ -7,8 +7,8 @@ that both branches of a condition are resolved.
 
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
 from functools import partial
+from typing import NamedTuple
 
 from ur.check.rule import LaunchView
 from ur.check.survey import walk_elements
@@ -35,8 +35,7 @@ _ABOUT_TWO_TAGS = frozenset(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class StartCase:
+class StartCase(NamedTuple):
     """One way to start a file: given arguments by name. `flipped`: an option with the opposite of its default."""
 
     given: tuple[tuple[str, str], ...] = ()
@@ -48,8 +47,7 @@ class StartCase:
         return " ".join(f"{name}:={value}" for name, value in self.given)
 
 
-@dataclass(frozen=True, slots=True)
-class Resolved:
+class Resolved(NamedTuple):
     """A plan and its case; its diagnostics contain only certain findings.
 
     `by_defaults`: the default of an environment variable that is not set here was used.
@@ -184,7 +182,7 @@ def _without_pairs(plan: Plan, other: Plan) -> Plan:
         for found in plan.diagnostics
         if found.rule not in _ABOUT_TWO_TAGS or (found.rule, str(found.span)) in places
     )
-    return replace(plan, diagnostics=tuple(kept))
+    return plan._replace(diagnostics=tuple(kept))
 
 
 def _learn(findings: Iterable[Diagnostic], unknowns: Unknowns) -> dict[str, str]:
@@ -211,7 +209,7 @@ def _only_sure(plan: Plan, case: StartCase, unknowns: Unknowns, world: CachedWor
         for found in plan.diagnostics
         if _is_sure(found, case, unknowns, world) and (whole or found.rule not in _ABOUT_EVERY_FILE)
     )
-    return replace(plan, diagnostics=tuple(sure))
+    return plan._replace(diagnostics=tuple(sure))
 
 
 def _hides_a_file(found: Diagnostic) -> bool:

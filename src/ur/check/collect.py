@@ -4,7 +4,7 @@ import os
 import re
 import shlex
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from ur.check.rule import BaseNames, EscapingLinks, Package
 from ur.launchfile.address import join_addresses
@@ -27,8 +27,7 @@ _NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
 _DEPENDS = re.compile(r"<(?:\w*_)?depend\b[^>]*>\s*([^<\s]+)\s*</")
 
 
-@dataclass(frozen=True, slots=True)
-class Targets:
+class Targets(NamedTuple):
     """The files to check, sorted, by kind; `whole`: packages that are checked completely.
 
     `left_out` are links that lead elsewhere, and unreadable folders; `found` are the files below each whole package,
@@ -41,7 +40,7 @@ class Targets:
     packages: dict[str, Package]  # by folder
     whole: tuple[Package, ...]
     left_out: tuple[str, ...] = ()
-    found: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    found: Mapping[str, Sequence[str]] = {}
 
     def package_of(self, path: str) -> Package | None:
         """Return the package that a file belongs to: the innermost folder with a package.xml."""

@@ -2,8 +2,8 @@
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
 from posixpath import commonpath
+from typing import NamedTuple
 
 from ur.check.rule import LaunchView
 from ur.check.survey import walk_elements
@@ -17,12 +17,11 @@ _NAMED_FILE = re.compile(r"""["'/]([\w.-]{1,200}(?:[._]launch\.(?:py|xml|ya?ml))
 _IN_PACKAGE = re.compile(r"\$\(find\s+(\S+)\s*\)/")
 
 
-@dataclass(frozen=True, slots=True)
-class Inclusions:
+class Inclusions(NamedTuple):
     """By path of a launch file: `<include>` tags of other files that may refer to it, and the arguments they pass."""
 
-    tags: Mapping[str, tuple[Span, ...]] = field(default_factory=dict)
-    passed: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    tags: Mapping[str, tuple[Span, ...]] = {}
+    passed: Mapping[str, frozenset[str]] = {}
 
 
 class IncludeTag(ForeignValue, frozen=True, array_like=True):
@@ -34,8 +33,7 @@ class IncludeTag(ForeignValue, frozen=True, array_like=True):
     passes: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class PossibleInclude:
+class PossibleInclude(NamedTuple):
     """An `<include>` tag, the other files that it may refer to, and the names of the arguments that it passes."""
 
     span: Span

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from ur.check.survey import LaunchSurvey
 from ur.check.worlds import CachedWorld
@@ -81,8 +80,7 @@ class RuleGroup(Enum):
     LAUNCH_API = "launch-api"
 
 
-@dataclass(frozen=True, slots=True)
-class RuleFinding:
+class RuleFinding(NamedTuple):
     """A finding of a rule; the engine adds the rule's id and severity. `subject` is that of Diagnostic."""
 
     span: Span
@@ -92,16 +90,14 @@ class RuleFinding:
     subject: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class TextEdit:
+class TextEdit(NamedTuple):
     """A safe change of a text: the characters of a span become `text`."""
 
     span: Span
     text: str
 
 
-@dataclass(frozen=True, slots=True)
-class Example:
+class Example(NamedTuple):
     """A package in memory. In a bad one, `«` and `»` mark the position of the finding.
 
     `files` maps paths in the package to texts; names with a leading `/` are used as they are. The package is called
@@ -110,19 +106,17 @@ class Example:
 
     files: Mapping[str, str]
     executables: tuple[str, ...] = ()
-    environment: Mapping[str, str] = field(default_factory=dict)
+    environment: Mapping[str, str] = {}
 
 
-@dataclass(frozen=True, slots=True)
-class BaseNames:
+class BaseNames(NamedTuple):
     """A base that a package describes, and its variants beside the plain one."""
 
     name: str
     variants: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Package:
+class Package(NamedTuple):
     """The package that checked files belong to. `follows_conventions`: see docs/how-to/check.md."""
 
     name: str
@@ -132,8 +126,7 @@ class Package:
     depends: frozenset[str]
 
 
-@dataclass(frozen=True, slots=True)
-class LaunchView:
+class LaunchView(NamedTuple):
     """A launch file and the properties that its rules need."""
 
     path: str
@@ -162,8 +155,7 @@ def survey_launch_file(path: str, package: Package | None, world: World) -> Laun
     return LaunchView(path, package, world, LaunchSurvey(path, world.read_bytes(path), world.read_bytes))
 
 
-@dataclass(frozen=True, slots=True)
-class YamlView:
+class YamlView(NamedTuple):
     """A YAML file."""
 
     source: SourceFile
@@ -171,8 +163,7 @@ class YamlView:
     world: CachedWorld
 
 
-@dataclass(frozen=True, slots=True)
-class ProgramView:
+class ProgramView(NamedTuple):
     """A program in a package's `bin` folder."""
 
     source: SourceFile
@@ -181,8 +172,7 @@ class ProgramView:
     launch_files: Mapping[str, LaunchView]  # every launch file of the package by its path
 
 
-@dataclass(frozen=True, slots=True)
-class PackageView:
+class PackageView(NamedTuple):
     """A whole package."""
 
     package: Package
@@ -191,8 +181,7 @@ class PackageView:
     included: Mapping[str, tuple[Span, ...]]  # path of a launch file to the <include> tags that name it
 
 
-@dataclass(frozen=True, slots=True)
-class LaunchedNode:
+class LaunchedNode(NamedTuple):
     """A node of a resolved launch file. `local`: it runs on this computer, so that its program can be checked."""
 
     node: NodeSpec
@@ -202,16 +191,14 @@ class LaunchedNode:
     world: CachedWorld
 
 
-@dataclass(frozen=True, slots=True)
-class PlanView:
+class PlanView(NamedTuple):
     """A resolved launch file with its options as they are by default. `element_at`: the tag at a path and offset."""
 
     plan: Plan
     element_at: Callable[[str, int], Element | None]
 
 
-@dataclass(frozen=True, slots=True)
-class ParamView:
+class ParamView(NamedTuple):
     """A parameter of a resolved launch file whose value a command prints."""
 
     param: ParamSpec
@@ -220,8 +207,7 @@ class ParamView:
     world: World
 
 
-@dataclass(frozen=True, slots=True)
-class Rule:
+class Rule(NamedTuple):
     """One kind of problem. A rule without a hook is reported by the parser or resolver of launch files.
 
     The meaning of an `id` never changes. Those of `RuleGroup.CONVENTIONS` apply only to packages that follow them.

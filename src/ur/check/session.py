@@ -5,8 +5,8 @@ with one of those queries are checked again, and the findings of all others stay
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import NamedTuple
 
 from ur.check.cache.recall import CHECKED, Asked, IncludeOutline, NotedTrees, Recall, describe_package, digest_of
 from ur.check.cases import Resolved, list_cases, list_unknown, resolve_cases
@@ -36,8 +36,7 @@ GAP = "unknown-value"
 """The rule of a value that is not known without running the file: for the report, not for the catalogue."""
 
 
-@dataclass(frozen=True, slots=True)
-class PlanChecks:
+class PlanChecks(NamedTuple):
     """The check of launch files. `views` are the checked ones, `trees` all that have been read, by path."""
 
     world: CachedWorld
@@ -46,7 +45,7 @@ class PlanChecks:
     views: Mapping[str, LaunchView]
     trees: NotedTrees
     checked_as: CheckedAs
-    elements: dict[str, dict[int, Element]] = field(default_factory=dict)  # by path and offset; made when asked for
+    elements: dict[str, dict[int, Element]]  # by path and offset; made when asked for
 
     def check_launch_file(self, view: LaunchView, inclusions: Inclusions, given: Given) -> Iterator[Hit | None]:
         """Yield the hits of one file, and None after each case, so that the caller can interrupt the work."""
@@ -86,7 +85,7 @@ class PlanChecks:
         option = resolved.case.flipped
         for found in resolved.plan.diagnostics:
             if found.span is None:
-                found = replace(found, span=Span(SourceFile(view.path, ""), 0, 0))
+                found = found._replace(span=Span(SourceFile(view.path, ""), 0, 0))
             found = self._settle(found, view)
             if found.severity is Severity.ERROR or self._is_checked(found):
                 yield judge_package(stamp_severity(found, self.rules), view.package, option, self.world)
@@ -113,7 +112,7 @@ class PlanChecks:
         if all(span is None or span.file.path.startswith("/") for span in spans):
             return found
         notes = tuple(Note(note.message, self._settled_span(note.span, view)) for note in found.notes)
-        return replace(found, span=self._settled_span(found.span, view), notes=notes)
+        return found._replace(span=self._settled_span(found.span, view), notes=notes)
 
     def _settled_span(self, span: Span | None, view: LaunchView) -> Span | None:
         if span is None or span.file.path.startswith("/"):
@@ -142,7 +141,7 @@ def _judge_inherited(found: Diagnostic, view: LaunchView, inclusions: Inclusions
         return found
     message = f"{found.message}: the file cannot be started alone"
     notes = (*found.notes, Note("it is included from here", inclusions.tags[view.path][0]))
-    return replace(found, severity=Severity.WARNING, message=message, notes=notes)
+    return found._replace(severity=Severity.WARNING, message=message, notes=notes)
 
 
 def _place_of(found: Diagnostic) -> tuple[str, str, int]:
@@ -187,7 +186,7 @@ class CheckSession:
         self._programs: dict[str, ProgramView] = {}
         self._asked = Asked(self.world, sources.checked_as)
         self._plans = PlanChecks(
-            self.world, self.rules, self._visitor, sources.views, sources.trees, sources.checked_as
+            self.world, self.rules, self._visitor, sources.views, sources.trees, sources.checked_as, {}
         )
 
     @property
@@ -423,8 +422,7 @@ def _take_hits(work: Iterator[Hit | None], hits: list[Hit]) -> bool:
     return True
 
 
-@dataclass(frozen=True, slots=True)
-class CheckReport:
+class CheckReport(NamedTuple):
     """The findings of a check, sorted by place, and the number of checked files."""
 
     findings: tuple[Diagnostic, ...]

@@ -1,7 +1,6 @@
 """Visitor of all checked files: each rule is called for every object that it has a hook for."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
 
 from ur.check.rule import (
     LaunchedNode,
@@ -100,7 +99,7 @@ def _ask(hooks: list[_Hook], package: Package | None, *what: object) -> Iterable
 
 def _with_includes(findings: Iterable[Diagnostic], origin: Origin) -> Iterable[Diagnostic]:
     steps = tuple(Note("included from here", step) for step in reversed(origin.includes))
-    return (replace(found, notes=(*found.notes, *steps)) for found in findings)
+    return (found._replace(notes=(*found.notes, *steps)) for found in findings)
 
 
 def stamp_severity(found: Diagnostic, rules: Mapping[str, Rule]) -> Diagnostic:
@@ -114,4 +113,4 @@ def stamp_severity(found: Diagnostic, rules: Mapping[str, Rule]) -> Diagnostic:
         or (found.rule == "unknown-tag" and found.kind == OBSOLETE)  # many old files hold it
     ):
         return found
-    return replace(found, severity=rule.severity)
+    return found._replace(severity=rule.severity)

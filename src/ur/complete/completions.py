@@ -1,7 +1,6 @@
 """Candidates for completion, and the sources of names."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 
@@ -13,8 +12,7 @@ class Completion(NamedTuple):
     open: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
+class Line(NamedTuple):
     """A command line up to the cursor: complete arguments after `ur`, and the beginning of the present one.
 
     `raw` is that beginning as typed, with its quotes.
@@ -22,7 +20,7 @@ class Line:
 
     words: tuple[str, ...]
     prefix: str
-    raw: str = field(default="", compare=False)
+    raw: str = ""
 
 
 class Option(NamedTuple):

@@ -3,7 +3,6 @@
 import os
 import shlex
 from collections.abc import Sequence
-from dataclasses import replace
 
 from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.world import World
@@ -39,8 +38,7 @@ def debug_nodes(plan: Plan, requests: Sequence[str], world: World, *, terminal: 
             port = find_free_port(port)
         found = plan_debugging(target, tool, tools, port)
         here = found.terminal == "here"
-        changed[node.full_name] = replace(
-            node,
+        changed[node.full_name] = node._replace(
             launch_prefix=shlex.join(found.prefix),
             respawn=False,
             terminal=here,
@@ -49,7 +47,7 @@ def debug_nodes(plan: Plan, requests: Sequence[str], world: World, *, terminal: 
         )
         lines += found.notes if found.terminal == "log" else found.notes[1:]  # a window is visible
         port += 1
-    return replace(plan, nodes=tuple(changed.get(node.full_name, node) for node in plan.nodes)), tuple(lines)
+    return plan._replace(nodes=tuple(changed.get(node.full_name, node) for node in plan.nodes)), tuple(lines)
 
 
 def has_terminal() -> bool:

@@ -132,7 +132,7 @@ def place(launch: Launch, staged: Staged) -> Staged:
         return staged
     from ur.request.remote.on_robot import start_there  # imported late: ssh and its modules, only if needed
 
-    started = start_there(replace(staged.loaded, plan=staged.plan), launch.client, launch.reporter.report)
+    started = start_there(staged.loaded._replace(plan=staged.plan), launch.client, launch.reporter.report)
     part = launch.stack.enter_context(started)
     if part.here.nodes:
         return replace(staged, plan=part.here, restart_share=part.again.start)

@@ -6,7 +6,6 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from ur.launchfile.address import resolve_addresses
@@ -243,8 +242,7 @@ class LaunchFiles:
         return self._declared
 
 
-@dataclass(frozen=True, slots=True)
-class LaunchRequest:
+class LaunchRequest(NamedTuple):
     """Launch files with their given arguments, the selected robot, and options.
 
     Without a `selection` the arguments are complete. `names` are the names of the command line as typed.
@@ -268,7 +266,7 @@ class LaunchRequest:
 
     def add_arguments(self, added: Iterable[Argument]) -> LaunchRequest:
         """Return a request with more arguments."""
-        return replace(self, arguments=(*self.arguments, *added))
+        return self._replace(arguments=(*self.arguments, *added))
 
 
 def make_request(
@@ -294,7 +292,7 @@ def follow_file(line: CommandLine, selection: Selection, report: Report) -> Sele
 
     if selection.ros or not line.names or STANDARD_INPUT in line.names:
         return selection
-    present, chosen = choose_ros(selection, os.environ), replace(selection, ros="2")
+    present, chosen = choose_ros(selection, os.environ), selection._replace(ros="2")
     other = choose_ros(chosen, os.environ)
     if present is None or present.version == 2 or other is None:
         return selection

@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from ur.launchfile.load import load_plan
 from ur.launchfile.plan.problems import NOT_GIVEN
@@ -32,8 +31,7 @@ _OTHERS = ("map_file", "world")
 Inspect = Callable[[Iterable[Diagnostic]], None]
 
 
-@dataclass(frozen=True, slots=True)
-class LoadedPlan:
+class LoadedPlan(NamedTuple):
     """The plan of a request; None if it has errors. `arguments` are complete: with those of the selection.
 
     `robot` is the machine whose nodes belong to the selected robot, if that is another computer; '' otherwise.
@@ -78,7 +76,7 @@ def load_request(request: LaunchRequest, inspect: Inspect | None = None) -> Load
     part, selection, files = request.options.part, request.selection, request.files
     assert selection is not None
     local = part is not None or selection.simulated or is_this_computer(selection.robot)
-    given = replace(request, selection=None) if part is not None else request
+    given = request._replace(selection=None) if part is not None else request
     arguments = complete_arguments(given, local=local)
     values = values_of(arguments)
     remote = not local and values.get("robot_machine") == selection.robot
@@ -206,7 +204,7 @@ def _harden(finding: Diagnostic) -> Diagnostic:
     # A program takes the screen: a mere warning about a misspelt argument would never be read.
     if finding.rule not in ("unknown-argument", "bad-argument"):
         return finding
-    return replace(finding, severity=Severity.ERROR)
+    return finding._replace(severity=Severity.ERROR)
 
 
 def resolve_map(
@@ -251,7 +249,7 @@ def load_chosen(request: LaunchRequest, report: Report, inspect: Inspect | None 
     loaded = load_request(request, inspect)
     if loaded.plan is None:
         return loaded
-    return replace(loaded, plan=apply_options(loaded.plan, request.options, report))
+    return loaded._replace(plan=apply_options(loaded.plan, request.options, report))
 
 
 def apply_options(plan: Plan, options: LaunchOptions, report: Report) -> Plan:
@@ -268,7 +266,7 @@ def apply_options(plan: Plan, options: LaunchOptions, report: Report) -> Plan:
         plan = choose_nodes(plan, options.only, options.except_, options.prefix)
     if options.no_terminal:
         left_out = [node.full_name for node in plan.nodes if node.terminal]
-        plan = replace(plan, nodes=tuple(node for node in plan.nodes if not node.terminal))
+        plan = plan._replace(nodes=tuple(node for node in plan.nodes if not node.terminal))
         if left_out:
             report("info", f"--no-terminal: {', '.join(left_out)} left out")
     for node in plan.nodes if options.required else ():
@@ -282,7 +280,7 @@ def apply_options(plan: Plan, options: LaunchOptions, report: Report) -> Plan:
 
         mine = {node.full_name for node in plan.nodes if node.machine == options.part} - set(options.runs_already)
         plan = keep_nodes(plan, mine)
-        plan = replace(plan, commands=tuple(each for each in plan.commands if each.command != "dump"))
+        plan = plan._replace(commands=tuple(each for each in plan.commands if each.command != "dump"))
     return plan
 
 
@@ -300,11 +298,11 @@ def choose_nodes(plan: Plan, only: Sequence[str], without: Sequence[str], prefix
             raise user_error(f"--prefix {text!r}, expected NODE=PREFIX", rule="bad-prefix", subject=text)
         before[find_node(plan, name).full_name] = prefix
     nodes = (
-        replace(node, launch_prefix=before.get(node.full_name, node.launch_prefix))
+        node._replace(launch_prefix=before.get(node.full_name, node.launch_prefix))
         for node in plan.nodes
         if node.full_name in kept
     )
-    return replace(plan, nodes=tuple(nodes))
+    return plan._replace(nodes=tuple(nodes))
 
 
 def _list_contents(plan: Plan) -> Iterator[str]:

@@ -7,7 +7,6 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
 
 from ur.launchfile.load import is_for_ros2
 from ur.launchfile.plan.names import join_names
@@ -120,7 +119,7 @@ def name_anonymous(node: NodeSpec, make: Callable[[str], str]) -> NodeSpec:
     def name(match: re.Match[str]) -> str:
         return made.setdefault(match[1], make(match[1]))
 
-    return replace(node, name=_ANONYMOUS.sub(name, node.name), args=_ANONYMOUS.sub(name, node.args))
+    return node._replace(name=_ANONYMOUS.sub(name, node.name), args=_ANONYMOUS.sub(name, node.args))
 
 
 def resolve_name(name: str, shell: Mapping[str, str]) -> str:

@@ -6,8 +6,8 @@ computer is `ROBOT.local`; with ` --ros 1`, ` --ros 2` or ` --ros none` if that 
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from ur.source.diagnostic import UserError, user_error, user_error_about
 from ur.source.user_folders import user_folder
@@ -20,8 +20,7 @@ _ROS = " --ros "
 _FORM = "sim[:BASE[:VARIANT]] or ROBOT[:BASE[:VARIANT]]"
 
 
-@dataclass(frozen=True, slots=True)
-class Selection:
+class Selection(NamedTuple):
     """A selected robot.
 
     `base` is empty if it follows from the robot's own description; `variant` is empty for the plain base. `ros` is the

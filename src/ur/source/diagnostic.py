@@ -1,7 +1,7 @@
 """Diagnostics: the common form of all findings."""
 
-from dataclasses import dataclass
 from enum import Enum
+from typing import TYPE_CHECKING, NamedTuple
 
 from ur.source.file import Span
 
@@ -13,25 +13,14 @@ class Severity(Enum):
     WARNING = "warning"
 
 
-@dataclass(frozen=True, slots=True)
-class Note:
+class Note(NamedTuple):
     """A related position or fact: the first definition, a step of the include chain."""
 
     message: str
     span: Span | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Diagnostic:
-    """A finding: the subject and the problem, the expected value, the position, and one action that helps.
-
-    `rule` is a kebab-case id whose meaning never changes. `span` is None if the finding is not in a text, for instance
-    if it is about the command line. The fields after `help` are for programs, so that messages can be reworded freely:
-    `subject` is the name that the finding is about: a package, an argument, a file; unless given, the text at its
-    place, a tag without its angle bracket. `kind` distinguishes findings of one rule; `expected` are values that would
-    be accepted; `reason` is the message without its subject.
-    """
-
+class _Diagnostic(NamedTuple):
     severity: Severity
     message: str
     rule: str
@@ -43,10 +32,26 @@ class Diagnostic:
     expected: tuple[str, ...] = ()
     reason: str = ""
 
-    def __post_init__(self) -> None:
-        if not self.subject and self.span is not None:
-            text = self.span.text
-            object.__setattr__(self, "subject", text[1:] if text.startswith("<") and text[1:2].isalpha() else text)
+
+class Diagnostic(_Diagnostic):
+    """A finding: the subject and the problem, the expected value, the position, and one action that helps.
+
+    `rule` is a kebab-case id whose meaning never changes. `span` is None if the finding is not in a text, for instance
+    if it is about the command line. The fields after `help` are for programs, so that messages can be reworded freely:
+    `subject` is the name that the finding is about: a package, an argument, a file; unless given, the text at its
+    place, a tag without its angle bracket. `kind` distinguishes findings of one rule; `expected` are values that would
+    be accepted; `reason` is the message without its subject.
+    """
+
+    __slots__ = ()
+    if not TYPE_CHECKING:
+
+        def __new__(cls, *fields, **named):
+            made = super().__new__(cls, *fields, **named)
+            if made.subject or made.span is None:
+                return made
+            text = made.span.text
+            return made._replace(subject=text[1:] if text.startswith("<") and text[1:2].isalpha() else text)
 
 
 class UserError(Exception):

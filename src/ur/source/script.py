@@ -6,8 +6,7 @@ import shlex
 import sys
 import warnings
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from ur.source.foreign.files import read_file
 
@@ -23,8 +22,7 @@ _TWO_BY_LINE = re.compile(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class ScriptFault:
+class ScriptFault(NamedTuple):
     """A reason why a script does not start, at a position of its text."""
 
     kind: Literal["head", "line-endings", "interpreter", "text"]

@@ -5,7 +5,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ur.source.user_folders import user_folder
 from ur.system.ros import Ros, note_support
@@ -14,8 +14,7 @@ MARK = "/etc/ubiquity_debian"  # exists in the root only
 _VERSION = "/etc/debian_version"
 
 
-@dataclass(frozen=True, slots=True)
-class DebianRoot:
+class DebianRoot(NamedTuple):
     """A Debian root. `folder` contains the root file system itself (`root`) and programs that enter it (`bin`)."""
 
     folder: str

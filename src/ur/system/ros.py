@@ -9,8 +9,7 @@ Without ROS, all nodes of a run are in one process.
 import os
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from ur.source.diagnostic import user_error, user_error_about
 from ur.source.user_folders import runtime_folder
@@ -43,8 +42,7 @@ _NO_ROS = "process://localhost/none"
 _WHEELS_MACHINES = ("x86_64",)
 
 
-@dataclass(frozen=True, slots=True)
-class Ros:
+class Ros(NamedTuple):
     """The ROS of nodes: its release, its installation folder, and the Python of nodes.
 
     `prefix` is empty for ROS 1. `sourced`: the environment already has it. Version 0 means no ROS.

@@ -7,7 +7,7 @@ import pytest
 from tests.docs.helpers import LIBRARY, ROVER
 
 from ur.check.cases import resolve_cases
-from ur.docs.cases.started import StartedFile, StartedPlan, Starter, place_name, walk_nodes
+from ur.docs.cases.started import StartedFile, Starter, place_name, walk_nodes
 from ur.docs.repository.collect import collect_repository
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world import MemoryWorld, SystemWorld
@@ -43,8 +43,7 @@ def test_composed_files_start_what_the_whole_tree_starts(folder: Path) -> None:
         composed = list(resolve_cases(view, repository.world, load=starter.load))
         for one, other in zip(whole, composed, strict=False):
             plan = other.plan
-            assert isinstance(plan, StartedPlan)
-            assert plan.started is not None
+            assert isinstance(plan.started, StartedFile)
             if one.case != other.case or not (is_loadable(one.plan) and is_loadable(plan)):
                 continue  # what is refused has no meaning to compare
             nodes = sorted((name, n.package, n.type, n.args) for name, n in walk_nodes(plan.started) if n.name)

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
-from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import msgspec
 
@@ -25,8 +24,7 @@ from ur.source.file import SourceFile, Span
 from ur.source.foreign.json_values import Count, ForeignValue
 
 
-@dataclass(frozen=True, slots=True)
-class IncludeOutline:
+class IncludeOutline(NamedTuple):
     """The `<include>` tags of a launch file, and the comments that hide findings."""
 
     source: SourceFile
@@ -177,13 +175,12 @@ class RecalledFile(ForeignValue, frozen=True, array_like=True):
     hits: KeptHits
 
 
-@dataclass(frozen=True, slots=True)
-class KnownFindings:
+class KnownFindings(NamedTuple):
     """Findings and outlines by the path of the file, and each query with the digest of its answer."""
 
     questions: Sequence[tuple[Question, str]] = ()
-    units: Mapping[str, RecalledFile] = field(default_factory=dict)
-    outlines: Mapping[str, KeptOutline] = field(default_factory=dict)
+    units: Mapping[str, RecalledFile] = {}
+    outlines: Mapping[str, KeptOutline] = {}
 
 
 class Recall:

@@ -10,8 +10,7 @@ import stat
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, NamedTuple
 from xml.parsers import expat
 
 import yaml
@@ -54,8 +53,7 @@ _SUFFIX = ".json"
 _HEADER = 1000  # bytes at most
 
 
-@dataclass(frozen=True, slots=True)
-class CacheBounds:
+class CacheBounds(NamedTuple):
     """Limits of the cache: bytes of one file, and of all `files`, of which the last used ones stay; its `format`."""
 
     bytes: int = 64_000_000
@@ -67,15 +65,13 @@ class CacheBounds:
 _BOUNDS = CacheBounds()
 
 
-@dataclass(frozen=True, slots=True)
-class _Header:
+class _Header(NamedTuple):
     format: int
     program: str
     digest: str
 
 
-@dataclass(frozen=True, slots=True)
-class _Body:
+class _Body(NamedTuple):
     """The content of the file. Each query is preceded by the digest of its answer."""
 
     questions: tuple[Annotated[tuple[str, ...], Meta(min_length=2)], ...]

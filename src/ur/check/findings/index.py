@@ -1,7 +1,7 @@
 """Findings by file and by the unit of work that found them, so that a part can be replaced."""
 
 from collections.abc import Iterable, Iterator, Mapping, Set
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ur.check.findings.merge import Hit, merge_hits
 from ur.check.findings.suppress import Suppression, Suppressions, read_line_suppressions
@@ -14,8 +14,7 @@ Unit = tuple[int, str]
 """A kind and a path: a file or package that is checked at once."""
 
 
-@dataclass(frozen=True, slots=True)
-class FoundByUnit:
+class FoundByUnit(NamedTuple):
     """The hits of a unit, the queries that led to them, and its other inputs."""
 
     hits: tuple[Hit, ...]

@@ -1,7 +1,7 @@
 """Packages that are not on this computer: the severity of a finding about one, and the list of all of them."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from ur.check.queries.executables import is_misspelt
 from ur.check.rule import Package
@@ -12,8 +12,7 @@ from ur.source.suggest import did_you_mean
 RULE_ID = "package-not-installed"
 
 
-@dataclass(frozen=True, slots=True)
-class NotInstalled:
+class NotInstalled(NamedTuple):
     """The sorted packages that launch files name but that are not installed, and the number of files that name any."""
 
     packages: tuple[str, ...]
@@ -33,8 +32,7 @@ def judge_package(found: Diagnostic, package: Package | None, option: str | None
     if not declared and near is not None and is_misspelt(name, near):
         return found
     why = ", though package.xml depends on it" if declared else f", and '{option}' needs it" if option else ""
-    return replace(
-        found,
+    return found._replace(
         rule=RULE_ID,
         severity=Severity.WARNING,
         message=f"package '{name}' is not installed here{why}",

@@ -1,7 +1,7 @@
 """Merging of findings: those that several cases of a file have in common are reported once."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from ur.launchfile.plan.problems import INHERITED
 from ur.source.diagnostic import Diagnostic, Note, Severity
@@ -9,8 +9,7 @@ from ur.source.diagnostic import Diagnostic, Note, Severity
 MAX_NOTES = 6
 
 
-@dataclass(frozen=True, slots=True)
-class Hit:
+class Hit(NamedTuple):
     """A finding in one case of one file.
 
     `plain` are the cases of that file in which no option is changed. Without a `root` the finding is about a text, in
@@ -47,7 +46,7 @@ def _order(found: Diagnostic) -> tuple[str, int, int, str]:
 def _merge(group: list[Hit]) -> Diagnostic:
     first = max(group, key=lambda hit: len(hit.found.notes))  # the one with the chain of includes
     worst = min((hit.found.severity for hit in group), key=lambda severity: severity is Severity.WARNING)
-    found = replace(first.found, severity=worst)
+    found = first.found._replace(severity=worst)
     same_root = [hit for hit in group if hit.root == first.root]
     always = first.plain <= {hit.label for hit in same_root} and len({hit.found.message for hit in same_root}) == 1
     if always or any(not hit.root for hit in group):
@@ -61,7 +60,7 @@ def _merge(group: list[Hit]) -> Diagnostic:
         notes.append(Note(f"with {with_}" + ("" if message == found.message else f": {message}")))
     if len(messages) > MAX_NOTES:
         notes.append(Note(f"and in {len(messages) - MAX_NOTES} more ways"))
-    return replace(found, notes=(*notes, *found.notes))
+    return found._replace(notes=(*notes, *found.notes))
 
 
 def _once_per_package(found: list[Diagnostic]) -> Iterable[Diagnostic]:
@@ -78,5 +77,5 @@ def _once_per_package(found: list[Diagnostic]) -> Iterable[Diagnostic]:
         if others:
             lines = sorted({finding.span.position.line for finding in others if finding.span})
             where = ", ".join(str(line) for line in lines[:8]) + (", ..." if len(lines) > 8 else "")
-            first = replace(first, notes=(*first.notes, Note(f"also in line {where}")))
+            first = first._replace(notes=(*first.notes, Note(f"also in line {where}")))
         yield first

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from ur.check.rule import Rule, TextEdit
 from ur.launchfile.syntax import Comment, Element, LaunchFile
@@ -10,8 +10,7 @@ from ur.source.diagnostic import Diagnostic
 from ur.source.file import SourceFile, Span
 
 
-@dataclass(frozen=True, slots=True)
-class Repair:
+class Repair(NamedTuple):
     """A file's new text, and the findings that it fixes."""
 
     path: str
@@ -48,8 +47,7 @@ _LINE = re.compile(r"#\s*ur:\s*([^\n]*)")
 _WORDS = re.compile(r"(ignore|ignore-file)\s+([\w-]+(?:\s*,\s*[\w-]+)*)\s*(?::\s*(.*))?\Z", re.DOTALL)
 
 
-@dataclass(frozen=True, slots=True)
-class Suppression:
+class Suppression(NamedTuple):
     """A comment that hides findings of `rules` between two offsets of its file (None: in the whole file).
 
     A comment with a `problem` is invalid, and hides nothing.
@@ -63,12 +61,12 @@ class Suppression:
     problem: str | None = None
 
 
-@dataclass(slots=True)
 class Suppressions:
     """The suppressions of all files, and those that hid a finding."""
 
-    by_path: Mapping[str, tuple[Suppression, ...]]
-    used: set[tuple[str, int, str]] = field(default_factory=set)
+    def __init__(self, by_path: Mapping[str, tuple[Suppression, ...]]) -> None:
+        self.by_path = by_path
+        self.used: set[tuple[str, int, str]] = set()
 
     def hides(self, found: Diagnostic) -> bool:
         """Return whether a comment hides a finding, and record its use."""

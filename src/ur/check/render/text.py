@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import groupby
 from textwrap import fill
 
@@ -23,7 +22,7 @@ def render_text(report: CheckReport, *, colour: bool = False) -> str:
     findings, not_installed = split_not_installed(report.findings)
     nothing = "nothing else found" if not_installed.packages else "nothing found"
     text = render_human(findings, colour=colour) + _describe_gaps(report.gaps) + _describe_not_installed(not_installed)
-    return text + summarise(replace(report, findings=findings), nothing=nothing) + "\n"
+    return text + summarise(report._replace(findings=findings), nothing=nothing) + "\n"
 
 
 def _describe_gaps(gaps: Sequence[Diagnostic]) -> str:
@@ -76,10 +75,10 @@ def shorten_paths(report: CheckReport, folder: str) -> CheckReport:
         notes = tuple(Note(note.message.replace(prefix, ""), move(note.span)) for note in found.notes)
         help_ = found.help.replace(prefix, "") if found.help else None
         message = found.message.replace(prefix, "")
-        return replace(found, span=move(found.span), notes=notes, message=message, help=help_)
+        return found._replace(span=move(found.span), notes=notes, message=message, help=help_)
 
     findings, gaps = tuple(map(moved, report.findings)), tuple(map(moved, report.gaps))
-    return replace(report, findings=findings, gaps=gaps)
+    return report._replace(findings=findings, gaps=gaps)
 
 
 def render_github(report: CheckReport) -> str:

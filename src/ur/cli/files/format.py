@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -51,7 +50,7 @@ def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
         named = {world.absolute(each) for each in places}
         skipped = [each for each in targets.launch_files if is_ros2_name(each) and each not in named]
         unread = describe_unread(count_unread(skipped))
-        targets = replace(targets, launch_files=tuple(each for each in targets.launch_files if each not in skipped))
+        targets = targets._replace(launch_files=tuple(each for each in targets.launch_files if each not in skipped))
         changed, broken = _format_files(targets, world, progress, check=check, diff=diff)
     if note := describe_left_out(targets.left_out):
         click.echo(note, err=True)

@@ -182,7 +182,7 @@ def remember(old: str, new: str) -> None:
         (folder / f"{old}.yaml").unlink(missing_ok=True)
     selected = current_selection(os.environ)
     if selected.robot == old:
-        store_selection(selection_path(os.environ), replace(selected, robot=new))
+        store_selection(selection_path(os.environ), selected._replace(robot=new))
         print_line(f"here: {new} is selected, as {old} was")
 
 

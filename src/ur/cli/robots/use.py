@@ -4,7 +4,6 @@ import os
 import socket
 import sys
 from contextlib import suppress
-from dataclasses import replace
 
 import click
 
@@ -61,8 +60,8 @@ def choose_version(chosen: Selection, ros: str | None) -> Selection:
     if ros is None and not chosen.ros:
         with suppress(UserError):
             before = load_selection(selection_path(os.environ))
-            return replace(chosen, ros=before.ros if before.simulated else "")
-    return replace(chosen, ros=ros or chosen.ros)
+            return chosen._replace(ros=before.ros if before.simulated else "")
+    return chosen._replace(ros=ros or chosen.ros)
 
 
 def install_ros(version: str) -> None:

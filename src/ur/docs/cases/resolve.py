@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from ur.check.cases import resolve_cases
 from ur.check.rule import LaunchView
 from ur.check.worlds import CachedWorld
-from ur.docs.cases.started import StartedFile, StartedPlan, Starter, find_taking_part
+from ur.docs.cases.started import StartedFile, Starter, find_taking_part
 from ur.docs.documents import BaseCase
 from ur.docs.words import describe_condition
-from ur.launchfile.plan.specs import IncludeSpec, NodeSpec
+from ur.launchfile.plan.specs import IncludeSpec, NodeSpec, Plan
 from ur.launchfile.syntax import Element, LaunchFile
 
 
@@ -93,12 +93,12 @@ class Resolution:
     """One plan of a case. `label`: the option that is changed, `use_rviz:=false`; empty for other guesses."""
 
     label: str
-    plan: StartedPlan
+    plan: Plan
 
     @property
     def started(self) -> StartedFile:
         """Return the started nodes and includes."""
-        assert self.plan.started is not None
+        assert isinstance(self.plan.started, StartedFile)
         return self.plan.started
 
 
@@ -128,12 +128,10 @@ def resolve_outcomes(
     others: dict[BaseCase, list[Resolution]] = {}
     arguments: dict[BaseCase, tuple[tuple[str, str], ...]] = {}
     for resolved in resolve_cases(view, world, given, load=starter.load):
-        plan = resolved.plan
-        assert isinstance(plan, StartedPlan)
         values = dict(resolved.case.given)
         case = BaseCase(values.get("robot_base", ""), values.get("robot_variant", ""))
         flipped = resolved.case.flipped
-        resolution = Resolution(f"{flipped}:={values[flipped]}" if flipped else "", plan)
+        resolution = Resolution(f"{flipped}:={values[flipped]}" if flipped else "", resolved.plan)
         if case in default:
             others[case].append(resolution)
         else:
@@ -161,9 +159,7 @@ def _find_switches(
         assignments = list_assignments(element, files.views[path], files.outline_of(path))
         usable = (each for each in assignments if all(name in view.declared for name, _ in each))
         for assignment, outcome in itertools.product(usable, outcomes):
-            plan = _load_with(view, outcome, assignment, world, starter)
-            assert plan.started is not None
-            now = find_taking_part([plan.started])
+            now = find_taking_part([_load_with(view, outcome, assignment, world, starter).started])
             if element.start in now.get(path, ()):
                 for each, places in now.items():
                     there.setdefault(each, set()).update(places)
@@ -176,16 +172,14 @@ def _apply_switches(
 ) -> Iterator[Resolution]:
     for assignment in extra:
         label = " ".join(f"{name}:={value}" for name, value in assignment)
-        yield Resolution(label, _load_with(view, outcome, assignment, world, starter))
+        yield _load_with(view, outcome, assignment, world, starter, label)
 
 
 def _load_with(
-    view: LaunchView, outcome: ResolvedCase, assignment: Assignment, world: CachedWorld, starter: Starter
-) -> StartedPlan:
-    given = tuple(dict((*outcome.given, *assignment)).items())
-    plan = next(resolve_cases(view, world, given, load=starter.load)).plan
-    assert isinstance(plan, StartedPlan)
-    return plan
+    view: LaunchView, outcome: ResolvedCase, extra: Assignment, world: CachedWorld, starter: Starter, label: str = ""
+) -> Resolution:
+    given = tuple(dict((*outcome.given, *extra)).items())
+    return Resolution(label, next(resolve_cases(view, world, given, load=starter.load)).plan)
 
 
 def find_node(resolution: Resolution, start: int) -> NodeSpec | None:

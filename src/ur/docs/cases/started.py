@@ -37,18 +37,11 @@ class StartedFile:
     @property
     def included(self) -> Iterator[tuple[IncludeSpec, StartedFile | None]]:
         """Yield the includes among the items."""
-        return (item for item in self.items if isinstance(item, tuple))
+        return (item for item in self.items if not isinstance(item, NodeSpec))
 
 
 Item = Union[NodeSpec, tuple[IncludeSpec, StartedFile | None]]  # noqa: UP007 - evaluated, and Started has no `|` yet
 _Key = tuple[str, frozenset[tuple[str, str]], bool, int]
-
-
-@dataclass(frozen=True, slots=True)
-class StartedPlan(Plan):
-    """The plan of a root file alone, with the findings of all files below it, and those files."""
-
-    started: StartedFile | None = None
 
 
 class Starter:
@@ -62,13 +55,13 @@ class Starter:
         self._findings: dict[int, tuple[Diagnostic, ...]] = {}
         self._left = 0
 
-    def load(self, path: str, words: Sequence[str], world: CachedWorld) -> StartedPlan:
-        """Return the plan of a root file with `NAME:=VALUE` arguments."""
+    def load(self, path: str, words: Sequence[str], world: CachedWorld) -> Plan:
+        """Return the plan of a root file alone with `NAME:=VALUE` arguments, with the findings of all files below."""
         self._left = MAX_FILES
         started = self._start(path, read_assignments(words)[0], False, world, ())
         assert started is not None  # nothing is above a root
         plan = started.plan
-        return StartedPlan(
+        return Plan(
             nodes=plan.nodes,
             tests=plan.tests,
             params=plan.params,

@@ -146,7 +146,7 @@ class _Growing:
         path = self.maker.show_path(file)
         if child is None:
             return self.maker.intern("cycle" if include.found else "missing", path, path, note=note)
-        inner = [(label, item[1]) for label, item in found if isinstance(item, tuple) and item[1] is not None]
+        inner = [(label, item[1]) for label, item in found if not isinstance(item, NodeSpec) and item[1] is not None]
         children = self.grow(inner, place_name(include.namespace, namespace), depth + 1)
         return self.maker.intern("file", file.rpartition("/")[2], path, "", note, children)
 

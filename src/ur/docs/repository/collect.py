@@ -6,7 +6,7 @@ import re
 import shlex
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from ur.check.collect import Targets, collect_targets, is_script
 from ur.check.rule import BaseNames, LaunchView, Package, survey_launch_file
@@ -142,7 +142,7 @@ def collect_repository(path: str, world: World, progress: Progress = no_progress
             subject=path,
         )
     packages = _complete(targets, root, cached)
-    targets = replace(targets, packages=packages)
+    targets = targets._replace(packages=packages)
     sealed = CachedWorld(RepositoryWorld(cached, {each.name: each.folder for each in reversed(packages.values())}))
     findings: list[Diagnostic] = []
     views = list(_read(targets, sealed, findings, progress))
@@ -206,10 +206,10 @@ def _with_bases(views: Iterable[LaunchView], packages: dict[str, Package]) -> It
         if not package.bases:
             own = [view for view in views if view.package is not None and view.package.folder == folder]
             guessed = tuple(BaseNames(name, ()) for name in infer_bases(own))
-            packages[folder] = replace(package, bases=tuple(everywhere.values()) or guessed)
+            packages[folder] = package._replace(bases=tuple(everywhere.values()) or guessed)
     for view in views:
         package_ = packages[view.package.folder] if view.package is not None else None
-        yield replace(view, package=package_)
+        yield view._replace(package=package_)
 
 
 def _make_parts(

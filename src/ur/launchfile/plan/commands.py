@@ -1,8 +1,7 @@
 """`<param command=...>`: execution of the programs whose output is a parameter, if the caller wants it."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from ur.launchfile.plan.specs import ParamSpec, ParamValue, Plan
 from ur.launchfile.plan.values.convert import convert_scalar
@@ -13,8 +12,7 @@ from ur.source.diagnostic import Diagnostic, Note, error
 MAX_OUTPUT = 64 * 1024 * 1024
 
 
-@dataclass(frozen=True, slots=True)
-class CommandResult:
+class CommandResult(NamedTuple):
     """The exit code and the standard output of a command."""
 
     code: int
@@ -86,12 +84,12 @@ def run_commands(plan: Plan, run: CommandRunner) -> Plan:
         except ValueError as problem:
             diagnostics.append(_explain(param, str(problem)))
     params = tuple(
-        replace(param, value=values.get((param.command, param.command_type)), command=None)
+        param._replace(value=values.get((param.command, param.command_type)), command=None)
         if param.command is not None
         else param
         for param in plan.params
     )
-    return replace(plan, params=params, diagnostics=tuple(diagnostics), programs=())
+    return plan._replace(params=params, diagnostics=tuple(diagnostics), programs=())
 
 
 def _run(command: str, run: CommandRunner) -> CommandResult | str:

@@ -1,7 +1,5 @@
 """A plan under construction: its collected parts, and the findings."""
 
-from dataclasses import replace
-
 from ur.launchfile.plan.names import parents_of
 from ur.launchfile.plan.problems import TagRefused, refuse
 from ur.launchfile.plan.scope import Scope
@@ -98,7 +96,7 @@ class Draft:
             # A file that includes itself goes through the same places again and again: each is named once.
             places = {(span.file.path, span.start): span for span in reversed(chain)}
             steps = tuple(Note("included from here", span) for span in list(places.values())[:20])
-            found = replace(found, notes=found.notes + steps)
+            found = found._replace(notes=found.notes + steps)
         alike = sum(known.severity is found.severity for known in self.diagnostics)
         if alike < MAX_DIAGNOSTICS and found not in self.diagnostics:
             self.diagnostics.append(found)

@@ -1,7 +1,5 @@
 """Exceptions for refused tags, and the kinds of their diagnostics."""
 
-from dataclasses import replace
-
 from ur.source.diagnostic import Diagnostic, Note, Severity, error
 from ur.source.file import Span
 
@@ -40,4 +38,4 @@ def refuse(
 
 def as_warning(found: Diagnostic) -> Diagnostic:
     """Return the same finding as a warning, for a mistake that roslaunch accepts."""
-    return replace(found, severity=Severity.WARNING)
+    return found._replace(severity=Severity.WARNING)

@@ -1,7 +1,6 @@
 """The resolved plan: the content of a launch file, every item with its origin."""
 
-from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from ur.source.diagnostic import Diagnostic
 from ur.source.file import Span
@@ -10,16 +9,14 @@ ParamType = Literal["auto", "str", "int", "double", "bool", "yaml"]
 ParamValue = bool | int | float | str | bytes | list["ParamValue"] | dict[str, "ParamValue"] | None
 
 
-@dataclass(frozen=True, slots=True)
-class Origin:
+class Origin(NamedTuple):
     """The position of an item, and the `<include>` tags that led there, outermost first."""
 
     span: Span
     includes: tuple[Span, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class MachineSpec:
+class MachineSpec(NamedTuple):
     """A computer: roslaunch's `<machine>`."""
 
     name: str
@@ -31,8 +28,7 @@ class MachineSpec:
     origin: Origin
 
 
-@dataclass(frozen=True, slots=True)
-class ParamSpec:
+class ParamSpec(NamedTuple):
     """A parameter with its full name. `command` is set instead of a value if a program prints the value."""
 
     name: str
@@ -42,8 +38,7 @@ class ParamSpec:
     command_type: ParamType = "auto"
 
 
-@dataclass(frozen=True, slots=True)
-class ParamCommand:
+class ParamCommand(NamedTuple):
     """A `<rosparam command="dump">` or `"delete">`: an action on the parameter server before parameters are set.
 
     `file` is the target of a dump. `name` is the full name of the parameter or namespace.
@@ -58,8 +53,7 @@ class ParamCommand:
 ReadyKind = Literal["topic", "service", "frame", "action", "process"]
 
 
-@dataclass(frozen=True, slots=True)
-class ReadyCondition:
+class ReadyCondition(NamedTuple):
     """A readiness condition of a node: a published topic (at `rate` Hz), a service, a tf frame, an action.
 
     `name` is the full name on the master; that of a frame has no leading slash. "process" (without a name) means that
@@ -71,8 +65,7 @@ class ReadyCondition:
     rate: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class ParameterFile:
+class ParameterFile(NamedTuple):
     """A file with parameters that a node is given. `argument` is its path as the node gets it, if that differs."""
 
     path: str
@@ -80,8 +73,7 @@ class ParameterFile:
     argument: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class ParameterValues:
+class ParameterValues(NamedTuple):
     """Parameters that a node is given, in the order of the file.
 
     `is_global`: set for all nodes of a scope; `is_rule`: one by one, not as a file.
@@ -93,8 +85,7 @@ class ParameterValues:
     is_rule: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Trigger:
+class Trigger(NamedTuple):
     """The event that starts an item: `seconds` have passed, or a node has started, ended, printed, changed its state.
 
     `node` is the `key` of that node; empty for all nodes. `after` is the event from which on this one counts. Of a
@@ -106,7 +97,7 @@ class Trigger:
     seconds: float = 0.0
     after: "Trigger | None" = None
     states: tuple[str, str] = ("", "")
-    handler: int = field(default=0, compare=False)  # the number of the event handler, which an action may name
+    handler: int = 0  # the number of the event handler, which an action may name
 
 
 def describe_trigger(trigger: Trigger) -> str:
@@ -130,8 +121,7 @@ def describe_trigger(trigger: Trigger) -> str:
 NodeKind = Literal["node", "lifecycle", "container", "component", "program"]
 
 
-@dataclass(frozen=True, slots=True)
-class NodeSpec:
+class NodeSpec(NamedTuple):
     """A node to start. `args` is one resolved string; the runner splits it as roslaunch does.
 
     A `component` is loaded by the node `container`, and its `type` is a class; a `program` is not a node of ROS. Nodes
@@ -186,8 +176,7 @@ ACTIVATED = "1 3"
 ActionKind = Literal["log", "shutdown", "state", "unregister"]
 
 
-@dataclass(frozen=True, slots=True)
-class ActionSpec:
+class ActionSpec(NamedTuple):
     """Something that happens besides nodes: `text` is printed, the run ends, or the node `node` changes its state.
 
     `position` is the number of nodes of the plan before it. `text` is the reason of an end, a transition, or the number
@@ -202,8 +191,7 @@ class ActionSpec:
     position: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class TestSpec:
+class TestSpec(NamedTuple):
     """A `<test>`: a node and its time limits."""
 
     node: NodeSpec
@@ -212,8 +200,7 @@ class TestSpec:
     retry: int
 
 
-@dataclass(frozen=True, slots=True)
-class IncludeSpec:
+class IncludeSpec(NamedTuple):
     """An `<include>` that takes part; `origin` is the tag itself. `file` is absolute; `found`: it could be read.
 
     `namespace` is the initial one of the file, `arguments` those passed to it; `passes_all`: by `pass_all_args`.
@@ -227,8 +214,7 @@ class IncludeSpec:
     passes_all: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class ArgumentStep:
+class ArgumentStep(NamedTuple):
     """The effect of one `<arg>`.
 
     `passed_to` is the `<include>` that contains it; without one it declares the argument. `written` is the text of
@@ -247,8 +233,7 @@ class ArgumentStep:
     choices: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class RemapStep:
+class RemapStep(NamedTuple):
     """A `<remap>` that takes part."""
 
     source: str
@@ -256,8 +241,7 @@ class RemapStep:
     origin: Origin
 
 
-@dataclass(frozen=True, slots=True)
-class ValueStep:
+class ValueStep(NamedTuple):
     """The text that a substitution or an expression has at its place."""
 
     value: str
@@ -274,8 +258,7 @@ TraceStep = ArgumentStep | RemapStep | ValueStep | ParamSpec
 GapKind = Literal["", "command", "argument", "package"]
 
 
-@dataclass(frozen=True, slots=True)
-class Gap:
+class Gap(NamedTuple):
     """Something that reading a file does not find out. `reason` follows "is not known: " in messages.
 
     `kind` tells what the file is not responsible for: the output of a command, an argument that is not
@@ -287,8 +270,7 @@ class Gap:
     kind: GapKind = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Plan:
+class Plan(NamedTuple):
     """Everything a launch file defines. Complete only if `diagnostics` has no error."""
 
     nodes: tuple[NodeSpec, ...]
@@ -297,17 +279,18 @@ class Plan:
     clear_params: tuple[str, ...]  # namespaces whose parameters go before any is set
     machines: tuple[MachineSpec, ...]
     files: tuple[str, ...]  # every launch file read, absolute
-    diagnostics: tuple[Diagnostic, ...] = field(default=())
-    commands: tuple[ParamCommand, ...] = field(default=())  # in document order
-    programs: tuple[ParamSpec, ...] = field(default=())  # every <param command=>, overridden ones too
-    includes: tuple[IncludeSpec, ...] = field(default=())  # in document order, each time one is included
-    gaps: tuple[Gap, ...] = field(default=())
+    diagnostics: tuple[Diagnostic, ...] = ()
+    commands: tuple[ParamCommand, ...] = ()  # in document order
+    programs: tuple[ParamSpec, ...] = ()  # every <param command=>, overridden ones too
+    includes: tuple[IncludeSpec, ...] = ()  # in document order, each time one is included
+    gaps: tuple[Gap, ...] = ()
     launcher: Literal["roslaunch", "ros2 launch", "other"] = "roslaunch"  # whose file it is
-    unused: tuple[Span, ...] = field(default=())  # names of arguments that nothing read so far can use
-    environment: tuple[tuple[str, str], ...] = field(default=())  # set for all that follows, beyond that of the start
-    declared: tuple[str, ...] = field(default=(), compare=False)  # arguments that can be given, of a file for ROS 2
-    actions: tuple[ActionSpec, ...] = field(default=())
-    written: tuple[tuple[str, object], ...] = field(default=())  # files that the launcher writes: paths, texts by `str`
+    unused: tuple[Span, ...] = ()  # names of arguments that nothing read so far can use
+    environment: tuple[tuple[str, str], ...] = ()  # set for all that follows, beyond that of the start
+    declared: tuple[str, ...] = ()  # arguments that can be given, of a file for ROS 2
+    actions: tuple[ActionSpec, ...] = ()
+    written: tuple[tuple[str, object], ...] = ()  # files that the launcher writes: paths, texts by `str`
+    started: object = None  # of a plan that `ur docs` makes from those of single files: its file, with those below
 
     def all_nodes(self) -> tuple[NodeSpec, ...]:
         """Return the nodes, then those of the tests."""

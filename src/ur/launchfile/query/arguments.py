@@ -1,7 +1,7 @@
 """`--ros-args`: the arguments of a launch file, with their documentation."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ur.launchfile.load import has_tree, load_plan
 from ur.launchfile.plan.draft import Draft
@@ -17,8 +17,7 @@ from ur.source.diagnostic import Severity, UserError, user_error_about
 from ur.source.file import Span
 
 
-@dataclass(frozen=True, slots=True)
-class Interface:
+class Interface(NamedTuple):
     """The topics, services and actions of a node."""
 
     publishes: tuple[str, ...] = ()
@@ -37,8 +36,7 @@ def make_interface(
     return Interface(*(tuple(part.split()) for part in parts))
 
 
-@dataclass(frozen=True, slots=True)
-class ArgumentSpec:
+class ArgumentSpec(NamedTuple):
     """An argument that may be given. `default` is None if it is required; `doc` is empty without a comment.
 
     `choices`: the values that it may have; empty for any.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ur.launchfile.load import load_plan
 from ur.launchfile.plan.names import canonical_name, join_names, read_assignments
@@ -60,8 +60,7 @@ _WORD = re.compile(r"[A-Za-z_]\w*")
 _LONG = 70
 
 
-@dataclass(frozen=True, slots=True)
-class ExplanationStep:
+class ExplanationStep(NamedTuple):
     """One step of the resolution of a value, its position, and the steps that it depends on."""
 
     text: str

@@ -239,7 +239,7 @@ class Nodes(Collector):
 
     def _add(self, made: Made, node: NodeSpec) -> None:
         number = self._numbers[node.full_name] = self._numbers.get(node.full_name, 0) + 1
-        node = node if number == 1 else replace(node, number=number)
+        node = node if number == 1 else node._replace(number=number)
         self._made[id(made)] = node
         self._kept.append(made)
         if node.is_named and node.kind != "program" and node.trigger is None and "<" not in node.full_name:

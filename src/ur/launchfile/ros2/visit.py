@@ -39,7 +39,7 @@ class Visitor(Declarations):
         self._visit_file(description)
         while self._later:
             entities, trigger, target, self._context.file, self._context.chain = self._later.pop(0)
-            self._trigger = trigger if target is None else replace(trigger, node=self._key_of(target))
+            self._trigger = trigger if target is None else trigger._replace(node=self._key_of(target))
             self._visit_all(entities)
         self._trigger = None
         started = {node.full_name for node in self._draft.nodes}
@@ -54,8 +54,7 @@ class Visitor(Declarations):
 
     def finish(self) -> Plan:
         """Return the plan."""
-        return replace(
-            self._draft.finish(),
+        return self._draft.finish()._replace(
             gaps=tuple(self._gaps),
             launcher="ros2 launch",
             unused=self.find_unused(),
@@ -343,7 +342,7 @@ class Visitor(Declarations):
         path = self._text(made.get("filename", ""), made.span)
         source = self._parameter_file(path, made.place("filename"))
         if source is not None:
-            shared = replace(source, argument="")  # absolute for all nodes
+            shared = source._replace(argument="")  # absolute for all nodes
             self._context.global_parameters = (*self._context.global_parameters, shared)
 
     def _push_configurations(self, _: Made) -> None:

@@ -1,7 +1,7 @@
 """The small language inside attribute values: `$(find pkg)`, `$(arg name)`, `$(eval expression)` and others."""
 
-from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 COMMANDS = ("find", "env", "optenv", "dirname", "anon", "arg")
 _EVAL = "$(eval "
@@ -33,8 +33,7 @@ class SubstitutionProblem(Exception):  # noqa: N818 - carries a finding to where
         self.kind = kind
 
 
-@dataclass(frozen=True, slots=True)
-class SubstitutionWord:
+class SubstitutionWord(NamedTuple):
     """A word inside `$(...)` and its position in the value."""
 
     text: str
@@ -42,8 +41,7 @@ class SubstitutionWord:
     end: int
 
 
-@dataclass(frozen=True, slots=True)
-class Substitution:
+class Substitution(NamedTuple):
     """One `$(command word ...)`. `content` is the text between the parentheses; offsets include `$(` and `)`.
 
     `command` is not validated: see COMMANDS. For `$(eval ...)`, which is the whole value, `content` is the expression

@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from ur.source.diagnostic import Diagnostic
@@ -22,8 +21,7 @@ _TEXT_PART = re.compile(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Comment:
+class Comment(NamedTuple):
     """A comment. `text` is the text between the dashes."""
 
     span: Span
@@ -178,8 +176,7 @@ class _Piece(NamedTuple):
     place: written_offsets  # from offsets in the piece to those in the file
 
 
-@dataclass(frozen=True, slots=True)
-class LaunchFile:
+class LaunchFile(NamedTuple):
     """A parsed file. `launch` is the only `<launch>` element; None if there is none, or more than one.
 
     With an error in `diagnostics`, the tree contains the elements before it.

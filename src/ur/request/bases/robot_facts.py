@@ -3,7 +3,6 @@
 import os
 import socket
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
 
 from ur.request.environment import environment_changes
 from ur.request.launch_request import Report
@@ -40,11 +39,11 @@ def know_base(
         return selection
     facts = ask(graph_address(environment | environment_changes(selection, environment)))
     if facts is not None:
-        return replace(selection, base=facts[0], variant=facts[1])
+        return selection._replace(base=facts[0], variant=facts[1])
     if selection.base or not is_this_computer(selection.robot):
         return selection
     found = robot_file()
-    return replace(selection, base=found.base, variant=found.variant) if found else selection
+    return selection._replace(base=found.base, variant=found.variant) if found else selection
 
 
 def read_facts(master_uri: str) -> Facts | None:

@@ -116,7 +116,7 @@ def start_there(loaded: LoadedPlan, client: str, report: Report) -> Iterator[Sha
     theirs = [node.full_name for node in plan.nodes if node.machine == loaded.robot]
     address = robot_address(loaded.robot)
     here = keep_nodes(plan, {node.full_name for node in plan.nodes} - set(theirs))
-    here = replace(here, commands=tuple(each for each in plan.commands if each.command == "dump"))
+    here = here._replace(commands=tuple(each for each in plan.commands if each.command == "dump"))
     ours = bool(here.nodes) or not launch.options.detach
     names = tuple(node.full_name for node in here.nodes if not _is_anonymous(node.full_name))
     request = ShareRequest(

@@ -8,7 +8,7 @@ import re
 import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 from typing import Literal
@@ -149,7 +149,7 @@ def find_layout(path: Path) -> Layout:
     try:
         return _find_layout(path)
     except UserError as problem:
-        raise UserError(*(replace(each, message=f"{path}: {each.message}") for each in problem.diagnostics)) from None
+        raise UserError(*(each._replace(message=f"{path}: {each.message}") for each in problem.diagnostics)) from None
 
 
 def _find_layout(path: Path) -> Layout:

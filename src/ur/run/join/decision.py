@@ -1,7 +1,7 @@
 """Decision about the nodes of a plan that are already running at the same master. Pure."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from ur.launchfile.plan.specs import NodeSpec, ParamSpec, Plan
@@ -197,8 +197,7 @@ def leave_out(plan: Plan, decision: Decision) -> Plan:
         return plan
     plan = keep_nodes(plan, {node.full_name for node in plan.nodes} - joined)
     private = tuple(node.full_name + "/" for node in plan.nodes)
-    return replace(
-        plan,
+    return plan._replace(
         params=tuple(
             each for each in plan.params if not (decision.base and is_base(each)) or each.name.startswith(private)
         ),

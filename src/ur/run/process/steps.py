@@ -6,7 +6,6 @@ Each is a process of `ur_nodes.launch_steps_node` with a file of its calls. Sour
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import cache
 from typing import cast
 
@@ -59,7 +58,7 @@ def describe_steps(plan: Plan, world: World) -> tuple[tuple[Planned, ...], dict[
             if each.kind == "state" and id(each) not in awaited:
                 call: Fields = {"service": f"{each.node}/get_state", "fields": {}, "until": each.states[1]}
                 unit = add(f"{each.node}/await_{each.states[1] or 'state'}", [call], each.after, 0)
-                awaited[id(each)] = replace(each, node=unit)
+                awaited[id(each)] = each._replace(node=unit)
             each = each.after
     return tuple(found), awaited
 

@@ -3,7 +3,6 @@
 import re
 import socket
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import replace
 
 from ur.launchfile.plan.specs import LOCAL_ADDRESSES, NodeSpec, Plan
 from ur.run.master.client import Master, parse_master_uri
@@ -67,13 +66,12 @@ def rename_nodes(plan: Plan, names: Mapping[str, str]) -> Plan:
                 return new + name[len(old) :]
         return name
 
-    return replace(
-        plan,
+    return plan._replace(
         nodes=tuple(_rename(node, names, move) for node in plan.nodes),
-        params=tuple(replace(each, name=move(each.name)) for each in plan.params),
+        params=tuple(each._replace(name=move(each.name)) for each in plan.params),
         clear_params=tuple(move(space.rstrip("/") + "/") for space in plan.clear_params),
-        commands=tuple(replace(each, name=move(each.name)) for each in plan.commands),
-        programs=tuple(replace(each, name=move(each.name)) for each in plan.programs),
+        commands=tuple(each._replace(name=move(each.name)) for each in plan.commands),
+        programs=tuple(each._replace(name=move(each.name)) for each in plan.programs),
     )
 
 
@@ -98,9 +96,8 @@ def is_same_master(one: str, other: str) -> bool:
 
 def _rename(node: NodeSpec, names: Mapping[str, str], move: Callable[[str], str]) -> NodeSpec:
     full = names.get(node.full_name, node.full_name)
-    return replace(
-        node,
+    return node._replace(
         name=full[len(node.namespace) :],
         remaps=tuple((move(source), move(target)) for source, target in node.remaps),
-        ready=tuple(replace(each, name=move(each.name)) for each in node.ready),
+        ready=tuple(each._replace(name=move(each.name)) for each in node.ready),
     )

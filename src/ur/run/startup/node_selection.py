@@ -67,10 +67,10 @@ def leave_out_viewers(
 def force_options(node: NodeSpec, options: RunOptions) -> NodeSpec:
     """Return a node with the options for all nodes applied."""
     if options.force_screen:
-        node = replace(node, output="screen")
+        node = node._replace(output="screen")
     if options.force_log:
-        node = replace(node, output="log")
-    return replace(node, required=True) if options.force_required and not node.respawn else node
+        node = node._replace(output="log")
+    return node._replace(required=True) if options.force_required and not node.respawn else node
 
 
 def find_remote(plan: Plan, nodes: Sequence[NodeSpec]) -> list[Diagnostic]:
@@ -160,7 +160,7 @@ def split_plan(plan: Plan, is_here: Callable[[str], bool]) -> tuple[Plan, tuple[
         key = (machine.address, machine.ssh_port, machine.user)
         before = away.get(key, Away(machine, ()))
         away[key] = replace(before, nodes=(*before.nodes, node))
-    return replace(plan, nodes=tuple(here)), tuple(away.values())
+    return plan._replace(nodes=tuple(here)), tuple(away.values())
 
 
 def keep_nodes(plan: Plan, names: Collection[str]) -> Plan:
@@ -170,8 +170,7 @@ def keep_nodes(plan: Plan, names: Collection[str]) -> Plan:
     """
     nodes = tuple(node for node in plan.nodes if node.full_name in names)
     others = [node.full_name + "/" for node in plan.nodes if node.full_name not in names]
-    return replace(
-        plan,
+    return plan._replace(
         nodes=nodes,
         params=tuple(each for each in plan.params if not any(each.name.startswith(other) for other in others)),
         clear_params=tuple(

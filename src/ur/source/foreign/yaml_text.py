@@ -1,8 +1,7 @@
 """Untrusted YAML, with limits on its nesting (before parsing), its numbers, and the expansion of its aliases."""
 
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 
@@ -17,8 +16,7 @@ _NUMBERS = frozenset({"tag:yaml.org,2002:int", "tag:yaml.org,2002:float"})
 _Loader: type[yaml.SafeLoader] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
-@dataclass(frozen=True, slots=True)
-class DumpedYaml:
+class DumpedYaml(NamedTuple):
     """The content of a file whose text is made where it is needed, by `str`: PyYAML takes long for it."""
 
     content: object

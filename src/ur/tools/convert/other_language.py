@@ -2,7 +2,6 @@
 
 import difflib
 from collections.abc import Iterator, Mapping
-from dataclasses import fields, replace
 from typing import Literal
 
 from ur.launchfile.plan.specs import ArgumentStep, NodeSpec, ParameterValues, Plan, TraceStep, describe_trigger
@@ -93,10 +92,9 @@ def _describe_plan(plan: Plan) -> Iterator[str]:
 
 
 def _describe_node(node: NodeSpec) -> Iterator[str]:
-    for each in fields(node):
-        value = getattr(node, each.name)
-        if each.name not in _APART and value != each.default:
-            yield f"{each.name} = {value!r}"
+    for name, value in node._asdict().items():
+        if name not in _APART and (name not in node._field_defaults or value != node._field_defaults[name]):
+            yield f"{name} = {value!r}"
     yield f"arguments = {node.words!r}"
     if node.trigger is not None:
         yield f"starts {describe_trigger(node.trigger)}"
@@ -131,7 +129,7 @@ def convert_to(path: str, world: World, language: Language) -> Converted:
     text = HEAD + write_xml(root) if language == "xml" else write_yaml(root)
     target = name_in(path, language)
     tested = [_tested(name, description) for name in sorted(marked.variables.tested)]
-    named = [replace(each, message=marked.show(each.message)) for each in findings.finish()]
+    named = [each._replace(message=marked.show(each.message)) for each in findings.finish()]
     found = list({(each.span, each.message): each for each in (*tested, *named)}.values())
     if not found and (difference := compare_plans(path, target, text, world, marked.variables.used)) is not None:
         found.append(_different(path, *difference))

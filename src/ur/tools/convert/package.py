@@ -1,6 +1,6 @@
 """Conversion of a launch file, or of all below a folder, with the place of each file in its package."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from ur.check.collect import Targets, collect_targets
 from ur.launchfile.load import is_for_ros2
@@ -49,7 +49,7 @@ def convert_all(
     targets = collect_targets([path], world)
     of_ros1 = tuple(each for each in targets.launch_files if not is_for_ros2(each, world))
     others = tuple(each for each in targets.launch_files if not each.endswith(f".{language}"))
-    targets = replace(targets, launch_files=of_ros1 or others)
+    targets = targets._replace(launch_files=of_ros1 or others)
     if not targets.launch_files:
         reason = "no launch file in it, expected one to convert"
         help_ = "launch files end in .launch, .launch.xml, .launch.yaml or .py"

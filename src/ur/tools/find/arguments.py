@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Set
-from dataclasses import replace
 
 from ur.check.cases import resolve_cases
 from ur.check.inclusion import IncludeFinder, list_includes, passes_all
@@ -76,14 +75,14 @@ def _plans(view: LaunchView, world: CachedWorld, renamed: Iterable[str], new: st
 
 def _with_old_name(plan: Plan, files: frozenset[str], new: str, old: str) -> Plan:
     if not files:
-        return replace(plan, diagnostics=())
+        return plan._replace(diagnostics=())
     includes = tuple(
-        replace(each, arguments=tuple((old if name == new else name, value) for name, value in each.arguments))
+        each._replace(arguments=tuple((old if name == new else name, value) for name, value in each.arguments))
         if each.file in files
         else each
         for each in plan.includes
     )
-    return replace(plan, includes=includes, diagnostics=())
+    return plan._replace(includes=includes, diagnostics=())
 
 
 def _refuse(message: str, help_: str) -> None:

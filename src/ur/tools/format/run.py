@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass
 
 from ur.check.cases import resolve_cases
 from ur.check.rule import Package, survey_launch_file
@@ -141,20 +141,16 @@ def describe_plan(plan: Plan) -> object:
     """Return a plan as a value for comparison: all of its content, without the positions of origin."""
     reported = Counter((found.severity, found.rule, found.message) for found in plan.diagnostics)
     return reported, [
-        _plain(getattr(plan, field.name))
-        for field in fields(plan)
-        if field.compare and field.name not in ("diagnostics", "files")
+        _plain(value) for name, value in plan._asdict().items() if name not in ("declared", "diagnostics", "files")
     ]
 
 
 def _plain(value: object) -> object:
     """Return a value of a plan without the positions of its origin."""
-    if is_dataclass(value) and not isinstance(value, (type, Span)):
-        return [_plain(getattr(value, f.name)) for f in fields(value) if not isinstance(getattr(value, f.name), Origin)]
     if isinstance(value, Span):
         return value.text
     if isinstance(value, tuple | list):
-        return [_plain(each) for each in value]
+        return [_plain(each) for each in value if not isinstance(each, Origin)]
     return repr(value) if isinstance(value, float) else value
 
 

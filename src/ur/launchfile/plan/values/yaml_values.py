@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -110,10 +109,16 @@ def read_yaml_once(text: str, reads_angles: bool, budget: Budget | None = None) 
     return _read_known(text, reads_angles, _Payer(budget))
 
 
-@dataclass(frozen=True)
 class _Payer:
     # Equal to all others: what one file has been charged for is not charged again.
-    budget: Budget | None = field(compare=False)
+    def __init__(self, budget: Budget | None) -> None:
+        self.budget = budget
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Payer)
+
+    def __hash__(self) -> int:
+        return 0
 
 
 @lru_cache(maxsize=64)
