@@ -10,28 +10,18 @@ import click
 from rich_click import RichCommand, RichContext, RichGroup, RichHelpConfiguration
 from rich_click.utils import OptionGroupDict
 
-from ur.cli.verbs import HELP, VERBS, list_sections, load_verb
-from ur.cli.verbs.verb import PLUMBING, Below, Verb
+from ur.cli.verbs import VERBS, load_verb
+from ur.cli.verbs.verb import Below, Verb
 from ur.source.diagnostic import user_error
 from ur.source.render import shows_colour
 from ur.source.suggest import did_you_mean
 
 
 def show_help(argv: list[str]) -> None:
-    """Print the page of `ur`, of one verb (`robot`, `robot setup`) or of a program (`run NAME`, `NAME`).
+    """Print the page of one verb (`robot`, `robot setup`) or of a program (`run NAME`, `NAME`).
 
     Raises UserError when there is none.
     """
-    if not argv:
-        # Print the verbs of each section, at most 50 lines of 80 columns
-        lines = [HELP, "Usage: ur VERB [ARGS]; 'ur help VERB' describes one.", "First drive: ur run keyboard_navigate"]
-        sections = {title: verbs for title, verbs in list_sections().items() if title != PLUMBING}
-        width = max(len(verb.name) for verbs in sections.values() for verb in verbs)
-        for title, verbs in sections.items():
-            lines += ["", click.style(title, bold=True)]
-            lines += [f"  {click.style(verb.name.ljust(width), fg='cyan')}  {verb.summary}" for verb in verbs]
-        click.echo("\n".join(lines), color=None if shows_colour(sys.stdout) else False)
-        return
     if argv[0] not in VERBS or (argv[0] == "run" and len(argv) > 1 and not argv[1].startswith("-")):
         _show_program(argv[1] if argv[0] == "run" else argv[0], known_verb=argv[0] == "run")
         return

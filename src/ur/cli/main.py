@@ -51,9 +51,7 @@ def _launch(argv: list[str]) -> int:
 
 
 def _dispatch(argv: list[str], load: Callable[[str], click.Command] | None) -> int:
-    import click
-
-    from ur.cli.verbs import HELP, VERBS, load_verb, replace_old_spelling
+    from ur.cli.verbs import HELP, VERBS, load_verb, replace_old_spelling, write_page
     from ur.source.render import shows_colour
 
     asks = argv[:1] == ["help"]
@@ -61,16 +59,16 @@ def _dispatch(argv: list[str], load: Callable[[str], click.Command] | None) -> i
     if verb:
         _print_error(f"warning: 'ur {argv[asks]}' is now 'ur {verb}'; the old spelling ends with the next release")
         argv[asks:] = words  # in place: messages about it name what was read
-    if not argv or argv[0] in ("--help", "-h", "help"):
+    if not argv or argv[0] in ("--help", "-h") or argv == ["help"]:
+        sys.stdout.write(write_page(colour=shows_colour(sys.stdout)))
+        return 0
+    if argv[0] == "help" or (argv[0] in VERBS and _wants_help(argv)):
         from ur.cli.help import show_help
 
-        show_help(argv[1:] if argv and argv[0] == "help" else [])
+        show_help(argv[1:] if argv[0] == "help" else argv)
         return 0
-    if argv[0] in VERBS and _wants_help(argv):
-        from ur.cli.help import show_help
+    import click
 
-        show_help(argv)
-        return 0
     group = click.Group("ur", params=[_version_option()], help=HELP)
     if argv[0] in VERBS:
         group.add_command((load or load_verb)(argv[0]), argv[0])

@@ -6,11 +6,9 @@ import os
 import re
 import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from ur.request.launch_request import LaunchFiles
 from ur.source.arguments import Argument
 from ur.source.diagnostic import user_error
 from ur.source.foreign.files import read_head, read_text
@@ -18,6 +16,7 @@ from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
     from ur.launchfile.query.arguments import ArgumentSpec
+    from ur.request.launch_request import LaunchFiles
 
 PREFIX = "ur_"
 _HEAD = 30  # lines
@@ -27,8 +26,7 @@ _ONLY_LAUNCH = r'exec "\$here/ur" launch ((?:[\w.:=/-]+ )+)"\$@"'  # texts: Tab 
 _LAUNCH = r"(?m)^[^#\n]*\blaunch\s+(\w+)\s+(\w+\.launch(?:\.xml)?)\b"
 
 
-@dataclass(frozen=True, slots=True)
-class Program:
+class Program(NamedTuple):
     """A program: its name without `ur_`, its path, its `##Summary:` (may be empty), and its package's name."""
 
     name: str
@@ -42,20 +40,23 @@ class Program:
         return self.path.parent.parent
 
 
-@dataclass(frozen=True, slots=True)
-class ProgramIndex:
+class ProgramIndex(NamedTuple):
     """The programs of every package, the launch library's first; `problem` is the reason for omitted packages."""
 
-    programs: tuple[Program, ...] = field(default=())
+    programs: tuple[Program, ...] = ()
     problem: str = ""
 
 
-def list_programs(folder: Path, package: str = "") -> tuple[Program, ...]:
+def list_programs(folder: str | os.PathLike[str], package: str = "") -> tuple[Program, ...]:
     """Return every executable `ur_*` of a folder, sorted by name."""
+    try:
+        names = sorted(os.listdir(folder))  # noqa: PTH208 - Tab does this for each package
+    except OSError:
+        return ()
     return tuple(
-        Program(path.name.removeprefix(PREFIX), path, read_summary(path), package)
-        for path in sorted(folder.glob(PREFIX + "*"))
-        if path.is_file() and os.access(path, os.X_OK)
+        Program(name.removeprefix(PREFIX), path, read_summary(path), package)
+        for name in names
+        if name.startswith(PREFIX) and (path := Path(folder, name)).is_file() and os.access(path, os.X_OK)
     )
 
 
@@ -63,7 +64,7 @@ def index_programs(library: Path, environment: Mapping[str, str]) -> ProgramInde
     """Find the programs of the launch library, then those of the packages on ROS_PACKAGE_PATH by package name."""
     from ur.launchfile.world.packages import find_packages, package_paths
 
-    own = list_programs(library / "bin", library.name)
+    own = list_programs(f"{library}/bin", library.name)
     try:
         packages = find_packages(package_paths(environment))
     except (OSError, ValueError) as problem:
@@ -72,7 +73,7 @@ def index_programs(library: Path, environment: Mapping[str, str]) -> ProgramInde
         program
         for name, folder in sorted(packages.items())
         if name != library.name
-        for program in list_programs(Path(folder) / "bin", name)
+        for program in list_programs(f"{folder}/bin", name)
     )
     return ProgramIndex((*own, *others))
 
@@ -193,6 +194,7 @@ def check_arguments(program: Program, arguments: Sequence[Argument], environment
     if path is None:
         return  # the program reads its arguments itself
     from ur.launchfile.world.system import SystemWorld
+    from ur.request.launch_request import LaunchFiles
 
     refuse_undeclared(program.name, arguments, LaunchFiles([str(path)], SystemWorld(environment)).declared)
 
@@ -213,6 +215,7 @@ def read_program_arguments(path: Path, environment: Mapping[str, str]) -> tuple[
     from ur.launchfile.query.arguments import ArgumentSpec, read_arguments
     from ur.launchfile.world.system import SystemWorld
     from ur.request.environment import add_own_package, current_selection
+    from ur.request.launch_request import LaunchFiles
     from ur.request.plan_files import selected_arguments, texts
     from ur.source.arguments import values_of
 

@@ -10,6 +10,7 @@ import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import lru_cache
 
 from ur.complete import names
 from ur.complete.completions import Completion, NameSources, Option, Source
@@ -24,6 +25,9 @@ _RUN_COMMANDS = {
     "maps command": "ur.cli.maps.maps",
     "image command": "ur.cli.robot_setup.image",
 }
+
+
+_HELP = Option(("--help",), "Show this page.")
 
 
 def answer_completion(words: Sequence[str]) -> int:
@@ -88,6 +92,12 @@ def _kinds(verb: str) -> tuple[str, ...]:
 
 
 def _options(verb: str) -> tuple[Option, ...]:
+    if verb == "launch":
+        from ur.cli.launch.options import GROUPS
+
+        shown = (option for options in GROUPS.values() for option in options)
+        found = [Option(each.names, each.help, each.kind != "flag", each.choices) for each in shown]
+        return (*found, _HELP)
     import click
 
     from ur.cli.verbs import VERBS, load_verb
@@ -106,7 +116,7 @@ def _options(verb: str) -> tuple[Option, ...]:
         for parameter in {each.name: each for one in (command, *commands) for each in one.params}.values()
         if isinstance(parameter, click.Option) and not parameter.hidden
     ]
-    return (*found, Option(("--help",), "Show this page."))
+    return (*found, _HELP)
 
 
 def _commands(module: str) -> Source:
@@ -122,5 +132,6 @@ def _commands(module: str) -> Source:
     return source
 
 
+@lru_cache  # one for most of them: "package"
 def _flat(text: str) -> str:
     return "".join(each for each in " ".join(text.replace("`", "").split()) if each.isprintable())

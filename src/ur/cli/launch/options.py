@@ -7,11 +7,13 @@ of this table, for help, completion, and messages about mistakes.
 import math
 from collections.abc import Mapping, Sequence
 from itertools import chain
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from ur.request.launch_request import LaunchOptions, Query
 from ur.source.arguments import CommandLine, split_argv
 from ur.source.diagnostic import user_error
+
+if TYPE_CHECKING:
+    from ur.request.launch_request import LaunchOptions, Query
 
 # roslaunch 1.16's own options; there, '--dump-params' may be abbreviated '--dump', which is a different option here.
 ROSLAUNCH = (
@@ -158,11 +160,13 @@ HIDDEN = (
 OPTIONS = {name: option for option in (*chain.from_iterable(GROUPS.values()), *HIDDEN) for name in option.names}
 
 
-def read_launch(argv: Sequence[str]) -> tuple[CommandLine, LaunchOptions]:
+def read_launch(argv: Sequence[str]) -> "tuple[CommandLine, LaunchOptions]":
     """Read the arguments of `ur launch`. Raises BadOptionError, and UserError for an option that is refused.
 
     Unambiguous prefixes of roslaunch's long options are accepted, as optparse does.
     """
+    from ur.request.launch_request import LaunchOptions  # for completion it would only cost time
+
     values: dict[str, Any] = {}
     words: list[str] = []
     left = list(reversed(argv))

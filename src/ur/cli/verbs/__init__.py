@@ -10,8 +10,9 @@ from ur.cli.verbs.computer import COMPUTER
 from ur.cli.verbs.driving import DRIVING
 from ur.cli.verbs.launching import LAUNCHING
 from ur.cli.verbs.robots import ROBOTS
-from ur.cli.verbs.verb import Below, Trust, Verb
+from ur.cli.verbs.verb import PLUMBING, Below, Trust, Verb
 from ur.cli.verbs.writing import WRITING
+from ur.source.ansi import BOLD, CYAN, paint, strip_styles
 
 if TYPE_CHECKING:
     import click
@@ -47,6 +48,18 @@ def list_sections() -> dict[str, list[Verb]]:
     for verb in VERBS.values():
         found.setdefault(verb.section, []).append(verb)
     return found
+
+
+def write_page(*, colour: bool) -> str:
+    """Return the page of `ur`: the verbs of each section, at most 50 lines of 80 columns."""
+    lines = [HELP, "Usage: ur VERB [ARGS]; 'ur help VERB' describes one.", "First drive: ur run keyboard_navigate"]
+    sections = {title: verbs for title, verbs in list_sections().items() if title != PLUMBING}
+    width = max(len(verb.name) for verbs in sections.values() for verb in verbs)
+    for title, verbs in sections.items():
+        lines += ["", paint(title, BOLD)]
+        lines += [f"  {paint(verb.name.ljust(width), CYAN)}  {verb.summary}" for verb in verbs]
+    page = "\n".join(lines) + "\n"
+    return page if colour else strip_styles(page)
 
 
 def list_pages() -> Iterator[tuple[str, Verb | Below]]:

@@ -123,12 +123,12 @@ def _check(status: os.stat_result, limit: int, name: str) -> None:
 
 
 def _read_all(descriptor: int, limit: int, name: str) -> bytes:
-    # Files of /proc and /sys have no size, and any file may grow meanwhile.
+    # Files of /proc and /sys have no size, and any file may grow meanwhile: one byte more is asked for.
     size = os.fstat(descriptor).st_size
     data = os.read(descriptor, min(max(size + 1, _BLOCK), limit + 1))
     parts = [data]
     total = len(data)
-    while data and total <= limit:
+    while data and size != total <= limit:
         data = os.read(descriptor, _BLOCK)
         parts.append(data)
         total += len(data)
