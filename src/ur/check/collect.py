@@ -13,7 +13,6 @@ from ur.launchfile.world import World
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.source.diagnostic import Diagnostic, UserError, error, error_about, user_error_about
 from ur.source.file import SourceFile
-from ur.source.section import parse_section
 from ur.source.suggest import did_you_mean
 
 MAX_DEPTH = 30
@@ -279,6 +278,8 @@ def _read_bases(folder: str, world: World) -> Iterable[BaseNames]:
             continue
         try:
             text = world.read_bytes(path).decode("utf-8", "replace")
+            from ur.source.section import parse_section  # with PyYAML, only where there is such a file
+
             whole = parse_section(SourceFile(path, text), "a base file")
             yield BaseNames(name, whole.section("variants").keys if whole.has("variants") else ())
         except (UserError, OSError):  # the file itself is reported as YAML

@@ -10,10 +10,10 @@ import stat
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from importlib.util import find_spec
 from typing import Annotated, NamedTuple
 from xml.parsers import expat
 
-import yaml
 from msgspec import Meta
 
 from ur.check.cache.recall import KeptOutline, KnownFindings, Recall, RecalledFile, is_question
@@ -21,7 +21,7 @@ from ur.source.foreign.json_values import read_json_names, write_json_names
 from ur.source.replace import PRIVATE, make_folder, replace_file
 from ur.source.user_folders import user_folder
 
-# ruff: noqa: PTH118, PTH123
+# ruff: noqa: PTH118, PTH123, PTH208
 
 
 _PACKAGES = ("check", "launchfile", "source")  # all that takes part in a check
@@ -31,8 +31,12 @@ def digest_program() -> str:
     """Return a digest of the source of all involved modules, and of the versions of the parsers."""
     top = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))  # noqa: PTH100
     digest = hashlib.blake2b(digest_size=20)
-    digest.update(repr((sys.version, yaml.__version__, yaml.__with_libyaml__, expat.EXPAT_VERSION)).encode())
-    for path in sorted(path for package in _PACKAGES for path in _sources(os.path.join(top, package))):
+    parser = os.path.dirname(str(getattr(find_spec("yaml"), "origin", "")))  # which takes time to import
+    digest.update(
+        repr((sys.version, parser, sorted({*os.listdir(parser)} - {"__pycache__"}), expat.EXPAT_VERSION)).encode()
+    )
+    sources = sorted(path for package in _PACKAGES for path in _sources(os.path.join(top, package)))
+    for path in (f"{parser}/__init__.py", *sources):
         with open(path, "rb") as file:
             data = file.read()
         digest.update(f"\n{path.removeprefix(top)} {len(data)}\n".encode("utf-8", "surrogateescape"))

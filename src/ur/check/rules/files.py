@@ -1,23 +1,28 @@
 """Rules about files: YAML, and files and includes that the parser and resolver of launch files report."""
 
-from collections.abc import Iterable, Iterator
+from __future__ import annotations
 
-import yaml
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
 
 from ur.check.example_parts import make_launch
 from ur.check.rule import Example, Rule, RuleFinding, RuleGroup, YamlView, launch_example, launch_examples
 from ur.launchfile.plan.values.yaml_values import MAX_VALUES
 from ur.source.diagnostic import Note, Severity
 from ur.source.file import SourceFile, Span
-from ur.source.foreign.yaml_text import check_depth, check_size
 
-_Loader: type[yaml.SafeLoader] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+if TYPE_CHECKING:
+    import yaml  # imported where there is such a file: it takes a tenth of a check
 
 
 def _find_bad_yaml(view: YamlView) -> Iterable[RuleFinding]:
     source = view.source
     if not is_plain_yaml(source):
         return
+    import yaml
+
+    from ur.source.foreign.yaml_text import check_size
+
     try:
         documents = compose_documents(source)
     except yaml.MarkedYAMLError as problem:
@@ -46,6 +51,8 @@ def _find_bad_yaml(view: YamlView) -> Iterable[RuleFinding]:
 
 def _python_reads(text: str) -> bool:
     # roslaunch uses the parser in Python, which accepts a little more than libyaml, and is ten times as slow.
+    import yaml
+
     try:
         list(yaml.compose_all(text, Loader=yaml.SafeLoader))
     except (yaml.YAMLError, RecursionError):
@@ -56,6 +63,8 @@ def _python_reads(text: str) -> bool:
 def _find_duplicate_keys(view: YamlView) -> Iterable[RuleFinding]:
     if not is_plain_yaml(view.source):
         return
+    import yaml
+
     try:
         documents = compose_documents(view.source)
     except yaml.YAMLError:
@@ -79,6 +88,8 @@ def _find_duplicate_keys(view: YamlView) -> Iterable[RuleFinding]:
 
 def _is_section(value: yaml.Node) -> bool:
     # The sections of a node in a parameter file of ROS 2 add up.
+    import yaml
+
     return isinstance(value, yaml.MappingNode) and any(key.value == "ros__parameters" for key, _ in value.value)
 
 
@@ -120,8 +131,12 @@ node in a parameter file of ROS 2 add up, and are left alone.
 
 def compose_documents(source: SourceFile) -> list[yaml.Node]:
     """Return the documents of a text. Raises yaml.YAMLError."""
+    import yaml
+
+    from ur.source.foreign.yaml_text import LOADER, check_depth
+
     check_depth(source.text)
-    return [node for node in yaml.compose_all(source.text, Loader=_Loader) if node is not None]
+    return [node for node in yaml.compose_all(source.text, Loader=LOADER) if node is not None]
 
 
 def is_plain_yaml(source: SourceFile) -> bool:
@@ -141,6 +156,8 @@ def span_at(source: SourceFile, mark: yaml.Mark | None, end: yaml.Mark | None = 
 
 def mappings_in(top: yaml.Node) -> Iterator[yaml.MappingNode]:
     """Yield every mapping in a tree once."""
+    import yaml
+
     stack, seen = [top], {id(top)}
     while stack:
         node = stack.pop()

@@ -3,8 +3,6 @@
 import re
 from collections.abc import Iterable, Iterator
 
-import yaml
-
 from ur.check.example_parts import make_launch
 from ur.check.rule import Example, LaunchView, Rule, RuleFinding, RuleGroup, YamlView, launch_example
 from ur.check.rules.files import compose_documents, is_plain_yaml, span_at
@@ -38,6 +36,8 @@ def _find_in_yaml(view: YamlView) -> Iterable[RuleFinding]:
 def _find_in_text(source: SourceFile) -> Iterator[RuleFinding]:
     if not _SUSPECT.search(source.text):
         return
+    import yaml
+
     try:
         documents = compose_documents(source)
     except yaml.YAMLError:

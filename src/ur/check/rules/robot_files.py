@@ -1,15 +1,20 @@
 """Rules about YAML files of bases, worlds and maps: their readers must accept them."""
 
+from __future__ import annotations
+
 import errno
 import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ur.check.rule import Example, Rule, RuleFinding, RuleGroup, YamlView
 from ur.check.rules.files import is_plain_yaml
 from ur.source.diagnostic import Severity, UserError
 from ur.source.file import Span
-from ur.source.section import Section, parse_section
+
+if TYPE_CHECKING:
+    from ur.source.section import Section
 
 _KEY = re.compile(r"^([a-z_]+):", re.MULTILINE)
 _WORLD_KEYS = frozenset({"wall_height", "floor_friction", "boxes", "obstacles", "fiducials", "drops"})
@@ -75,6 +80,8 @@ def _keys(view: YamlView) -> set[str]:
 
 
 def _find_unusable(view: YamlView, what: str, read: Callable[[Section], object]) -> Iterable[RuleFinding]:
+    from ur.source.section import parse_section
+
     try:
         read(parse_section(view.source, what))
     except UserError as problem:

@@ -13,7 +13,7 @@ _LONGEST_NUMBER = 1000  # characters; of those with colons, the time grows with 
 _LONGEST_KEY = 18  # digits of a number that is a key: among longer ones, many can have the same hash
 _PLAIN = {"true": True, "false": False, "0": 0}  # values of many parameters
 _NUMBERS = frozenset({"tag:yaml.org,2002:int", "tag:yaml.org,2002:float"})
-_Loader: type[yaml.SafeLoader] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+LOADER: type[yaml.SafeLoader] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class DumpedYaml(NamedTuple):
@@ -51,7 +51,7 @@ def compose_yaml(text: str) -> yaml.Node | None:
     """Return the node of a text, for values with positions. Raises yaml.YAMLError."""
     check_depth(text)
     try:
-        node: yaml.Node | None = yaml.compose(text, Loader=_Loader)
+        node: yaml.Node | None = yaml.compose(text, Loader=LOADER)
     except (ValueError, RecursionError) as problem:  # ValueError: characters that are not UTF-8
         raise yaml.YAMLError(str(problem)) from None
     return node
@@ -59,7 +59,7 @@ def compose_yaml(text: str) -> yaml.Node | None:
 
 def construct_yaml(node: yaml.Node, values: int = MAX_VALUES) -> object:
     """Return the value of a node. Raises ValueError in one line, also for one that its aliases make too large."""
-    loader = _Loader("")
+    loader = LOADER("")
     try:
         check_size(node, values)
         return loader.construct_document(node)
@@ -82,7 +82,7 @@ def check_depth(text: str) -> None:
         return  # each level of nesting takes one of these characters
     depth = 0
     try:
-        for event in yaml.parse(text, Loader=_Loader):
+        for event in yaml.parse(text, Loader=LOADER):
             if isinstance(event, yaml.CollectionStartEvent):
                 depth += 1
                 if depth > MAX_DEPTH:
