@@ -25,7 +25,14 @@ def main(arguments: Sequence[str] | None = None, load: Callable[[str], click.Com
 
 def _run(argv: list[str], load: Callable[[str], click.Command] | None) -> int:
     try:
-        code = _launch(argv[1:]) if argv[:1] == ["launch"] and not _wants_help(argv) else _dispatch(argv, load)
+        if argv[:1] == ["launch"] and not _wants_help(argv):
+            code = _launch(argv[1:])
+        elif argv[:1] == ["check"] and load is None and not any(word.startswith("-") for word in argv):
+            from ur.cli.files.check_files import check_files  # without options, and so without click
+
+            code = check_files(argv[1:])
+        else:
+            code = _dispatch(argv, load)
         sys.stdout.flush()
         return code
     except UserError as problem:

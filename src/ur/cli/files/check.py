@@ -3,18 +3,10 @@
 from __future__ import annotations
 
 import os
-import sys
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
-from ur.source.render import shows_colour
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ur.check.session import CheckReport
+from ur.cli.files.check_files import check_files
 
 
 @click.command("check")
@@ -62,10 +54,10 @@ def command(
     Exit code: 0 when no error is found, 1 when there is one (with --strict: or a warning), 2 when the check could not
     run or there was nothing to read.
     """
-    from ur.check.catalogue import choose_rules, find_rule, list_rules
-    from ur.check.render.pages import explain_rule
-
     if explain is not None:
+        from ur.check.catalogue import find_rule, list_rules
+        from ur.check.render.pages import explain_rule
+
         click.echo(explain_rule(find_rule(explain)) if explain else list_rules(), nl=False)
         return 0
     if package:
@@ -73,64 +65,11 @@ def command(
             raise click.UsageError("--package checks one package")
 
         return check_package(paths[0] if paths else ".", fix)
-    report = _check(paths, choose_rules(_words(select), _words(ignore)), form, fix=fix, cached=not no_cache)
-    return 2 if not report.files else 1 if report.errors or (strict and report.findings) else 0
-
-
-def _check(paths: Sequence[str], chosen: frozenset[str], form: str, *, fix: bool, cached: bool) -> CheckReport:
-    """Check and print."""
-    from ur.check.cache.store import cache_folder, digest_program, load_recall, name_cache, store_recall
-    from ur.check.rule import describe_left_out
-    from ur.check.session import check_paths
-    from ur.check.worlds import make_world
-    from ur.request.environment import add_own_package
-    from ur.source.arguments import split_argv, values_of
-    from ur.source.progress_line import show_progress
-
-    names, arguments = split_argv(paths)
-    places, values = list(names) or ["."], values_of(arguments)
-    program = digest_program() if cached else ""
-    cache = f"{cache_folder(os.environ)}/{name_cache([*map(os.path.abspath, places), *names], chosen, values)}"
-
-    def check() -> CheckReport:
-        recall = load_recall(cache, program) if cached else None
-        with show_progress("finding launch files") as progress:
-            world = make_world(places, add_own_package(os.environ))
-            report = check_paths(places, world, chosen, values, progress, recall)
-        if recall is not None:
-            store_recall(recall, cache, program)
-        return report
-
-    report = check()
-    if fix:
-        from ur.check.catalogue import load_rules
-        from ur.check.findings.suppress import plan_repairs
-        from ur.cli.output import replace_file
-
-        repairs = plan_repairs(report.findings, load_rules())
-        for repair in repairs:
-            replace_file(repair.path, repair.text, "repaired")
-        repaired = sum(len(repair.findings) for repair in repairs)
-        click.echo(f"repaired {repaired} finding{'' if repaired == 1 else 's'} in {len(repairs)} files", err=True)
-        report = check()
-    _show(report, form)
-    if note := describe_left_out(report.left_out):
-        click.echo(note, err=True)
-    return report
+    return check_files(paths, _words(select), _words(ignore), form, fix=fix, strict=strict, cached=not no_cache)
 
 
 def _words(given: tuple[str, ...]) -> list[str]:
     return [word for text in given for word in text.replace(",", " ").split()]
-
-
-def _show(report: CheckReport, form: str) -> None:
-    from ur.check.render.text import render_github, render_json, render_text, shorten_paths
-
-    report = shorten_paths(report, str(Path.cwd()))
-    if form == "human":
-        click.echo(render_text(report, colour=shows_colour(sys.stdout)), nl=False)
-    else:
-        click.echo(render_json(report) if form == "json" else render_github(report), nl=False)
 
 
 def check_package(path: str, fix: bool) -> int:

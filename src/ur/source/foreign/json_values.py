@@ -7,7 +7,6 @@ Where start-up time matters, import this module in a function.
 
 import json
 from collections.abc import Mapping
-from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from functools import lru_cache
 from types import NoneType
@@ -126,6 +125,8 @@ def _explain(text: str | bytes, kind: Any, problem: str) -> str:
 
 
 def _explain_value(value: object, kind: Any, problem: str) -> str:
+    from dataclasses import is_dataclass  # with inspect, and rarely needed
+
     kinds = [each for each in get_args(kind) or (kind,) if hasattr(each, "__struct_config__") or is_dataclass(each)]
     if not kinds:
         return f"expected {describe_type(kind)}"
@@ -149,6 +150,8 @@ def _explain_value(value: object, kind: Any, problem: str) -> str:
 
 def _list_fields(kind: Any) -> dict[str, tuple[Any, bool]]:
     """Return the types of fields by their names in JSON, and whether each is required."""
+    from dataclasses import MISSING, fields, is_dataclass
+
     if not is_dataclass(kind):
         return {each.encode_name: (each.type, each.required) for each in msgspec.structs.fields(kind)}
     hints = get_type_hints(kind, include_extras=True)
@@ -198,6 +201,6 @@ def _is_printable(value: object) -> bool:
         return value.isprintable()
     if isinstance(value, Mapping):
         return all(map(_is_printable, value)) and all(map(_is_printable, value.values()))
-    if is_dataclass(value):
-        return all(_is_printable(getattr(value, each.name)) for each in fields(value))
+    if names := getattr(value, "__dataclass_fields__", ()):
+        return all(_is_printable(getattr(value, each)) for each in names)
     return not isinstance(value, (tuple, list)) or all(map(_is_printable, value))
