@@ -6,6 +6,7 @@ import shlex
 import sys
 import warnings
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from typing import Literal, NamedTuple
 
 from ur.source.foreign.files import read_file
@@ -72,7 +73,7 @@ def find_script_faults(path: str, data: bytes, find_program: Callable[[str], str
         )
     actual = os.path.realpath(found).rpartition("/")[2] if found else name
     if name.startswith("python") and not re.match(r"python2|pypy", actual if found else name):
-        yield from _compile(path, data, text, (actual == f"python{sys.version_info[0]}.{sys.version_info[1]}"))
+        yield from _compile_once(path, data, (actual == f"python{sys.version_info[0]}.{sys.version_info[1]}"))
 
 
 def explain_script(path: str, search_path: str | None) -> str:
@@ -97,7 +98,12 @@ def _replace(name: str, file: str, find_program: Callable[[str], str]) -> str:
     return f"install {name}, or name another interpreter in the first line"
 
 
-def _compile(path: str, data: bytes, text: str, every: bool) -> Iterator[ScriptFault]:
+@lru_cache(maxsize=256)  # a check asks for each node in each case
+def _compile_once(path: str, data: bytes, every: bool) -> tuple[ScriptFault, ...]:
+    return tuple(_compile(path, data, every))
+
+
+def _compile(path: str, data: bytes, every: bool) -> Iterator[ScriptFault]:
     # Another version of Python 3 may read what this one does not: then only the errors of Python 2 count.
     from ast import PyCF_ONLY_AST
 
@@ -110,7 +116,7 @@ def _compile(path: str, data: bytes, text: str, every: bool) -> Iterator[ScriptF
         number, reason = problem.lineno or 1, problem.msg or ""
     except (ValueError, RecursionError, MemoryError):
         return
-    lines = text.split("\n")
+    lines = data.decode("utf-8", "replace").split("\n")
     number = min(max(number, 1), len(lines))
     start = sum(len(line) + 1 for line in lines[: number - 1])
     line = lines[number - 1].rstrip()

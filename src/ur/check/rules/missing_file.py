@@ -18,12 +18,11 @@ _CONFIGURATION = ("-d", "--display-config")
 
 
 def _find_in_arguments(view: LaunchedNode) -> Iterable[RuleFinding]:
-    words = _split(view.node.args)
     named: list[str] = []
     if view.node.type == "rviz":
-        named = _after(words, _CONFIGURATION)
+        named = _after(_split(view.node.args), _CONFIGURATION)
     elif view.node.type in ("spawn_model", "spawn_entity"):
-        named = _after(words, ("-file",))
+        named = _after(_split(view.node.args), ("-file",))
     yield from _missing(named, view.element, "args", view.world)
     if view.package is not None and view.package.follows_conventions:
         values = dict(view.node.env)
