@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 from pathlib import Path
@@ -35,6 +36,7 @@ def check_files(
     from ur.source.arguments import split_argv, values_of
     from ur.source.progress_line import show_progress
 
+    gc.disable()  # nearly all objects are needed until the end
     chosen = choose_rules(select, ignore)
     names, arguments = split_argv(paths)
     places, values = list(names) or ["."], values_of(arguments)

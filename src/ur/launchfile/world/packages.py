@@ -111,7 +111,8 @@ def _visit_package(folder: str, found: dict[str, str], seen: set[str]) -> bool:
         if isinstance(problem, PermissionError) and not os.access(folder, os.X_OK):
             return False
         raise _broken(folder + "/package.xml", problem.strerror) from None
-    if os.path.isfile(folder + "/CATKIN_IGNORE"):
+    # The first question costs less, where the answer is nearly always no.
+    if os.access(folder + "/CATKIN_IGNORE", os.F_OK) and os.path.isfile(folder + "/CATKIN_IGNORE"):
         return True
     name = package_name_in(folder + "/package.xml", data)
     if name is None and os.path.isfile(folder + "/manifest.xml"):
