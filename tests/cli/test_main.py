@@ -228,3 +228,11 @@ def test_verbs_import_only_what_they_need(words: list[str], unwanted: set[str]) 
     code = f"import sys; from ur.cli.main import main; main({words!r}); print('\\n' + ' '.join(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not unwanted & set(done.stdout.splitlines()[-1].split())
+
+
+def test_python_of_a_clone_starts_without_a_finder() -> None:
+    code = "import sys; print(' '.join(sys.modules), '\\n', *sys.path, sep='\\n')"
+    done = subprocess.run([sys.executable, "-I", "-c", code], capture_output=True, text=True, check=True)
+    modules, _, *paths = done.stdout.splitlines()
+    assert str(Path(__file__).parents[2] / "src") in paths
+    assert "__editable__" not in modules
