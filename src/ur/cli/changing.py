@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ur.robot.commit_confirm.perform import ChangeAddresses, begin_change, come_back, open_as
+from ur.robot.commit_confirm.perform import become_root as become
 from ur.robot.setup.change import Change
 from ur.source.printable import printable, printable_lines
 
 if TYPE_CHECKING:
     from ur.robot.commit_confirm.guarded import GuardedChange
-    from ur.robot.commit_confirm.perform import ChangeAddresses
     from ur.robot.setup.facts import ComputerFacts
     from ur.robot.ssh.address import Address
     from ur.robot.ssh.openssh import SshShell
@@ -89,7 +90,6 @@ def become_root(shell: SshShell, given: str) -> list[Secret]:
 
     Raises UserError if root access fails, or another change is pending there.
     """
-    from ur.robot.commit_confirm.perform import become_root as become
     from ur.robot.ssh.secret import Secret
 
     def ask() -> Secret:
@@ -110,8 +110,6 @@ def show_plan(change: GuardedChange, facts: ComputerFacts) -> None:
 
 def begin(shell: SshShell, change: GuardedChange, facts: ComputerFacts, wait: int) -> str:
     """Send the change to the robot; return the id of the attempt. Raises UserError if it did not start."""
-    from ur.robot.commit_confirm.perform import begin_change
-
     requester = f"{getpass.getuser()}@{socket.gethostname()}"
     return begin_change(shell, change, facts, requester, wait, print_line)
 
@@ -120,7 +118,6 @@ def finish(
     identity: str, change: GuardedChange, addresses: ChangeAddresses, wait: int, sudo: Sequence[Secret], known_as: str
 ) -> Address:
     """Connect to the robot again and confirm; return its address. Raises UserError: reverted, or not reached again."""
-    from ur.robot.commit_confirm.perform import come_back, open_as
     from ur.source.progress_line import show_progress
 
     try:

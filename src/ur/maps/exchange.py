@@ -5,7 +5,7 @@ import re
 import tarfile
 from pathlib import Path
 
-from ur.maps.picture_file import shades, write_picture
+from ur.maps.picture_file import describe_picture, shades, write_picture
 from ur.maps.record import read_record
 from ur.maps.scan_file import read_graph, read_scans
 from ur.maps.store import PICTURE, MapStore
@@ -104,8 +104,6 @@ def export_picture(store: MapStore, name: str, target: Path) -> list[Path]:
     Return the files. Raises UserError if the map does not exist or is damaged, or an output is; or OSError.
     """
     from PIL import Image
-
-    from ur.maps.picture_file import describe_picture
 
     stored = store.picture(store.resolve(name))
     image = read_map(stored)

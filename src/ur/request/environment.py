@@ -10,7 +10,7 @@ from ur.source.diagnostic import UserError
 from ur.source.project import launch_library, project_folder, state_folder
 from ur.source.user_folders import list_workspaces, user_folder
 from ur.system.debian_root import DebianRoot, find_root
-from ur.system.ros import NONE, Ros, choose_domain, facts_file, find_ros, graph_address
+from ur.system.ros import NONE, Ros, choose_domain, facts_file, find_ros, graph_address, source_ros
 
 REPOSITORY = project_folder()
 PACKAGE = launch_library()
@@ -143,8 +143,6 @@ def apply_selection(selection: Selection) -> None:
     """
     ros = find_ros(selection.ros, os.environ, str(state_folder()))
     if ros.version == 2 and not ros.sourced and not ros.wheels:
-        from ur.system.ros import source_ros  # only for the user's own ROS 2
-
         os.environ.update(source_ros(ros.prefix, os.environ))
     os.environ.update(environment_changes(selection, os.environ))
     if ros.version == 1:

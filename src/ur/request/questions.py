@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from ur.launchfile.load import is_for_ros2
 from ur.launchfile.plan.names import join_names
 from ur.launchfile.plan.specs import NodeSpec, Plan
-from ur.launchfile.query.explain import find_node_file, list_files, list_nodes
+from ur.launchfile.query.explain import dump_params, find_node_file, list_files, list_nodes
 from ur.launchfile.world.system import SystemWorld
 from ur.request.environment import PACKAGE, own_packages
 from ur.request.launch_request import LaunchRequest, make_request
@@ -80,7 +80,6 @@ def make_world(shell: Mapping[str, str], *, anonymous: bool) -> SystemWorld:
 def print_parameters(plan: Plan) -> None:
     """Print the parameters as YAML; run the programs that print some of them. Raises UserError if one fails."""
     from ur.launchfile.plan.commands import run_command, run_commands
-    from ur.launchfile.query.explain import dump_params
 
     known = len(plan.diagnostics)
     plan = run_commands(plan, run_command)

@@ -4,20 +4,14 @@ The file names its floor plan, a map in map_server's format, or has the keys of 
 world, and a world file of that kind is a map.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ur.source.section import Section, read_section
-from ur.worlds.map_file import parse_map_file
-
-if TYPE_CHECKING:
-    from ur.worlds.map_file import MapImage
+from ur.worlds.map_file import MapImage, parse_map_file, read_map, read_map_section
 
 MOST_PEOPLE = 50
 
@@ -124,8 +118,6 @@ def _read_parts(top: Section) -> Callable[[MapImage], WorldModel]:
 
 
 def _floor_plan(top: Section, path: Path) -> MapImage:
-    from ur.worlds.map_file import read_map, read_map_section  # which needs NumPy; a check of a world does not
-
     if top.has("image") and top.has("floor_plan"):
         top.fail("floor_plan", f"floor_plan: {path.name} has an image of its own, expected one of them")
     if top.has("image"):

@@ -1,7 +1,5 @@
 """Messages of ROS 1 and of ROS 2 for the values of `ports`, one codec for each kind."""
 
-from __future__ import annotations
-
 import importlib
 from typing import TypeVar
 

@@ -1,7 +1,5 @@
 """Messages of packages that may not be installed, by the names of their types."""
 
-from __future__ import annotations
-
 from importlib import import_module
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Transforms that are sent together, on /tf or /tf_static."""
 
-from __future__ import annotations
-
 import math
 import time
 

@@ -1,7 +1,5 @@
 """Conversions between poses and ROS messages."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

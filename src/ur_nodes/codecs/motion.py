@@ -1,7 +1,5 @@
 """Velocities, odometry, joints and joysticks."""
 
-from __future__ import annotations
-
 from geometry_msgs.msg import Twist as TwistMessage
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry as OdometryMessage

@@ -1,7 +1,5 @@
 """Scans, sonars, inertia and batteries."""
 
-from __future__ import annotations
-
 import numpy as np
 from sensor_msgs.msg import BatteryState
 from sensor_msgs.msg import Imu as ImuMessage

@@ -1,7 +1,5 @@
 """Values that are one word or number, and lines of the log."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 

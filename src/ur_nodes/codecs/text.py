@@ -1,7 +1,5 @@
 """Values as JSON in std_msgs/String, where a middleware has no messages for them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import TypeVar
 

@@ -28,8 +28,8 @@ from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import ClockTime, Result
 from ur_nodes.ros1.repairs.own_clock import follow_clock
 from ur_nodes.ros1.repairs.sending import wait_until_sent
-from ur_nodes.ros1.services import call_service, serve_service
-from ur_nodes.ros1.topics import RosClock, RosPublisher, RosSubscription, sender_of
+from ur_nodes.ros1.services import TransformTopics, call_service, serve_service
+from ur_nodes.ros1.topics import RosClock, RosPublisher, RosRaw, RosSubscription, sender_of
 
 Change = Callable[[dict[str, object]], str]
 Config = dict[str, object]
@@ -170,8 +170,6 @@ class RosNode(LoopNode):
     @property
     def transforms(self) -> Transforms:
         if self._transforms is None:
-            from ur_nodes.ros1.services import TransformTopics
-
             topics = TransformTopics()
             self._transforms = tree = Transforms(topics.send, self.log)
             topics.listen(self._loop.mailbox(_MOST_TRANSFORMS, tree.receive), self._loop.mailbox(None, tree.receive))
@@ -179,8 +177,6 @@ class RosNode(LoopNode):
 
     @property
     def raw(self) -> Raw:
-        from ur_nodes.ros1.topics import RosRaw
-
         return RosRaw(self._loop)
 
     def publish(

@@ -1,7 +1,5 @@
 """A node of ROS 2 in a program that keeps its main thread."""
 
-from __future__ import annotations
-
 import contextlib
 import sys
 from collections.abc import Callable, Iterator

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
+from rclpy.node import Clock, Node, TopicEndpointInfo
 from rclpy.utilities import get_rmw_implementation_identifier
 
 from ur_nodes.codecs import KindCodec, find_codec
@@ -27,13 +27,12 @@ from ur_nodes.ports.values import Result
 from ur_nodes.ros2.names import resolve, type_name_of
 from ur_nodes.ros2.parameters import RosParameters
 from ur_nodes.ros2.reception import ReceivingNode
-from ur_nodes.ros2.services import NodeServices
+from ur_nodes.ros2.services import NodeServices, TransformTopics
 from ur_nodes.ros2.topics import RosPublisher, RosSubscription
 
 if TYPE_CHECKING:
     from lifecycle_msgs.srv import GetState
     from rclpy.clock import JumpHandle
-    from rclpy.node import Clock, TopicEndpointInfo
     from std_srvs.srv import Trigger
 
     from ur_nodes.ros2.navigation.server import NavigationActions
@@ -136,8 +135,6 @@ class RosNode(LoopNode):
     @property
     def transforms(self) -> Transforms:
         if self._transforms is None:
-            from ur_nodes.ros2.services import TransformTopics
-
             topics = TransformTopics(self._node)
             self._transforms = tree = Transforms(topics.send, self.log)
             topics.listen(self._loop.mailbox(_MOST_TRANSFORMS, tree.receive), self._loop.mailbox(None, tree.receive))

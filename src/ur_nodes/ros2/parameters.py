@@ -3,8 +3,6 @@
 Those that a node sets are in a file of the run, too, and outlive the node: an emergency stop is among them.
 """
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 from typing import Any

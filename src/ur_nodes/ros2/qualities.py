@@ -15,8 +15,6 @@ LATCHED: Nav2 sends a whole costmap once. A reliable publisher reaches all; a be
 `docs/reference/ros2.md` has this table, and a test compares the two.
 """
 
-from __future__ import annotations
-
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import rclpy
-from rclpy.node import Node
+from rclpy.node import Node, Subscription
 from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 
@@ -26,7 +26,6 @@ from ur_nodes.ros2.recorder.subscriptions import open_subscription, read_publish
 
 if TYPE_CHECKING:
     import genpy
-    from rclpy.node import Subscription
 
 _READY = 0.02  # s between two looks for the other end of a client
 _FIND = 2.0  # s that it may take

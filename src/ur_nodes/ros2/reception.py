@@ -24,13 +24,12 @@ from typing import TYPE_CHECKING, cast
 import rclpy.node
 from rclpy.callback_groups import CallbackGroup
 from rclpy.impl.implementation_singleton import rclpy_implementation
-from rclpy.node import SubscriptionEventCallbacks
+from rclpy.node import Subscription, SubscriptionEventCallbacks
 
 from ur.source.diagnostic import user_error
 
 if TYPE_CHECKING:
     from rcl_interfaces.msg import ParameterDescriptor
-    from rclpy.node import Subscription
     from rclpy.qos import QoSProfile
 
 _MOST_AT_ONCE = 20  # messages of a topic, while others wait

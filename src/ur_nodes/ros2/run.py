@@ -1,7 +1,5 @@
 """The start of a node on ROS 2."""
 
-from __future__ import annotations
-
 import faulthandler
 import os
 import signal

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import rclpy
 from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.node import Node
+from rclpy.node import Client, Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from ur.source.diagnostic import UserError

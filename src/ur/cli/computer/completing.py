@@ -14,7 +14,7 @@ from functools import lru_cache
 
 from ur.complete import names
 from ur.complete.completions import Completion, NameSources, Option, Source
-from ur.complete.line import split_line
+from ur.complete.line import quote_insertion, split_line
 from ur.complete.verbs import complete_line
 
 _RUN_COMMANDS = {
@@ -46,8 +46,6 @@ def answer_completion(words: Sequence[str]) -> int:
 def _row(candidate: Completion, shell: str, line: str = "", replaced: str | None = None) -> str:
     text: str | None = candidate.text
     if shell == "bash":
-        from ur.complete.line import quote_insertion
-
         text = quote_insertion(line, replaced, candidate.text)
     return f"{'open' if candidate.open else 'done'}\t{text}\t{_flat(candidate.help)}\n" if text else ""
 

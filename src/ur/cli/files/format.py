@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ur.cli.output import write_exactly
+from ur.cli.output import replace_file, write_exactly
 from ur.source.printable import printable, printable_lines
 
 if TYPE_CHECKING:
@@ -68,7 +68,6 @@ def _format_files(
     targets: Targets, world: CachedWorld, progress: Progress, *, check: bool, diff: bool
 ) -> tuple[int, int]:
     """Format the launch files, and return the numbers of those that change and of those with errors."""
-    from ur.cli.output import replace_file
     from ur.source.diagnostic import UserError
     from ur.source.progress import counted
     from ur.source.render import render_human, shows_colour

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ur.run.middleware.protocol import GraphView, RunGraph
+from ur.run.middleware.protocol import GraphView, NoGraph, RunGraph
 from ur.source.ansi import speaks_unicode
 from ur.source.diagnostic import user_error
 from ur.source.printable import printable
+from ur.source.progress_line import show_progress
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -68,7 +69,6 @@ def command(argv: tuple[str, ...], topics: bool, live: bool, form: str | None, o
     from ur.graph.includes import build_trees, merge_trees
     from ur.graph.topics import graph_plan
     from ur.request.plan_files import load_tolerantly
-    from ur.source.progress_line import show_progress
 
     plan, files, sound = load_tolerantly(argv)
     title = " ".join(argv)
@@ -93,7 +93,6 @@ def _show_live(nodes: Sequence[str], form: str) -> str:
     from ur.request.environment import apply_selection, current_selection
     from ur.run.master.client import parse_master_uri
     from ur.run.master.xml_rpc import Unanswered
-    from ur.source.progress_line import show_progress
 
     apply_selection(current_selection(os.environ))
     if os.environ.get("ROS_VERSION") == "2":
@@ -115,8 +114,6 @@ def _show_live(nodes: Sequence[str], form: str) -> str:
 def _show_domain(nodes: Sequence[str], form: str) -> str:
     from ur.graph.topics import graph_system
     from ur.run.middleware.helper_view import HelperView
-    from ur.run.middleware.protocol import NoGraph
-    from ur.source.progress_line import show_progress
 
     where = f"domain {os.environ.get('ROS_DOMAIN_ID') or '0'}"
     try:

@@ -21,6 +21,7 @@ from ur.cli.files.new_things import (
     urdf_files,
 )
 from ur.source.diagnostic import UserError, user_error
+from ur.tools.new.parts import NewFile, write_files
 
 _NAME = r"[a-z][a-z0-9_]*"
 
@@ -155,7 +156,6 @@ def new_base(
         refuse_sideways,
     )
     from ur.tools.new.package import write_base
-    from ur.tools.new.parts import NewFile
     from ur.tools.new.target import next_step, target_of
 
     check_driver("--driver", driver, "")
@@ -207,7 +207,6 @@ _SCRIPT = re.compile(r"[a-z][a-z0-9_]*")
 def new_script(name: str, summary: str) -> int:
     """Write a script NAME.py into this folder, which drives the selected robot half a metre ahead."""
     from ur.tools.new.package import plan_script
-    from ur.tools.new.parts import write_files
 
     name = name.removesuffix(".py")
     if not _SCRIPT.fullmatch(name):
@@ -270,7 +269,6 @@ def new_world(name: str | None, picture: str | None, width: float | None, size: 
 
 
 def _write(name: str, drawing: object, title: str) -> int:
-    from ur.tools.new.parts import NewFile, write_files
     from ur.worlds.drawing import Drawing, write_png, write_world
 
     assert isinstance(drawing, Drawing)

@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ur.request.environment import add_own_package, apply_selection, current_selection
 from ur.source.diagnostic import UserError, user_error
 from ur.source.read import read_source
 from ur.source.suggest import did_you_mean, suggest
 from ur.tools.new import description as files
 from ur.tools.new.description import FIGURES, check_figure
-from ur.tools.new.parts import BaseRequest, IncludedPart, NewFile, NodeRequest, Observed
+from ur.tools.new.parts import BaseRequest, IncludedPart, NewFile, NodeRequest, Observed, write_files
 from ur.tools.new.target import TargetPackage, find_target
 
 if TYPE_CHECKING:
@@ -83,7 +84,6 @@ def find_program(package: str, kind: str) -> str:
     """Find the executable of a package. Raises UserError, with a suggestion of a similar name."""
     from ur.launchfile.world.protocol import PackageNotFound
     from ur.launchfile.world.system import SystemWorld
-    from ur.request.environment import apply_selection, current_selection
 
     apply_selection(current_selection(os.environ))
     world = SystemWorld(os.environ)
@@ -110,7 +110,6 @@ def find_parts(names: Sequence[str], target: TargetPackage) -> list[IncludedPart
     """
     from ur.launchfile.query.arguments import read_arguments
     from ur.launchfile.world.protocol import PackageNotFound
-    from ur.request.environment import apply_selection, current_selection
 
     apply_selection(current_selection(os.environ))
     from ur.launchfile.world.system import SystemWorld
@@ -230,8 +229,6 @@ class _Done:
     """Writes files, and prints their names and the next steps."""
 
     def __call__(self, target: TargetPackage, files: Sequence[NewFile], then: str) -> int:
-        from ur.tools.new.parts import write_files
-
         files = [_formatted(target, file) for file in files]
         write_files(target.folder, files)
         for file in files:
@@ -262,7 +259,6 @@ def _formatted(target: TargetPackage, file: NewFile) -> NewFile:
     from dataclasses import replace
 
     from ur.check.worlds import make_world
-    from ur.request.environment import add_own_package
     from ur.tools.format.run import format_file
 
     path = str(target.folder / file.path)

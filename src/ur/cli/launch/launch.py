@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
 from typing import TYPE_CHECKING
 
-from ur.request.environment import apply_selection, current_selection
+from ur.request.environment import apply_selection, current_selection, own_packages
 from ur.request.launch_request import LaunchOptions, StartReporter, check_options, choose_query, follow_file
 from ur.robot.selection import Selection
 from ur.source.diagnostic import Diagnostic, Severity, UserError, user_error
@@ -280,7 +280,6 @@ def make_xacro() -> None:
     from pathlib import Path
 
     from ur.get.install import install_xacro
-    from ur.request.environment import own_packages
 
     sys.stderr.write("installing xacro, once ...\n")
     install_xacro(Path(own_packages(os.environ)))

@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 import click
 
 from ur.request.environment import PACKAGE, add_own_package, current_selection
-from ur.request.programs import Program, find_launch_file, index_programs
-from ur.robot.base import Base
+from ur.request.programs import Program, find_launch_file, index_programs, read_program_arguments
+from ur.robot.base import Base, load_base
 from ur.source.diagnostic import UserError
 from ur.source.printable import printable
 from ur.source.render import shows_colour
@@ -32,7 +32,6 @@ def command(as_json: bool) -> int:
     if index.problem:
         sys.stderr.write(f"warning: only the programs of {PACKAGE.name} are listed: {printable(index.problem)}\n")
     from ur.request.bases.robot_facts import know_base
-    from ur.robot.base import load_base
     from ur.robot.base.files import find_base_package
 
     try:
@@ -99,8 +98,6 @@ def describe_programs(
 
 
 def _describe(program: Program, ambiguous: bool, environment: Mapping[str, str], lack: str) -> dict[str, object]:
-    from ur.request.programs import read_program_arguments
-
     path = find_launch_file(program)
     problem = ""
     arguments: list[dict[str, object]] = []

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from textwrap import fill, wrap
 from typing import TYPE_CHECKING
 
-from ur.request.programs import Program, find_launch_file
+from ur.request.programs import Program, find_launch_file, read_program_arguments
 from ur.source.foreign.files import read_text
 from ur.source.printable import printable
 from ur.source.render import shows_colour
@@ -29,7 +29,6 @@ def describe_program(program: Program, environment: Mapping[str, str]) -> str:
     Raises UserError when its launch file cannot be read.
     """
     from ur.docs.repository.comments import read_headings
-    from ur.request.programs import read_program_arguments
     from ur.source.file import SourceFile
 
     width = min(_WIDEST, shutil.get_terminal_size().columns)

@@ -1,9 +1,7 @@
 """Selection of a wireless network to join or forget, among those that a robot receives or has stored."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 
 from ur.robot.commit_confirm.netplan import Netplan
 from ur.robot.commit_confirm.network import (
@@ -15,13 +13,10 @@ from ur.robot.commit_confirm.network import (
     choose_management,
     find_profile,
 )
-from ur.robot.commit_confirm.network_facts import NETWORK_MANAGER
+from ur.robot.commit_confirm.network_facts import NETWORK_MANAGER, NetworkDevice, Networks, Profile
 from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import user_error_about
 from ur.source.suggest import did_you_mean
-
-if TYPE_CHECKING:
-    from ur.robot.commit_confirm.network_facts import NetworkDevice, Networks, Profile
 
 
 def choose_manager(networks: Networks, destination: str, device: NetworkDevice) -> NetworkChanges:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ur.launchfile.plan.specs import ParamSpec, ParamValue, Plan
 from ur.launchfile.plan.values.convert import convert_scalar
 from ur.run.master.client import Master
-from ur.run.master.xml_rpc import CallRefused, Unanswered
+from ur.run.master.xml_rpc import CallRefused, Unanswered, dump_value
 from ur.run.supervisor.events import Event, ParametersSet, SetupFailed, Unregistered
 from ur.source.arguments import split_words
 from ur.source.diagnostic import UserError, user_error, user_error_about
@@ -68,8 +68,6 @@ def start_commands(specs: Sequence[ParamSpec], environment: Mapping[str, str]) -
 
 def check_sendable(specs: Sequence[ParamSpec]) -> None:
     """Raise UserError for the first value that a parameter server cannot hold."""
-    from ur.run.master.xml_rpc import dump_value
-
     for spec in specs:
         if spec.command is None:
             try:

@@ -3,8 +3,6 @@
 Numbers of results are those of nav2_msgs: 0 is success.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from importlib import import_module
 from typing import Any

@@ -1,7 +1,5 @@
 """Clouds of points, whose memory is that of the message."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 from sensor_msgs.msg import PointCloud2, PointField

@@ -1,7 +1,5 @@
 """Fiducials as JSON in strings. Numbers have the names and units of the values of `ports.fiducials`."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Fiducials: messages of fiducial_msgs on ROS 1; on ROS 2, where no distribution has that package, JSON in strings."""
 
-from __future__ import annotations
-
 from ur_nodes.codecs.dialect import ROS_2
 
 if ROS_2:

@@ -1,7 +1,5 @@
 """Shapes as RViz shows them."""
 
-from __future__ import annotations
-
 import numpy as np
 from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA

@@ -6,8 +6,6 @@ description of the fields, either, and compares none: that of the installed type
 rosidl_runtime_c `message_type_support_struct.h`, rosidl_typesupport_fastrtps_cpp `message_type_support.h` (Kilted).
 """
 
-from __future__ import annotations
-
 import ctypes
 from functools import cache
 from importlib.util import find_spec

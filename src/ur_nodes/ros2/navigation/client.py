@@ -7,7 +7,7 @@ lists the goals of all clients, and any client may ask how one ended. rclpy's ow
 from __future__ import annotations
 
 import uuid
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -19,8 +19,6 @@ from ur_nodes.ports.actions import Goal, GoalFollower, GoalPhase, GoalState
 from ur_nodes.ros2.navigation.messages import fill_target, find_action, key_message, reason_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from nav2_msgs.action import NavigateToPose
     from rclpy.node import Node
     from rclpy.task import Future

@@ -1,7 +1,5 @@
 """Times of the messages of a topic that is recorded."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 
