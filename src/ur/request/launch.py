@@ -9,14 +9,14 @@ import os
 import socket
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ur.launchfile.plan.specs import Plan
 from ur.request.launch_request import LaunchFiles, LaunchOptions, LaunchRequest, StartReporter, make_request
 from ur.robot.selection import Selection
-from ur.source.arguments import CommandLine
+from ur.source.arguments import CommandLine, values_of
+from ur.source.data_classes import dataclass, field, replace
 from ur.source.diagnostic import Diagnostic, Note, Severity, UserError, error
 
 if TYPE_CHECKING:
@@ -97,7 +97,6 @@ def load(launch: Launch) -> Staged:
         refuse_second_master()
     paths = loaded.request.files.paths
     from ur.request.bases.localisation import explain_no_map
-    from ur.source.arguments import values_of
 
     try:
         world = prepare_world(paths, loaded.plan, loaded.world, launch.reporter.report, complete=options.part is None)

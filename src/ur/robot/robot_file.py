@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ur.source.data_classes import dataclass
 from ur.source.diagnostic import user_error_about
 
 if TYPE_CHECKING:

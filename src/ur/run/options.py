@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from ur.run.supervisor.state import TimeLimits
+from ur.source.data_classes import dataclass, field
 
 if TYPE_CHECKING:
     from ur.run.record.registry import RunEntry

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from ur.run.output.log_rotation import LogBounds
 from ur.run.process.command import UnitProgram
 from ur.run.supervisor.events import Event
 from ur.run.supervisor.state import Planned, TimeLimits
+from ur.source.data_classes import dataclass, field
 
 if TYPE_CHECKING:
     from ur.run.clients.protocol import RunStarted

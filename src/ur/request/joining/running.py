@@ -8,23 +8,34 @@ import sys
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ur.launchfile.plan.specs import NodeSpec, Plan
-from ur.request.launch_request import LaunchOptions, Report
-from ur.run.join.decision import Definition, read_claims
+from ur.request.launch_request import LaunchOptions, LaunchRequest, Report
+from ur.run.join.decision import (
+    Definition,
+    Held,
+    decide,
+    define_nodes,
+    find_free_names,
+    find_localisers,
+    leave_out,
+    read_claims,
+)
 from ur.run.join.lock import MasterLock, lock_master
 from ur.run.master.client import parse_master_uri
 from ur.run.paths import is_local_address
-from ur.run.record.registry import RunEntry, describe_user, read_computer
-from ur.run.remote.lease import Mode, RobotLease, belongs_to_other, describe_lease, read_lease
-from ur.run.remote.names import choose_names, describe_names, find_taken, rename_nodes
-from ur.run.remote.own_clients import clients_folder, list_clients
+from ur.run.record.registry import RunEntry, describe_user, list_runs, make_run_name, read_computer
 from ur.run.startup.node_selection import may_drive
 from ur.source.arguments import Argument
+from ur.source.data_classes import dataclass, replace
 from ur.source.diagnostic import Diagnostic, UserError, error, user_error
 from ur.system.ros import NONE, graph_address, read_domain
+
+if TYPE_CHECKING:
+    from ur.request.plan_files import LoadedPlan
+    from ur.run.join.decision import Decision
+    from ur.run.remote.lease import Mode, RobotLease
 
 _ANSWERS: Mapping[str, Mode | None] = {"w": "watch", "a": "ask", "t": "take", "q": None}
 _LOST_ANSWERS: Mapping[str, Mode | None] = {"w": "watch", "t": "take", "q": None}
@@ -43,6 +54,8 @@ def rename_taken(plan: Plan, robot: str, report: Report) -> Plan:
     address = graph_address(os.environ)
     if read_domain(address) is not None:
         return plan
+    from ur.run.remote.names import choose_names, describe_names, find_taken, rename_nodes
+
     master = parse_master_uri(address)
     ours = [node.full_name for node in plan.nodes if not robot or node.machine != robot]
     names = choose_names(ours, computer_name(), lambda wanted: find_taken(wanted, master, is_local_address))
@@ -57,7 +70,7 @@ def choose_mode(
     nodes: Sequence[NodeSpec],
     name: str,
     ask: Callable[[str], str] | None = None,
-    read: Callable[[str], RobotLease] = read_lease,
+    read: Callable[[str], RobotLease] | None = None,
 ) -> Mode | None:
     """Choose the mode on a robot; None if the user at the terminal cancels.
 
@@ -66,7 +79,10 @@ def choose_mode(
     """
     if options.mode != "drive" or not may_drive(nodes):
         return options.mode
-    lease = read(graph_address(os.environ))
+    from ur.run.remote.lease import belongs_to_other, describe_lease, read_lease  # only with a robot
+    from ur.run.remote.own_clients import clients_folder, list_clients
+
+    lease = (read or read_lease)(graph_address(os.environ))
     computer = describe_user(read_computer(), os.getuid())
     if not belongs_to_other(lease, name, computer, list_clients(clients_folder(os.environ, os.getuid()))):
         return "drive"
@@ -95,6 +111,8 @@ def ask_mode(description: str, ask: Callable[[str], str], *, lost: bool = False)
 
 def refuse(lease: RobotLease, robot: str) -> UserError:
     """Return the error that another client drives the robot, or drove it and is out of range."""
+    from ur.run.remote.lease import describe_lease
+
     return user_error(
         f"{describe_lease(lease, robot, time.time())}, expected a robot that no client drives",
         rule="robot-is-driven",
@@ -110,12 +128,6 @@ def _ask(question: str) -> str:
         raise EOFError
     return line
 
-
-if TYPE_CHECKING:
-    from ur.request.launch_request import LaunchOptions, LaunchRequest, Report
-    from ur.request.plan_files import LoadedPlan
-    from ur.run.join.decision import Decision, Held
-    from ur.run.remote.lease import Mode
 
 _WORLDS = "/n_simulator/worlds/"
 _STOP_SECONDS = 10.0
@@ -182,7 +194,6 @@ def join_running(loaded: LoadedPlan, report: Report) -> tuple[Plan, tuple[RunEnt
     held = _find_held(ours, entries.values(), uri, elsewhere=selection is not None and not selection.simulated)
     if not held:
         return plan, ()
-    from ur.run.join.decision import decide, find_free_names, leave_out
     from ur.run.remote.names import rename_nodes
 
     decision = decide(plan, held)
@@ -216,8 +227,6 @@ def describe_join(decision: Decision) -> list[str]:
 
 
 def _list_runs(uri: str) -> list[RunEntry]:
-    from ur.run.record.registry import list_runs, read_computer
-
     runs = list_runs(os.environ, os.getuid(), read_computer())
     if not runs:
         return []
@@ -256,10 +265,6 @@ def _find_held(names: Collection[str], entries: Iterable[RunEntry], uri: str, *,
         found |= {name: (entry.run, claims.nodes.get(name)) for name in names if name in running}
     rest = [name for name in names if name not in found]
     found |= dict.fromkeys(_find_foreign(rest, uri, elsewhere=elsewhere), ("", None))
-    if not found:
-        return []
-    from ur.run.join.decision import Held
-
     return [Held(name, *facts) for name, facts in found.items()]
 
 
@@ -286,7 +291,6 @@ def _find_foreign(names: Sequence[str], uri: str, *, elsewhere: bool) -> list[st
         return []
     if not live or not elsewhere:
         return live
-    from ur.run.paths import is_local_address
     from ur.run.remote.names import find_taken
 
     away = find_taken(live, master, is_local_address)
@@ -294,8 +298,6 @@ def _find_foreign(names: Sequence[str], uri: str, *, elsewhere: bool) -> list[st
 
 
 def _check_localisers(plan: Plan, ours: Collection[str], entries: Iterable[RunEntry]) -> None:
-    from ur.run.join.decision import define_nodes, find_localisers
-
     planned = find_localisers(define_nodes([node for node in plan.nodes if node.full_name in ours], plan.params))
     problems = []
     for entry in entries if planned else ():
@@ -454,9 +456,6 @@ def join(loaded: LoadedPlan, client: str, report: Report) -> Joined | None:
 
 def describe_client(client: str, mode: Mode, plan: Plan, *, simulated: bool, unattended: bool) -> Mapping[str, str]:
     """Return the variables that `ur_nodes.motion.lease.view` reads; empty if no node can drive."""
-    from ur.run.record.registry import describe_user, make_run_name, read_computer
-    from ur.run.startup.node_selection import may_drive
-
     if simulated and mode == "drive" and not unattended and not may_drive(plan.nodes):
         return {}
     title, _ = make_run_name(plan.files, 0)

@@ -20,7 +20,6 @@ RViz is installed likewise where a node of the plan needs it and there is a disp
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
@@ -32,6 +31,7 @@ from ur.request.programs import read_head_lines
 from ur.request.requirements.python_packages import DiskFullError, need_all, run_installer
 from ur.run.process.command import is_packaged
 from ur.run.startup.node_selection import check_display, has_display, is_view
+from ur.source.data_classes import dataclass
 from ur.source.diagnostic import UserError, user_error
 from ur.system.debian_root import DebianRoot, find_root, install_command
 

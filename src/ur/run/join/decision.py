@@ -1,12 +1,12 @@
 """Decision about the nodes of a plan that are already running at the same master. Pure."""
 
+import json
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 
 from ur.launchfile.plan.specs import NodeSpec, ParamSpec, Plan
 from ur.run.startup.node_selection import keep_nodes
-from ur.source.foreign.json_values import read_json, write_json
+from ur.source.data_classes import dataclass, field
 from ur.source.replace import replace_file
 
 BASE_FILE = "/m_robot_base/launch/m_robot_base.launch.xml"
@@ -65,11 +65,14 @@ def is_base(item: NodeSpec | ParamSpec) -> bool:
 
 def write_claims(folder: str, claims: Claims) -> None:
     """Write the claims of a run to its control folder. Raises OSError: the folder was removed, or the disk is full."""
-    replace_file(Path(folder, _FILE), write_json(claims), lasting=False)
+    text = json.dumps({name: getattr(claims, name) for name in claims.__slots__}, ensure_ascii=False)
+    replace_file(Path(folder, _FILE), text.encode("utf-8", "replace"), lasting=False)
 
 
 def read_claims(folder: str) -> Claims:
     """Return the claims in a control folder; empty if they cannot be read."""
+    from ur.source.foreign.json_values import read_json  # where other runs are
+
     try:
         with Path(folder, _FILE).open("rb") as file:
             return read_json(file.read(_MAX_BYTES), Claims, _MAX_BYTES)

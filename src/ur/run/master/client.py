@@ -2,10 +2,10 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from ur.run.master.xml_rpc import CallRefused, Unanswered, WrongServer, call_method
+from ur.source.data_classes import dataclass
 from ur.source.diagnostic import UserError, user_error
 
 CALLER = "/roslaunch"  # the name under which roslaunch speaks: tools look for it

@@ -4,7 +4,6 @@ import socket
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from threading import Event as Flag
 
 from ur.robot.addresses import AddressCache
@@ -20,6 +19,7 @@ from ur.run.supervisor.events import (
     MasterReturned,
     RobotMasterLost,
 )
+from ur.source.data_classes import dataclass, replace
 
 LINK_PERIOD = 0.3  # s between two polls
 LOST_AFTER = 1.0  # s without an answer from the robot, after which the link is lost

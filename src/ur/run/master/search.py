@@ -4,7 +4,6 @@ import shutil
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ur.launchfile.plan.specs import ParamValue
@@ -17,6 +16,7 @@ from ur.run.paths import is_local_address
 from ur.run.process.command import UnitProgram
 from ur.run.supervisor.events import Event, MasterAnswered, SetupFailed
 from ur.run.supervisor.state import Unit
+from ur.source.data_classes import dataclass, replace
 from ur.source.diagnostic import UserError, user_error
 from ur.source.printable import printable
 from ur.source.project import launch_library

@@ -5,12 +5,12 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.run.process.command import UnitProgram
 from ur.run.supervisor.events import Event, Exited
+from ur.source.data_classes import dataclass, field
 
 if TYPE_CHECKING:
     from ur.run.master.parameters import CommandParameters

@@ -6,7 +6,6 @@ import threading
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 
 from ur.launchfile.plan.specs import NodeSpec, ParamValue, Plan
@@ -24,6 +23,7 @@ from ur.run.paths import is_local_address
 from ur.run.process.command import UnitProgram
 from ur.run.record.registry import list_runs, read_computer
 from ur.run.supervisor.events import Event, Evicted, Exited
+from ur.source.data_classes import dataclass
 from ur.source.diagnostic import UserError
 
 

@@ -5,8 +5,8 @@ import fcntl
 import os
 import stat
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
+from ur.source.data_classes import dataclass
 from ur.source.diagnostic import user_error
 
 MARK = b"... older lines were removed here"

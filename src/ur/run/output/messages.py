@@ -3,10 +3,10 @@
 import re
 import signal
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from ur.run.supervisor.actions import ReportDeath
 from ur.run.supervisor.state import ExitStatus
+from ur.source.data_classes import dataclass
 from ur.source.script import convert_help, is_python_two
 
 

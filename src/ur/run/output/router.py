@@ -7,13 +7,13 @@ import select
 import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ur.run.output.console import Console
 from ur.run.output.log_rotation import LogRotation
 from ur.run.output.node_output import FLOOD_PAUSE, KEPT_LINES, LineSplitter, Stream, make_printable, read_last_lines
 from ur.run.process.command import UnitProgram
+from ur.source.data_classes import dataclass
 
 if TYPE_CHECKING:
     from ur.run.clients.protocol import OutputSource

@@ -7,13 +7,13 @@ import os
 import re
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ur.launchfile.plan.specs import NodeSpec, ReadyCondition
 from ur.launchfile.world import PackageNotFound, World
 from ur.run.supervisor.state import Unit
 from ur.source.arguments import split_words
+from ur.source.data_classes import dataclass, replace
 from ur.source.diagnostic import Diagnostic, UserError, error
 from ur.source.foreign.files import read_text
 from ur.source.project import launch_library

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import os
 import socket
 import stat
 import time
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 from ur.launchfile.plan.specs import NodeSpec, Origin, Plan
+from ur.source.data_classes import dataclass, field, replace
 from ur.source.diagnostic import user_error, user_error_about
 from ur.source.foreign.files import read_text
-from ur.source.foreign.json_values import read_json, write_json
 from ur.source.replace import replace_file
 from ur.source.run_users import read_birth
 from ur.source.suggest import did_you_mean
@@ -113,8 +113,6 @@ def register_run(entry: RunEntry, environment: Mapping[str, str], uid: int) -> t
 
     Without it no client can connect.
     """
-    import json
-
     for root in runs_folders(environment, uid):
         folder = f"{root}/{entry.run}"
         try:
@@ -124,7 +122,7 @@ def register_run(entry: RunEntry, environment: Mapping[str, str], uid: int) -> t
             os.mkdir(folder, 0o700)  # noqa: PTH102 - likewise
             listener = _listen(folder)
             made = replace(entry, folder=folder)
-            text = json.dumps(asdict(made), ensure_ascii=False)
+            text = json.dumps({name: getattr(made, name) for name in made.__slots__}, ensure_ascii=False)
             with open(f"{folder}/{DESCRIPTION}.new", "w", encoding="utf-8") as file:  # noqa: PTH123 - likewise
                 file.write(text)
             os.rename(f"{folder}/{DESCRIPTION}.new", f"{folder}/{DESCRIPTION}")  # noqa: PTH104 - likewise
@@ -291,11 +289,13 @@ def write_plan(path: Path, plan: Plan, nodes: Sequence[NodeSpec], arguments: Seq
     }
     descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
     with os.fdopen(descriptor, "w", encoding="utf-8", errors="replace") as file:
-        file.write(write_json(values))
+        json.dump(values, file, ensure_ascii=False)
 
 
 def read_plan(path: Path) -> dict[str, object]:
     """The plan of a run; {} where there is none."""
+    from ur.source.foreign.json_values import read_json
+
     try:
         found = read_json(read_text(path, _MOST_BYTES), dict[str, object])
     except (OSError, ValueError):
@@ -334,6 +334,8 @@ def write_ended(run: EndedRun, environment: Mapping[str, str], uid: int) -> None
     """Store an ended run, and remove the oldest beyond MAX_RUNS. No effect if the file cannot be written."""
     folder = _folder(environment, uid)
     lines = tuple(line[:_MAX_LINE] for line in run.lines[-MAX_LINES:])
+    from ur.source.foreign.json_values import write_json
+
     text = write_json(replace(run, lines=lines))
     with suppress(OSError):
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -373,6 +375,8 @@ def _folder(environment: Mapping[str, str], uid: int) -> Path:
 
 
 def _read(path: Path) -> EndedRun | None:
+    from ur.source.foreign.json_values import read_json
+
     try:
         with path.open("rb") as file:
             return read_json(file.read(_MAX_BYTES * 4), EndedRun)

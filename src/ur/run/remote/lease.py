@@ -3,13 +3,13 @@
 import os
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Literal
 
 from ur.run.master.client import Master, parse_master_uri
 from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.middleware.facts import read_facts
 from ur.run.remote.protocol import check_printable
+from ur.source.data_classes import dataclass
 from ur.source.diagnostic import UserError
 from ur.source.foreign.json_values import Timestamp, convert_json, read_json
 from ur.system.ros import find_facts, read_domain

@@ -1,11 +1,11 @@
 """Requests to a robot for its share of a run, and the answers: values, and each as JSON that is checked when read."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal
 
 from msgspec import Meta
 
+from ur.source.data_classes import dataclass, field, replace
 from ur.source.foreign.json_values import convert_json, read_json, write_json
 
 MAX_BYTES = 1 << 18

@@ -1,7 +1,6 @@
 """Selection of the nodes of a plan that run, and refusal of plans that cannot run, before anything starts."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 from ur.launchfile.plan.specs import MachineSpec, NodeSpec, Plan
@@ -9,6 +8,7 @@ from ur.launchfile.world import World
 from ur.run.options import RunOptions
 from ur.run.paths import is_local_address
 from ur.run.process.command import describe_install
+from ur.source.data_classes import dataclass, replace
 from ur.source.diagnostic import Diagnostic, error, user_error
 
 VIEWERS = ("rviz", "image_view")  # packages whose nodes need a display

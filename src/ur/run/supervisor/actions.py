@@ -1,10 +1,10 @@
 """Actions and reports that the supervisor requests. Values only."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
 from signal import SIGINT, SIGKILL, SIGTERM
 
 from ur.run.supervisor.state import ExitStatus, RunPhase, State, TimeLimits, UnitState, UnitStatus
+from ur.source.data_classes import dataclass, replace
 
 
 @dataclass(frozen=True, slots=True)

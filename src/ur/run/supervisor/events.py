@@ -1,8 +1,7 @@
 """Events that the supervisor handles. Values only."""
 
-from dataclasses import dataclass
-
 from ur.run.supervisor.state import ExitStatus
+from ur.source.data_classes import dataclass
 
 CTRL_C = "Ctrl-C"
 """The cause of a StopRequested from the keyboard."""

@@ -1,11 +1,11 @@
 """Effects that events have: which event starts a unit, prints a line, or ends the run. Pure."""
 
 from collections.abc import Iterable
-from dataclasses import replace
 
 from ur.launchfile.plan.specs import Trigger
 from ur.run.supervisor.events import Event, Exited, ParametersSet, Printed, Started, StartFailed
 from ur.run.supervisor.state import CancelPlanned, Effect, Planned, PrintPlanned, RunPhase, State
+from ur.source.data_classes import replace
 
 
 def list_triggers(trigger: Trigger | None) -> tuple[Trigger, ...]:

@@ -1,10 +1,10 @@
 """State of a run: its units, and the status of each. Values only."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from enum import Enum
 
 from ur.launchfile.plan.specs import Trigger
+from ur.source.data_classes import dataclass, field
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,6 @@ actions and passes events back.
 """
 
 from collections.abc import Iterable
-from dataclasses import replace
 from signal import SIGINT, SIGKILL, SIGTERM
 
 from ur.run.supervisor.actions import (
@@ -76,6 +75,7 @@ from ur.run.supervisor.state import (
     UnitState,
     UnitStatus,
 )
+from ur.source.data_classes import replace
 
 
 def begin_end(state: State, cause: str, exit_code: int, now: float, *, failed: bool = False) -> Step:
