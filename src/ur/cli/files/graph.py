@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ur.graph.topics import graph_plan, graph_system
 from ur.run.middleware.protocol import GraphView, NoGraph, RunGraph
 from ur.source.ansi import speaks_unicode
 from ur.source.diagnostic import user_error
@@ -67,7 +68,6 @@ def command(argv: tuple[str, ...], topics: bool, live: bool, form: str | None, o
     if live:
         return _write(_show_live(argv, form), output)
     from ur.graph.includes import build_trees, merge_trees
-    from ur.graph.topics import graph_plan
     from ur.request.plan_files import load_tolerantly
 
     plan, files, sound = load_tolerantly(argv)
@@ -89,7 +89,6 @@ def _draw_trees(trees: Sequence[Branch]) -> str:
 
 
 def _show_live(nodes: Sequence[str], form: str) -> str:
-    from ur.graph.topics import graph_system
     from ur.request.environment import apply_selection, current_selection
     from ur.run.master.client import parse_master_uri
     from ur.run.master.xml_rpc import Unanswered
@@ -112,7 +111,6 @@ def _show_live(nodes: Sequence[str], form: str) -> str:
 
 
 def _show_domain(nodes: Sequence[str], form: str) -> str:
-    from ur.graph.topics import graph_system
     from ur.run.middleware.helper_view import HelperView
 
     where = f"domain {os.environ.get('ROS_DOMAIN_ID') or '0'}"

@@ -21,6 +21,7 @@ from ur.cli.files.new_things import (
     urdf_files,
 )
 from ur.source.diagnostic import UserError, user_error
+from ur.tools.new.package import plan_package, plan_script, write_base
 from ur.tools.new.parts import NewFile, write_files
 
 _NAME = r"[a-z][a-z0-9_]*"
@@ -155,7 +156,6 @@ def new_base(
         refuse_arguments,
         refuse_sideways,
     )
-    from ur.tools.new.package import write_base
     from ur.tools.new.target import next_step, target_of
 
     check_driver("--driver", driver, "")
@@ -187,8 +187,6 @@ def new_base(
 @click.option("--email", help="The e-mail address of the maintainer.")
 def new_package(name: str | None, summary: str | None, maintainer: str | None, email: str | None) -> int:
     """Write a package for launch files: a folder NAME here."""
-    from ur.tools.new.package import plan_package
-
     name = ask(name, "NAME", "Name of the package")
     summary = ask(summary, "--summary", "What it is for, in one line")
     known = know_person()
@@ -206,8 +204,6 @@ _SCRIPT = re.compile(r"[a-z][a-z0-9_]*")
 @click.option("--summary", default="Drive half a metre ahead", help="One line that says what it does.")
 def new_script(name: str, summary: str) -> int:
     """Write a script NAME.py into this folder, which drives the selected robot half a metre ahead."""
-    from ur.tools.new.package import plan_script
-
     name = name.removesuffix(".py")
     if not _SCRIPT.fullmatch(name):
         expected = "expected lower-case letters, digits and _, starting with a letter"

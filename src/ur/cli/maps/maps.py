@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from ur.maps.change import add_edit, make_edit, move_map, name_place, propose
-from ur.maps.names import check_map_name, read_places, waypoint_path
+from ur.maps.names import read_places, waypoint_path
 from ur.maps.record import EditKind, MapRecord
 from ur.maps.store import MapStore, own_store
 from ur.source.ansi import BOLD, RESET, speaks_unicode, strip_styles
@@ -60,6 +59,8 @@ def edit(name: str, change: str, values: tuple[str, ...]) -> int:
 
 
 def _rotate(store: MapStore, name: str, values: Sequence[str]) -> str:
+    from ur.maps.change import move_map, propose
+
     numbers = _numbers(values, "rotate [DEGREES]", (0, 1))
     turn = math.radians(numbers[0]) if numbers else propose(store, name)
     if not turn:
@@ -69,6 +70,8 @@ def _rotate(store: MapStore, name: str, values: Sequence[str]) -> str:
 
 
 def _origin(store: MapStore, name: str, values: Sequence[str]) -> str:
+    from ur.maps.change import move_map
+
     x, y = _numbers(values, "origin X Y", (2,))
     move_map(store, name, (-x, -y, 0.0), waypoint_path(name, os.environ))
     return f"({x:g}, {y:g}) is (0, 0) now"
@@ -76,6 +79,8 @@ def _origin(store: MapStore, name: str, values: Sequence[str]) -> str:
 
 def _draw(kind: EditKind) -> Callable[[MapStore, str, Sequence[str]], str]:
     def draw(store: MapStore, name: str, values: Sequence[str]) -> str:
+        from ur.maps.change import add_edit, make_edit
+
         numbers = _numbers(values, f"{kind} X Y X Y ...", range(4, 2001, 2))
         count = add_edit(store, name, make_edit(kind, list(zip(numbers[::2], numbers[1::2], strict=True))))
         return f"{kind}: {count} cells changed"
@@ -116,6 +121,8 @@ def _zone(store: MapStore, name: str, values: Sequence[str]) -> str:
 
 
 def _place(store: MapStore, name: str, values: Sequence[str]) -> str:
+    from ur.maps.change import name_place
+
     if not values:
         raise _bad("no name, expected place PLACE X Y [ANGLE]")
     numbers = _numbers(values[1:], "place PLACE X Y [ANGLE]", (2, 3))
@@ -266,6 +273,7 @@ def import_(file: Path, name: str | None) -> int:
     A map without scans can be navigated on and edited, but not continued.
     """
     from ur.maps.exchange import import_picture, treats_grey_as_free
+    from ur.maps.names import check_map_name
 
     store = _store()
     name = check_map_name(name or (file.name if file.is_dir() else file.stem))

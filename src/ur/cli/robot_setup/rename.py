@@ -11,6 +11,7 @@ import click
 
 from ur.cli.changing import DRY_RUN, PASSWORD_FROM, WAIT, become_root, begin, finish, print_line, show_plan
 from ur.cli.output import check_name, read_lines
+from ur.robot.ssh.shell import LocalShell, run_process
 from ur.source.diagnostic import UserError, user_error, user_error_about
 
 if TYPE_CHECKING:
@@ -73,7 +74,6 @@ def _begin(
     from ur.robot.commit_confirm.guarded import change_request, list_changes
     from ur.robot.commit_confirm.rename import plan_rename, rename_request
     from ur.robot.setup.engine import gather
-    from ur.robot.ssh.shell import LocalShell
 
     user = shell.address.user
     sudo = become_root(shell, password)
@@ -153,7 +153,6 @@ def remember(old: str, new: str) -> None:
     from ur.robot.setup.engine import apply_states
     from ur.robot.setup.facts import FactsRequest
     from ur.robot.setup.wanted import Wanted, WantedFile
-    from ur.robot.ssh.shell import LocalShell
 
     host_key = _host_key((old, f"{old}.local", f"{new}.local"))
     folder = records_folder(os.environ)
@@ -188,8 +187,6 @@ def remember(old: str, new: str) -> None:
 
 def _host_key(names: Sequence[str]) -> str | None:
     """Return the robot's public host key of the type that a set-up records, as known here under any of its names."""
-    from ur.robot.ssh.shell import run_process
-
     for name in names:
         done = run_process(["ssh-keygen", "-F", name], timeout=20, what="a known host key")
         for line in done.out.splitlines():

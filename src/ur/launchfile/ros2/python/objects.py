@@ -15,6 +15,7 @@ from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.plan.values.expression_functions import size_of
 from ur.launchfile.ros2.model import Made, Unknown
 from ur.launchfile.ros2.python.api_class import ApiClass
+from ur.launchfile.ros2.substitutions import is_wanted, perform
 from ur.source.file import Span
 
 if TYPE_CHECKING:
@@ -342,24 +343,18 @@ def _attribute_of_made(made: Made, name: str, span: Span) -> object:
 
 
 def _perform(made: Made, context: object, span: Span) -> object:
-    from ur.launchfile.ros2.substitutions import perform
-
     if not isinstance(context, ContextObject):
         return Unknown("the launch context is not known here", span)
     return perform(made, context.context)
 
 
 def _evaluate(made: Made, context: object, span: Span) -> object:
-    from ur.launchfile.ros2.substitutions import is_wanted
-
     if not isinstance(context, ContextObject):
         return Unknown("the launch context is not known here", span)
     return is_wanted(made, context.context)
 
 
 def _attribute_of_context(context: Context, name: str, span: Span) -> object:
-    from ur.launchfile.ros2.substitutions import perform
-
     members: dict[str, object] = {
         "launch_configurations": context.configurations,
         "environment": context.environment,
