@@ -95,5 +95,5 @@ else:
 
             space = {name: dataclasses.field(**each) for name, each in cls.__fields__.items()}
             space["__annotations__"] = dict.fromkeys(space, object)
-            frozen = cls.__setattr__ is _refuse
-            return getattr(dataclasses.dataclass(frozen=frozen)(type(cls.__name__, (), space)), self)
+            make = dataclasses.dataclass(frozen=cls.__setattr__ is _refuse)
+            return getattr(make(type(cls.__name__, (), space)), self)

@@ -7,6 +7,7 @@ folder of the package `ur` that `tools/build_wheel.py` creates. Only this module
 import os
 import sys
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 
 from ur.source.user_folders import user_folder
@@ -34,6 +35,7 @@ _PYTHON_PACKAGES = ("ur", "ur_nodes")
 _LEFT_OUT = ("__pycache__", ".egg-info", ".pyc")
 
 
+@cache
 def package_folder() -> Path:
     """Return the folder of the Python package `ur`."""
     return Path(__file__).resolve().parents[1]

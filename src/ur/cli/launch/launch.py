@@ -117,7 +117,6 @@ def launch_line(line: CommandLine, options: LaunchOptions) -> int:
     apply_selection(selection)
     if query is not None:
         return _dry_run(line, selection, options, reporter, shell)
-    gc.enable()
     if not options.detach:
         return run_launch(line, selection, options, reporter, None)
     from ur.cli.runs.wait import start_detached
@@ -184,6 +183,7 @@ def run_launch(
 
         launch = Launch(line, selection, options, reporter, stack, make_xacro, lambda names: offer(options, names))
         staged = prepare(launch)
+        gc.enable()
         if staged.end is not None:
             return staged.end()
         with _pid_file(options.pid, staged.plan.files), _viewer(staged.plan, options, reporter) as viewer:
@@ -239,8 +239,7 @@ def _viewer(plan: Plan, options: LaunchOptions, reporter: StartReporter) -> Iter
         return
     from ur.tui.start import InterfaceProcess, look_for_mode
 
-    mode = look_for_mode(os.environ, calm=options.calm)
-    if mode == "plain":
+    if (mode := look_for_mode(os.environ, calm=options.calm)) == "plain":
         yield None
         return
     with InterfaceProcess(mode) as viewer:
@@ -271,8 +270,7 @@ def _describe_finding(finding: Diagnostic) -> tuple[EventSeverity, str]:
     """Return severity and text of a finding in a launch file, for the interface's log."""
     from ur.source.render import render_human
 
-    severity: EventSeverity = "warning" if finding.severity is Severity.WARNING else "info"
-    return severity, render_human([finding], colour=False).rstrip()
+    return "warning" if finding.severity is Severity.WARNING else "info", render_human([finding], colour=False).rstrip()
 
 
 def make_xacro() -> None:
