@@ -88,7 +88,7 @@ else:
         return type(self), tuple(getattr(self, name) for name in self.__fields__)
 
     class _Standard(str):
-        """What functions of `dataclasses` look for, from a class that it has made of the same fields."""
+        """The description that functions of `dataclasses` look for, of a class that it has made of the same fields."""
 
         def __get__(self, value, cls):
             import dataclasses
@@ -96,4 +96,5 @@ else:
             space = {name: dataclasses.field(**each) for name, each in cls.__fields__.items()}
             space["__annotations__"] = dict.fromkeys(space, object)
             make = dataclasses.dataclass(frozen=cls.__setattr__ is _refuse)
-            return getattr(make(type(cls.__name__, (), space)), self)
+            setattr(cls, self, getattr(make(type(cls.__name__, (), space)), self))
+            return getattr(cls, self)

@@ -5,10 +5,10 @@ node, then `Synchronised`; from there on every event. Output lines and statistic
 requested them.
 """
 
-from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from ur.run.supervisor.events import KillNode, NodeRequest, RestartNode, StartNode, StopNode
+from ur.source.data_classes import dataclass
 
 NodeState = Literal["waiting", "starting", "running", "stopping", "ended"]
 Severity = Literal["", "debug", "info", "warning", "error", "fatal"]
@@ -193,6 +193,7 @@ _COMMANDS: dict[str, Any] = {
 def dump_line(item: RunEvent | RunCommand) -> bytes:
     """Encode an event or command as one line of JSON: `kind` first, then its fields."""
     import json  # only for those who watch
+    from dataclasses import asdict
 
     return json.dumps({"kind": type(item).__name__, **asdict(item)}, ensure_ascii=False).encode("utf-8") + b"\n"
 

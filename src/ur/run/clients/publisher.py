@@ -6,7 +6,6 @@ import os
 import select
 import socket
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
 
 from ur.run.clients.protocol import (
     BadLineError,
@@ -33,6 +32,7 @@ from ur.run.clients.protocol import (
 )
 from ur.run.output.console import Sink
 from ur.run.supervisor.state import RunPhase, State, UnitState, UnitStatus
+from ur.source.data_classes import dataclass, replace
 
 MOST_COMMAND_BYTES = 64 * 1024
 MOST_BACKLOG = 20_000  # events; a client that does not read for so long is disconnected

@@ -3,7 +3,6 @@
 import re
 import signal
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from typing import Literal
 
 from ur.run.clients.protocol import (
@@ -20,6 +19,7 @@ from ur.run.clients.protocol import (
 )
 from ur.run.output.messages import describe_link, describe_status
 from ur.run.supervisor.state import ExitStatus
+from ur.source.data_classes import dataclass, replace
 
 Mood = Literal["up", "busy", "idle", "failed"]
 STANDING: tuple[Mood, ...] = ("up", "busy", "failed", "idle")  # the order in which moods are counted

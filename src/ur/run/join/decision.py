@@ -1,10 +1,10 @@
 """Decision about the nodes of a plan that are already running at the same master. Pure."""
 
-import json
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from ur.launchfile.plan.specs import NodeSpec, ParamSpec, Plan
+from ur.run.record.registry import encode
 from ur.run.startup.node_selection import keep_nodes
 from ur.source.data_classes import dataclass, field
 from ur.source.replace import replace_file
@@ -65,8 +65,7 @@ def is_base(item: NodeSpec | ParamSpec) -> bool:
 
 def write_claims(folder: str, claims: Claims) -> None:
     """Write the claims of a run to its control folder. Raises OSError: the folder was removed, or the disk is full."""
-    text = json.dumps({name: getattr(claims, name) for name in claims.__slots__}, ensure_ascii=False)
-    replace_file(Path(folder, _FILE), text.encode("utf-8", "replace"), lasting=False)
+    replace_file(Path(folder, _FILE), encode(claims), lasting=False)
 
 
 def read_claims(folder: str) -> Claims:

@@ -6,7 +6,6 @@ Sources: launch_ros' `Node._perform_substitutions` and `_create_params_file_from
 import os
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from ur.launchfile.plan.specs import ActionSpec, NodeSpec, ParameterFile, ParamValue, Plan, ReadyCondition, Trigger
@@ -17,6 +16,7 @@ from ur.run.process.command import PRIVATE, UnitProgram, find_executable
 from ur.run.process.steps import Planned as PlannedStep
 from ur.run.supervisor.planned import list_triggers
 from ur.run.supervisor.state import CancelPlanned, Effect, EndPlanned, Planned, PrintPlanned, StartPlanned, Unit
+from ur.source.data_classes import replace
 from ur.source.diagnostic import Diagnostic, Note, UserError, error
 
 _FOLDER = "parameters"

@@ -122,15 +122,20 @@ def register_run(entry: RunEntry, environment: Mapping[str, str], uid: int) -> t
             os.mkdir(folder, 0o700)  # noqa: PTH102 - likewise
             listener = _listen(folder)
             made = replace(entry, folder=folder)
-            text = json.dumps({name: getattr(made, name) for name in made.__slots__}, ensure_ascii=False)
-            with open(f"{folder}/{DESCRIPTION}.new", "w", encoding="utf-8") as file:  # noqa: PTH123 - likewise
-                file.write(text)
+            with open(f"{folder}/{DESCRIPTION}.new", "wb") as file:  # noqa: PTH123 - likewise
+                file.write(encode(made))
             os.rename(f"{folder}/{DESCRIPTION}.new", f"{folder}/{DESCRIPTION}")  # noqa: PTH104 - likewise
         except OSError:
             _remove_folder(folder)
             continue
         return made, listener
     return None
+
+
+def encode(value: object) -> bytes:
+    """Encode a value of data classes as JSON. What is not UTF-8 becomes '?'."""
+    fields = json.dumps(value, ensure_ascii=False, default=lambda each: {n: getattr(each, n) for n in each.__slots__})
+    return fields.encode("utf-8", "replace")
 
 
 def unregister_run(entry: RunEntry) -> None:
@@ -334,9 +339,7 @@ def write_ended(run: EndedRun, environment: Mapping[str, str], uid: int) -> None
     """Store an ended run, and remove the oldest beyond MAX_RUNS. No effect if the file cannot be written."""
     folder = _folder(environment, uid)
     lines = tuple(line[:_MAX_LINE] for line in run.lines[-MAX_LINES:])
-    from ur.source.foreign.json_values import write_json
-
-    text = write_json(replace(run, lines=lines))
+    text = encode(replace(run, lines=lines))
     with suppress(OSError):
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         replace_file(folder / f"{run.entry.run}.{int(run.entry.started)}.json", text, lasting=False)
