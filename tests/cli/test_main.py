@@ -233,7 +233,9 @@ def test_verbs_import_only_what_they_need(words: list[str], unwanted: set[str]) 
 
 def test_modules_of_a_launch_need_nothing_that_takes_long_to_import() -> None:
     names = ("request.launch", "request.joining.running", "request.requirements.preparation", "run.launch")
-    code = "; ".join(f"import ur.{name}" for name in (*names, "run.middleware.ros1", "cli.launch.launch"))
+    code = "; ".join(
+        f"import ur.{name}" for name in (*names, "run.middleware.ros1", "cli.launch.launch", "complete.completions")
+    )
     code += "; import sys; sys.exit(' '.join({'dataclasses', 'inspect', 'msgspec'} & {*sys.modules}) or 0)"
     done = subprocess.run([sys.executable, "-I", "-c", code], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
