@@ -302,10 +302,8 @@ install_python() {
     run_step "this project" copy_wheel || die "the project could not be copied into $state/.venv" "look at $log, then run this again"
     return
   fi
-  # The folder in place of the finder that setuptools writes: that takes half of the start of every Python here.
   run_step "this project" env -u PYTHONPATH .venv/bin/python -m pip install --disable-pip-version-check \
-    --no-deps --no-build-isolation --no-index --editable "$root" &&
-    echo "$root/src" >"$(echo .venv/lib/python3.*/site-packages/__editable__.*.pth)" ||
+    --no-deps --no-build-isolation --no-index --editable "$root" ||
     die "the project could not be installed into .venv" "look at $log, then run this again"
 }
 

@@ -3,8 +3,6 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
-from ur.source.data_classes import dataclass, field
-
 
 class Completion(NamedTuple):
     """A text to insert. `open` ones are incomplete: no blank follows (`speed:=`, `launch/`)."""

@@ -14,7 +14,6 @@ from ur.launchfile.ros2.parameters import ParameterSections, flatten
 from ur.launchfile.world import World
 from ur.run.process.command import PRIVATE, UnitProgram
 from ur.run.supervisor.state import Unit
-from ur.source.data_classes import replace
 from ur.system.ros import node_command
 
 _MODULE = "ur_nodes.launch_steps_node"

@@ -203,7 +203,7 @@ class AdmissionGate:
             self._issue()
 
     def note_output(self, *, more: bool) -> None:
-        """Note an output: while `more` follow soon, challenges and messages, which change nothing before, wait for it."""
+        """Note an output: while `more` follow soon, challenges and messages, which change nothing before, wait."""
         if _NEARLY * self._settings.period <= self._period:
             if (period := _LATE if more else self._period) != self._timer_period:
                 self._node.hold_messages(more)
