@@ -25,6 +25,7 @@ import rclpy.node
 from rclpy.callback_groups import CallbackGroup
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Subscription, SubscriptionEventCallbacks
+from rclpy.qos import HistoryPolicy
 
 from ur.source.diagnostic import user_error
 
@@ -64,6 +65,7 @@ class Reception(Unserved):
         self._calls: deque[Callable[[], None]] = deque()
         self._turns = 0  # calls until messages are looked for although others wait
         self.holds = False  # messages wait for the time-out of `get`, or for a call of another thread
+        self._more = False  # messages wait although some of their topic were received
         self._thread = 0  # that receives
         self._wake = os.fdopen(os.eventfd(0, _FLAGS), "wb", buffering=0)
         self._poll = select.epoll()
@@ -102,7 +104,8 @@ class Reception(Unserved):
         super().add_entity(entity)
         subscription = cast("Subscription", entity)
         file = os.eventfd(0, _FLAGS)
-        most = min(subscription.qos_profile.depth or _MOST_AT_ONCE, _MOST_AT_ONCE)
+        profile = subscription.qos_profile
+        most = 1 if (profile.history, profile.depth) == (HistoryPolicy.KEEP_LAST, 1) else _MOST_AT_ONCE
         self._subscriptions[file] = subscription, accepts_details(subscription.callback), most
         self._poll.register(file, _WRITTEN)
         _call_with_messages(subscription, _COUNT, file)
@@ -117,11 +120,13 @@ class Reception(Unserved):
     def _receive(self, seconds: float) -> None:
         """Wait for messages or a call, at most so long, and make the callbacks of subscriptions, which put calls."""
         self._thread = threading.get_ident()
-        if self.holds and seconds:
+        if self.holds and seconds and not self._more:
             self._wakes.poll(seconds)
+        self._more = False
         for file, _ in self._poll.poll(0.0 if self.holds else seconds):
-            with suppress(rclpy_implementation.InvalidHandle):  # another thread has destroyed it
+            with suppress(rclpy_implementation.InvalidHandle, OSError):  # another thread has destroyed it
                 if file in self._subscriptions and self._take(*self._subscriptions[file]):
+                    self._more = True
                     os.eventfd_write(file, 1)
 
     def _take(self, subscription: Subscription, detailed: bool, most: int) -> bool:
@@ -134,7 +139,7 @@ class Reception(Unserved):
                     return False
                 message, info = taken
                 subscription.callback(*((message, info) if detailed else (message,)))
-        return most == _MOST_AT_ONCE
+        return most > 1
 
 
 def _call_with_messages(subscription: Subscription, call: ctypes._FuncPointer, file: int) -> None:

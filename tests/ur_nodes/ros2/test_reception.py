@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from tests.ros2_session import Ros2Session
 
 BUSY = """
@@ -39,6 +40,7 @@ from ur_nodes.ros2.reception import Reception
 class Unknown:
     handle = SimpleNamespace(pointer=0)
     callback = print
+    qos_profile = SimpleNamespace(history=None, depth=1)
 
 try:
     Reception().add_entity(Unknown())
@@ -55,3 +57,46 @@ def test_transforms_that_arrive_during_a_callback_of_seconds_are_all_known_after
 def test_middleware_that_does_not_tell_when_messages_arrive_is_named(session: Ros2Session) -> None:
     done = session.run("-c", SILENT, within=60.0)
     assert done.stdout.startswith("this middleware does not tell when messages arrive, expected"), done.stderr
+
+
+MANY = """
+import threading
+import rclpy
+from geometry_msgs.msg import Twist as Message
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import Twist
+from ur_nodes.ros2.node import RosNode
+
+rclpy.init()
+node, got, all_there = RosNode("holder"), [], threading.Event()
+
+def take(twist):
+    got.append(twist.forward)
+    if got[-1] == 79.0:
+        all_there.set()
+
+node.subscribe("cmd_vel", Twist, take, Quality.LOSSLESS)
+node.begin()
+publisher = rclpy.create_node("other").create_publisher(Message, "cmd_vel", rclpy.qos.QoSProfile(history=2, depth=0))
+while not got:
+    publisher.publish(Message())
+    all_there.wait(0.05)
+busy, done = threading.Event(), threading.Event()
+node.post(lambda: (node.hold_messages(HOLDS), node.after(9.0, all_there.set), busy.set(), done.wait()))
+busy.wait()
+got.clear()
+for number in range(80):
+    message = Message()
+    message.linear.x = float(number)
+    publisher.publish(message)
+done.set()
+all_there.wait()
+print(got == [float(number) for number in range(80)])
+node.close()
+"""
+
+
+@pytest.mark.parametrize("holds", [False, True])
+def test_messages_that_waited_for_a_busy_node_are_all_received(session: Ros2Session, holds: bool) -> None:
+    done = session.run("-c", MANY.replace("HOLDS", str(holds)), within=60.0)
+    assert done.stdout == "True\n", done.stderr

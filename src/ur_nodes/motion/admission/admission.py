@@ -105,14 +105,15 @@ def admit_stamped(
     *,
     motion: bool,
     follows: bool = False,
+    waited: float = 0.0,
 ) -> tuple[Admission, float | Refusal]:
-    """Return the age (s) of a stamped command, or why it is refused.
+    """Return the age (s) of a stamped command, or why it is refused; it arrived fresh if it then `waited` (s) here.
 
     A source that `follows` the lease may send without an id of a client, also while a client has it.
     """
     if client and client != admission.lease.lease.client and not is_client(client):
         return admission, "no client"
-    age = age_of(admission.challenges, answer, now, admission.freshness)
+    age = age_of(admission.challenges, answer, now, admission.freshness + waited)
     if age is None:
         return admission, "late"
     lease = step_lease(admission.lease, ClientCommand(client, motion), now, unix, age)

@@ -191,8 +191,9 @@ class AdmissionGate:
         velocity = Velocity(twist.forward, twist.turn, twist.left)
         now, motion = self._node.steady(), not velocity.still
         stamp = divmod(command.stamp, SECOND)
+        known, waited = self._admission, self._waited(sender, now)
         self._admission, verdict = admit_stamped(
-            self._admission, index, stamp, command.frame, now, time.time(), motion=motion, follows=follows
+            known, index, stamp, command.frame, now, time.time(), motion=motion, follows=follows, waited=waited
         )
         self._pass(index, velocity, now, verdict, _name(sender), stamped=True)
         self._announce()
@@ -204,11 +205,16 @@ class AdmissionGate:
 
     def note_output(self, *, more: bool) -> None:
         """Note an output: while `more` follow soon, challenges and messages, which change nothing before, wait."""
-        if _NEARLY * self._settings.period <= self._period:
+        if _NEARLY * self._settings.period <= self._period and not self._node.facts.simulated_time:
             if (period := _LATE if more else self._period) != self._timer_period:
                 self._node.hold_messages(more)
                 self._set_timer(period)
             self._issue_due()
+
+    def _waited(self, sender: Sender | None, now: float) -> float:
+        """How long (s) a message has waited for an output; the clock that tells when it arrived may be set."""
+        arrived = now if sender is None or sender.arrived is None else sender.arrived
+        return min(max(0.0, now - arrived), self._settings.period)
 
     def _set_timer(self, period: float) -> None:
         self._timer_period = period
@@ -256,7 +262,8 @@ class AdmissionGate:
         key, lock = (index, _publisher(sender)), self._settings.locks[index]
         known = self._locks.get(key)
         state = known or LockRelease(lock.timeout)
-        state, obeyed = step_lock_release(state, self._node.steady(), locked=locked, new=known is None)
+        now = self._node.steady()
+        state, obeyed = step_lock_release(state, now - self._waited(sender, now), locked=locked, new=known is None)
         others = [pair for pair in self._locks.items() if pair[0] != key]
         self._locks = dict([*others[-_MOST_PUBLISHERS:], (key, state)])
         if obeyed:

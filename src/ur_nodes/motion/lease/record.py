@@ -73,12 +73,12 @@ def step_lease(record: LeaseRecord, event: LeaseEvent | None, now: float, unix: 
     """The record after an event (None: time has passed).
 
     `now` is in seconds of a steady clock, `unix` in seconds since 1970. Requests must have been checked for freshness;
-    no event is older than its `age` (s), from which the time counts after which its client is lost.
+    no event is older than its `age` (s). Of that, at most half of the timeout counts until its client is lost.
     """
-    record = _expire(record, now, unix)
+    record, sent = _expire(record, now, unix), now - min(age, record.timeout / 2)
     if isinstance(event, ClientCommand):
-        return _drive(record, event, now - age, unix)
-    return record if event is None else _request(_remember(record, event), event, now - age, unix)
+        return _drive(record, event, sent, unix)
+    return record if event is None else _request(_remember(record, event), event, sent, unix)
 
 
 def may_drive(record: LeaseRecord, client: str, *, follows: bool = False) -> bool:
@@ -108,7 +108,7 @@ def _drive(record: LeaseRecord, event: ClientCommand, now: float, unix: float) -
     if record.lease.client == event.client:
         held = record.lease.state == "held" and record.lease.until is None
         lease = record.lease if held else replace(record.lease, state="held", until=None)
-        return record._replace(lease=lease, received_at=now, forget_at=math.inf)
+        return record._replace(lease=lease, received_at=max(record.received_at, now), forget_at=math.inf)
     if record.lease.state == "free" and event.motion:
         known = record.known.get(event.client) or LeaseRequest(event.client, event.client[:8], "", "acquire")
         return _grant(record, known, now, unix, taken=False)
@@ -126,7 +126,7 @@ def _renew(record: LeaseRecord, request: LeaseRequest, now: float) -> LeaseRecor
         until=None,
         terms=request.terms,
     )
-    return record._replace(lease=lease, received_at=now, forget_at=math.inf)
+    return record._replace(lease=lease, received_at=max(record.received_at, now), forget_at=math.inf)
 
 
 def _grant(record: LeaseRecord, request: LeaseRequest, now: float, unix: float, *, taken: bool) -> LeaseRecord:

@@ -62,9 +62,10 @@ class AdmittingRobot:
         if output is not None:
             self.outputs.append((self.now, output.forward))
 
-    def stamped(self, stamp: Stamp, client: str = "a", source: int = KEYBOARD) -> float | Refusal:
+    def stamped(self, stamp: Stamp, client: str = "a", source: int = KEYBOARD, waited: float = 0.0) -> float | Refusal:
+        follows, admission = source == NAVIGATION, self.admission
         self.admission, verdict = admit_stamped(
-            self.admission, source, stamp, client, self.now, self.now, motion=True, follows=source == NAVIGATION
+            admission, source, stamp, client, self.now, self.now, motion=True, follows=follows, waited=waited
         )
         if isinstance(verdict, float):
             self.step(VelocityCommand(source, AHEAD, self.now - verdict))
@@ -161,6 +162,23 @@ def test_holder_is_lost_in_time_however_late_its_last_request_arrived(robot: Adm
         robot.until(sent + robot.admission.lease.timeout + late * PERIOD)
         states.append(robot.admission.lease.lease.state)
     assert states == ["held", "lost"]
+
+
+def test_older_message_that_arrives_late_takes_no_time_from_its_sender(robot: AdmittingRobot) -> None:
+    old = robot.newest
+    robot.until(robot.now + 0.9)
+    robot.stamped(robot.newest)
+    heard = robot.now
+    assert robot.request("a", "renew", old)
+    robot.until(heard + robot.admission.lease.timeout - 3 * PERIOD)
+    assert robot.admission.lease.lease.state == "held"
+
+
+def test_command_that_arrived_fresh_counts_with_its_whole_age_after_it_has_waited(robot: AdmittingRobot) -> None:
+    at, stamp = robot.issued[-1]
+    robot.until(at + FRESHNESS + 0.01)
+    assert robot.stamped(stamp, waited=0.005) == "late"
+    assert robot.stamped(stamp, waited=0.02) == pytest.approx(robot.now - at)
 
 
 def test_plain_commands_are_ignored_while_stamped_ones_come_by_the_same_source(robot: AdmittingRobot) -> None:
