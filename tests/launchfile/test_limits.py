@@ -58,6 +58,15 @@ def test_file_that_includes_itself_is_named_and_not_entered_again() -> None:
     assert len(plan.includes) < 1000
 
 
+def test_file_that_includes_itself_is_read_where_its_arguments_end_the_circle() -> None:
+    inner = """<arg name="m"/><param name="a" value="1" if="$(eval m == 'ok')"/>
+    <include file="/inner.launch" if="$(eval m != 'ok')"><arg name="m" value="$(arg m)"/></include>"""
+    given = '<include file="/inner.launch"><arg name="m" value="{}"/></include>'.format
+    plan = _load({"/main.launch": _launch(given("no") + given("ok")), "/inner.launch": _launch(inner)})
+    assert _rules(plan) == {"include-cycle"}
+    assert [param.name for param in plan.params] == ["/a"]
+
+
 def test_includes_that_double_at_every_level_end() -> None:
     files: dict[str, str | bytes] = {
         f"/f{level}.launch": _launch(f'<include file="/f{level + 1}.launch"/>' * 2) for level in range(60)

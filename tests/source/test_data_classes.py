@@ -112,3 +112,9 @@ def test_a_data_class_of_the_standard_library_may_extend_one() -> None:
         stamp: int = 1
 
     assert data_classes.replace(Stamped(1.0, stamp=2), y=5.0) == Stamped(1.0, 5.0, 2)
+
+
+@pytest.mark.parametrize("given", [{"x": []}, {"x": data_classes.field(init=False)}, {"__post_init__": print}])
+def test_what_data_classes_do_not_know_is_refused_and_not_left_out(given: dict[str, object]) -> None:
+    with pytest.raises(AssertionError):
+        data_classes.dataclass(slots=True)(type("Class", (), {"__annotations__": {"x": int}, **given}))

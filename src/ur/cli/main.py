@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import gc
 import os
 import sys
 from collections.abc import Callable, Sequence
@@ -44,6 +45,8 @@ def _run(argv: list[str], load: Callable[[str], click.Command] | None) -> int:
         return 130
     except Exception as problem:
         return explain_exception(problem, argv)
+    finally:
+        gc.enable()  # some commands need nearly all objects until their end
 
 
 def _launch(argv: list[str]) -> int:

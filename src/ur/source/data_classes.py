@@ -32,6 +32,9 @@ else:
             if "ClassVar" not in str(kind):
                 each = space.pop(name) if name in space else field()
                 fields[name] = each if isinstance(each, field) else field(default=each)
+        known = {"default", "default_factory", "compare", "repr"}
+        assert all(each.keys() <= known and each.get("default").__hash__ for each in fields.values())
+        assert "__post_init__" not in space
         names = [name for name, each in fields.items() if each.get("compare", True)] or ["__class__"]
         space |= {
             "__slots__": tuple(name for name in fields if name not in old),
@@ -61,11 +64,11 @@ else:
     def _write_init(cls):
         space, arguments, lines = {}, [], []
         for name, each in cls.__fields__.items():
-            space[f"__set_{name}"] = getattr(cls, name).__set__
+            space[f"_0{name}"] = getattr(cls, name).__set__
             space[f"__{name}"] = each.get("default", each.get("default_factory"))
             arguments.append(f"{name}=__{name}" if each.keys() & {"default", "default_factory"} else name)
             made = f"__{name}() if {name} is __{name} else {name}" if "default_factory" in each else name
-            lines.append(f"__set_{name}(self, {made})")
+            lines.append(f"_0{name}(self, {made})")
         exec(f"def __init__(self, {', '.join(arguments)}):\n " + "\n ".join(lines or ["pass"]), space)  # noqa: S102 - as there
         return space["__init__"]
 

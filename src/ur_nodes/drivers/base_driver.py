@@ -280,7 +280,8 @@ class BaseDriver:
             self._counted = time
         elif isinstance(reading, Power):
             self._topics.battery = reading
-            self._health.note(voltage=_amount(reading.voltage), empty=reading.voltage < self._empty)
+            measured = reading.voltage if 0.0 <= reading.voltage < 1000.0 else 0.0
+            self._health.note(voltage=measured, empty=reading.voltage < self._empty)
         elif isinstance(reading, Contacts):
             self._topics.send_contacts(reading)
         elif isinstance(reading, MeasuredBeams):
@@ -315,8 +316,3 @@ class BaseDriver:
         self._line.write(self._board.stop())
         self._line.write(self._board.shutdown())
         self._line.close()
-
-
-def _amount(value: float) -> float:
-    """A value that is measured; 0.0 for no number."""
-    return value if 0.0 <= value < 1000.0 else 0.0

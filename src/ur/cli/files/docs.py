@@ -57,14 +57,9 @@ def command(path: str, check: bool, output: str | None) -> int:
 
     from ur.source.progress_line import show_progress
 
-    was_enabled = gc.isenabled()
     gc.disable()  # all objects are needed until the end
-    try:
-        with show_progress("finding launch files") as progress:
-            return _write_documents(path, check, output, progress)
-    finally:
-        if was_enabled:
-            gc.enable()
+    with show_progress("finding launch files") as progress:
+        return _write_documents(path, check, output, progress)
 
 
 def _write_documents(path: str, check: bool, output: str | None, progress: Progress) -> int:

@@ -56,8 +56,6 @@ def launch(argv: Sequence[str]) -> int:
         return launch_line(line, options)
     except UserError as problem:
         return explain_problem(problem, report)
-    finally:
-        gc.enable()
 
 
 def split_command(argv: Sequence[str]) -> tuple[Sequence[str], Sequence[str]]:
@@ -83,6 +81,7 @@ def launch_other(command: Sequence[str], line: CommandLine, options: LaunchOptio
     def run(detach: Detach | None) -> int:
         with closing(start_host()) as host:
             console = _make_console(None)
+            gc.enable()
             try:
                 return run_foreign(plan, options, host, console, _call_started(console, detach))
             finally:

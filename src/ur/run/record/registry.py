@@ -155,7 +155,9 @@ def list_runs(environment: Mapping[str, str], uid: int, computer: Computer) -> l
         for name in names:
             entry = _read_entry(f"{root}/{name}")
             if entry is None:
-                _remove_unfinished(f"{root}/{name}")
+                pid = name.rpartition(".")[2]
+                if pid.isdigit() and read_birth(int(pid)) is None:  # whose run has died
+                    _remove_folder(f"{root}/{name}")
                 continue
             if not is_own(entry, computer):
                 continue  # of another computer with the same home folder
@@ -235,12 +237,6 @@ def _is_private(root: str, uid: int) -> bool:
         if not stat.S_ISDIR(status.st_mode) or status.st_uid != uid or status.st_mode & open_to:
             return False
     return True
-
-
-def _remove_unfinished(folder: str) -> None:
-    pid = folder.rpartition(".")[2]
-    if pid.isdigit() and read_birth(int(pid)) is None:
-        _remove_folder(folder)
 
 
 def _read_entry(folder: str) -> RunEntry | None:

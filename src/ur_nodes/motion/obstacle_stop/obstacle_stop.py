@@ -164,16 +164,13 @@ class ObstacleStop:
     def _on_range(self, value: Range) -> None:
         sensor = self._sensors.get(value.frame)
         if sensor is None:
-            self._warn_of_frame(value.frame)
+            if not self._warned and (reason := explain_frame(self._base, value.frame)):
+                self._warned = True
+                self._log.warn(reason)
             return
         limits = value.range_min, value.range_max
         reading = SensorRanges(np.array([value.range]), limits, self._time_of(value.stamp), cone=value.field_of_view)
         self._change(look(self._guard.sight, sensor, reading))
-
-    def _warn_of_frame(self, frame: str) -> None:
-        if not self._warned and (reason := explain_frame(self._base, frame)):
-            self._warned = True
-            self._log.warn(reason)
 
     def _on_contact(self, contact: tuple[Contact, str], touched: bool) -> None:
         points = contact_points(self._base, self._guard.sight.hull, contact) if touched else None

@@ -203,8 +203,11 @@ def _open(path: str, element: Element, draft: Draft, scope: Scope, child: Scope)
     if len(draft.includes) >= MAX_INCLUDES:
         draft.refuse(refuse(f"more than {MAX_INCLUDES:,} included files", element.span, "too-many-includes"), scope)
         raise TooMuch
-    if draft.world.absolute(path) in draft.endless:
-        raise TagRefused(None)
+    name = draft.world.absolute(path)
+    if name in draft.endless:
+        if any(draft.world.absolute(step.file.path) == name for step in scope.chain):
+            raise TagRefused(None)
+        draft.endless.remove(name)  # from outside of the circle, perhaps with arguments that end it
     if len(scope.chain) >= MAX_DEPTH:
         raise _too_deep(path, element, draft, scope)
     try:
