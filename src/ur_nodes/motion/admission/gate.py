@@ -212,7 +212,7 @@ class AdmissionGate:
             self._issue_due()
 
     def _waited(self, sender: Sender | None, now: float) -> float:
-        """How long (s) a message has waited for an output; the clock that tells when it arrived may be set."""
+        """The time (s) for which a message has waited for an output; the clock that tells of its arrival may be set."""
         arrived = now if sender is None or sender.arrived is None else sender.arrived
         return min(max(0.0, now - arrived), self._settings.period)
 
