@@ -105,17 +105,19 @@ class Draft:
 
     def parse(self, path: str) -> LaunchFile:
         """Return a launch file, which is read and parsed only once. Raises OSError."""
-        if path not in self._parsed:
-            self._parsed[path] = self._parse(path)
-        return self._parsed[path]
+        known = self._parsed.get(path)
+        if known is None:
+            known = self._parsed[path] = self._parse(path)
+        return known
 
     def _parse(self, path: str) -> LaunchFile:
         if self._trees is None:
             return parse_launch_file(path, self.world.read_bytes(path), self.world.read_bytes)
         path = self.world.absolute(path)
-        if path not in self._trees:
-            self._trees[path] = parse_launch_file(path, self.world.read_bytes(path), self.world.read_bytes)
-        return self._trees[path]
+        known = self._trees.get(path)
+        if known is None:
+            known = self._trees[path] = parse_launch_file(path, self.world.read_bytes(path), self.world.read_bytes)
+        return known
 
     def add_param(self, param: ParamSpec, scope: Scope) -> None:
         """Set a parameter; the last value is used, at the position of the first."""
