@@ -82,15 +82,16 @@ def test_last_lines_of_a_log(tmp_path: Path) -> None:
     assert read_last_lines(str(tmp_path / "none")) == []
 
 
-def test_allowance_is_per_period_and_tells_what_was_lost_in_the_last() -> None:
-    allowance = Allowance(most=10, period=1.0)
+def test_allowance_grows_with_each_period_and_tells_what_was_lost_in_the_last() -> None:
+    allowance = Allowance(most=10, more=5, period=1.0)
     assert allowance.spend(8, 5.0) == (8, 0)
     assert allowance.spend(8, 5.9) == (2, 0)
     assert allowance.spend(4, 5.99) == (0, 0)
     assert allowance.spend(4, 6.0) == (4, 10)
-    assert allowance.spend(7, 6.1) == (6, 0)
-    assert allowance.settle() == 1
+    assert allowance.spend(7, 6.1) == (1, 0)
+    assert allowance.settle() == 6
     assert allowance.settle() == 0
+    assert allowance.spend(20, 8.2) == (10, 0)
 
 
 def test_flooding_stream_is_logged_in_full_shown_in_part_and_remembered_to_its_end(tmp_path: Path) -> None:

@@ -10,7 +10,8 @@ KEPT_LINES = 12  # of each node, for crash reports
 MOST_READ = 64 * 1024  # bytes at once: what a pipe holds, pipe(7)
 FLOOD_PIPE = 1024 * 1024  # bytes to which the pipe of a flooding node is enlarged, if permitted
 FLOOD_PAUSE = 0.1  # s between two reads of such a pipe
-MOST_SHOWN = 5000  # lines of one node that are displayed in each period
+MOST_SHOWN = 5000  # lines of one node that are displayed at once
+MORE_SHOWN = 1000  # and from then on in each period
 PERIOD = 2.0  # s
 
 
@@ -43,20 +44,18 @@ class LineSplitter:
 
 
 class Allowance:
-    """Rate limit on the displayed lines of one node: MOST_SHOWN in each period, since no user reads more."""
+    """Limit of the displayed lines of one node: `most`, and `more` after each period, since no user reads more."""
 
-    def __init__(self, most: int = MOST_SHOWN, period: float = PERIOD) -> None:
-        self._most = most
-        self._period = period
-        self._end = 0.0
-        self._left = most
-        self._lost = 0
+    def __init__(self, most: int = MOST_SHOWN, more: int = MORE_SHOWN, period: float = PERIOD) -> None:
+        self._most, self._more, self._period = most, more, period
+        self._end, self._left, self._lost = 0.0, most, 0
 
     def spend(self, count: int, now: float) -> tuple[int, int]:
         """Request a number of lines at a time (s); return the granted number, and the lines lost in the last period."""
         lost = 0
         if now >= self._end:
-            self._end, self._left = now + self._period, self._most
+            periods = 1 + int((now - self._end) / self._period)
+            self._end, self._left = now + self._period, min(self._most, self._left + periods * self._more)
             lost, self._lost = self._lost, 0
         granted = min(count, self._left)
         self._left -= granted
