@@ -145,8 +145,8 @@ class Stream:
             count, lines = self._lines.skip(bytes(view[end:size]), KEPT_LINES)
             self._allowance.spend(count + str(view[:end], "latin-1").count("\n"), now)  # half the time of bytes.count
         recent.extend(map(make_printable, lines))
-        # Half of the pipe's capacity must be free, so that the node does not block.
-        self.may_pause = MOST_READ < len(self._buffer) > 2 * size
+        # A third of the pipe's capacity and more must be free, so that the node does not block.
+        self.may_pause = MOST_READ < len(self._buffer) > 1.6 * size
         return True
 
     def _describe_lost(self, count: int) -> None:
