@@ -240,7 +240,8 @@ def _become_worker(config: pytest.Config, connection: Connection) -> None:
     plugins.unregister(name="terminalreporter")
     plugins.register(_Sender(config, connection))
     factory: Any = config._tmp_path_factory  # type: ignore[attr-defined]
-    factory._basetemp = factory.getbasetemp() / f"worker{os.getpid()}"
+    # A short name: paths of sockets have 107 bytes at most, unix(7), and programs have theirs in folders of tests.
+    factory._basetemp = factory.getbasetemp() / f"w{os.getpid()}"
     factory._basetemp.mkdir(mode=0o700)
 
 

@@ -34,7 +34,9 @@ class BrowserPage:
             time.sleep(0.1)
 
     def explain(self) -> Any:
-        return self.run("JSON.stringify([globalThis.page?.state, globalThis.page?.server, document.body.innerText])")
+        shown = "[location.pathname, document.readyState, document.body.innerText]"
+        told = self.run(f"JSON.stringify([globalThis.page?.state, globalThis.page?.server, ...{shown}])")
+        return told, self.browser.complaints
 
     def middle(self, selector: str) -> tuple[float, float]:
         x, y = self.browser.run(

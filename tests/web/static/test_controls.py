@@ -100,10 +100,12 @@ def test_patrol_is_asked_of_the_robot_and_shown_as_the_robot_says(robot: PlayedR
         assert browser.holds(f"pressed === {banner}.querySelector('button')")
     last = f"[...{banner}.querySelectorAll('button')].at(-1)"
     browser.run(f"globalThis.ending = {last}; pressed.click(); 0")
+    place = browser.run("JSON.stringify(ending.getBoundingClientRect())")
     wait(lambda: [each["do"] for each in robot.find("patrol")] == ["start", "pause"])
-    robot.show(Kind.STATE, STATE | {"patrol": shown | {"state": "paused", "line": "patrol paused: by ann"}})
+    robot.show(Kind.STATE, STATE | {"patrol": shown | {"state": "paused", "line": "patrol paused: " + "by ann " * 30}})
     wait(lambda: browser.holds(f"{banner}?.innerText.includes('Continue')"))
     assert browser.holds(f"ending === {last} && ending.textContent === 'End the patrol'")
+    assert browser.run("JSON.stringify(ending.getBoundingClientRect())") == place  # a finger may be on its way
     for _ in range(5):  # an answer, another page, the battery: a page starts nothing by itself
         robot.show(Kind.STATE, STATE | {"patrol": patrol, "goal": GOAL | {"number": 1, "state": "reached"}})
         robot.show(Kind.STATE, STATE | {"patrol": patrol})
