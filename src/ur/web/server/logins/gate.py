@@ -44,7 +44,7 @@ HEADERS = {
 VIEWER_PATH = "/foxglove"
 """The path of viewers that keep no cookie."""
 
-_OPEN = frozenset({"/login", "/login.js", "/style.css", "/texts.js", "/icon.svg"})
+_OPEN = frozenset({"/login", "/login.js", "/loading.js", "/style.css", "/texts.js", "/icon.svg"})
 _LOGIN_RATE, _LOGIN_BURST = 0.2, 10.0
 _REQUEST_RATE, _REQUEST_BURST = 50.0, 200.0  # of a session
 _FILE_RATE, _FILE_BURST = 500.0, 1500.0  # of a session, for files of the page: loading it requests dozens
