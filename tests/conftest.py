@@ -5,12 +5,13 @@ import os
 import shutil
 import signal
 import tempfile
+from collections import Counter
 from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
-from tests.slow_list import LIST, PROMISES, is_listed, name_of, read_promises, read_rows
+from tests.slow_list import LIST, PROMISES, function_of, is_listed, name_of, read_promises, read_rows
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # of each worker and what it starts, as nodes have it
 
@@ -91,9 +92,10 @@ def pytest_report_collectionfinish(items: list[pytest.Item]) -> str | None:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark the tests of tests/slow.tsv as slow but for those of tests/promises.tsv, and give them half an hour.
 
-    Mark those of tests/e2e as robots.
+    Mark them with their seconds, too, and those of tests/e2e as robots.
     """
     listed = read_rows(LIST.read_text(encoding="utf-8"))
+    tests_of = Counter(function_of(name_of(item.nodeid)) for item in items)
     promised = {test for _, test in read_promises(PROMISES.read_text(encoding="utf-8"))}
     for item in items:
         if item.nodeid.startswith("tests/e2e/"):
@@ -101,5 +103,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         if is_listed(name := name_of(item.nodeid), listed):
             if not is_listed(name, promised):
                 item.add_marker(pytest.mark.slow)
+            function = function_of(name)
+            seconds = listed[name] if name != function and name in listed else listed[function] / tests_of[function]
+            item.add_marker(pytest.mark.seconds(seconds))
             if not item.get_closest_marker("timeout"):
                 item.add_marker(pytest.mark.timeout(1800))

@@ -1,10 +1,11 @@
 """Tests in several processes that share one collection: pytest -n N.
 
 This process collects, and forks N workers, which run what it hands them: a file at a time, for the fixtures that its
-tests share, a folder where these have the scope of a package, or one slow test that shares none. At most half of the
-workers run tests that start a whole robot (the marker `robot`), whose programs wait for one another: five at once on
-two processors took minutes to start. pytest-xdist collects once in each worker, which took a tenth of the time of all
-tests.
+tests share, a folder where these have the scope of a package, or one test that shares none, where it is slow or boots
+computers. What takes longest comes first, by the marker `seconds`, so that no worker has much left when the others have
+nothing. At most half of the workers run tests that start a whole robot (the marker `robot`), whose programs wait for
+one another: five at once on two processors took minutes to start. Once only robots are left, one more does.
+pytest-xdist collects once in each worker, which took a tenth of the time of all tests.
 """
 
 import os
@@ -48,18 +49,25 @@ def pytest_runtestloop(session: pytest.Session) -> bool | None:
 
 
 def group_items(items: Sequence[pytest.Item]) -> list[list[int]]:
-    """Return the indices of items that stay in one process, first those that wait for programs they start."""
+    """Return the indices of items that stay in one process, first those that wait for programs they start.
+
+    Of these and of the others, those that take longest come first.
+    """
     groups: dict[str, list[int]] = {}
     folders = {file_of(item): folder for item in items if (folder := folder_of_fixtures(item))}
     for index, item in enumerate(items):
-        alone = item.get_closest_marker("slow") and not item.get_closest_marker("hosts") and not shares_fixtures(item)
+        large = item.get_closest_marker("slow") or item.get_closest_marker("hosts")
+        alone = large and not shares_fixtures(item)
         name = item.nodeid if alone else folders.get(file_of(item), file_of(item))
         groups.setdefault(name, []).append(index)
 
     def waits(group: list[int]) -> bool:
         return any(items[index].get_closest_marker("ros") is not None for index in group)
 
-    return sorted(groups.values(), key=lambda each: not waits(each))
+    def takes(group: list[int]) -> float:
+        return sum(mark.args[0] for index in group for mark in items[index].iter_markers("seconds"))
+
+    return sorted(groups.values(), key=lambda each: (not waits(each), -takes(each)))
 
 
 def file_of(item: pytest.Item) -> str:
@@ -165,8 +173,10 @@ class _Run:
 
     def _take(self, worker: _Worker) -> list[int]:
         """Return the next group for a worker; none where only robots are left and the others run enough of them."""
-        robots = sum(self._is_robot(each.items) for each in self._workers if each is not worker)
-        if self._robots and robots < self._most_robots:
+        running = [each.items for each in self._workers if each is not worker and each.items]
+        robots = sum(map(self._is_robot, running))
+        only_robots = not self._groups and robots == len(running)
+        if self._robots and robots < self._most_robots + only_robots:
             return self._robots.popleft()
         return self._groups.popleft() if self._groups else []
 

@@ -8,11 +8,14 @@ import sys
 import textwrap
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[1]
 
 
 def write(folder: Path, **files: str) -> None:
-    (folder / "pytest.ini").write_text("[pytest]\naddopts = -q -p tests.parallel\nmarkers = ros\n  slow\n  robot\n")
+    marks = "\n  ".join(("ros", "slow", "robot", "hosts", "seconds"))
+    (folder / "pytest.ini").write_text(f"[pytest]\naddopts = -q -p tests.parallel\nmarkers = {marks}\n")
     for name, text in files.items():
         (folder / f"{name}.py").write_text(textwrap.dedent(text))
 
@@ -82,44 +85,87 @@ def test_modules_are_imported_once_and_a_file_stays_in_one_process(tmp_path: Pat
     assert len((tmp_path / "ended").read_text()) == 4
 
 
-def test_slow_tests_of_a_file_run_beside_each_other(tmp_path: Path) -> None:
+@pytest.mark.parametrize("mark", ["slow", "hosts"])
+def test_large_tests_of_a_file_run_beside_each_other(tmp_path: Path, mark: str) -> None:
     write(
         tmp_path,
         test_a="""
             import os, pathlib, pytest, time
-            @pytest.mark.slow
+            @pytest.mark.MARK
             @pytest.mark.parametrize("mine, other", ["ab", "ba"])
             def test_meets_the_other(mine, other):
                 pathlib.Path(mine).touch()
                 end = time.monotonic() + 20
                 while not pathlib.Path(other).exists():
                     assert time.monotonic() < end
-            """,
+            """.replace("MARK", mark),
     )
     code, output = run(tmp_path, "-n", "2")
     assert code == 0, output
 
 
-def test_at_most_half_of_the_workers_run_robots_and_every_test_is_run(tmp_path: Path) -> None:
+def test_at_most_half_of_the_workers_run_robots_and_one_more_once_only_robots_are_left(tmp_path: Path) -> None:
     robot = """
-        import os, pathlib, pytest, secrets
+        import pathlib, pytest, secrets, time
+        here = pathlib.Path()
+        def count(name):
+            return len(list(here.glob(f"{name}_*")))
         @pytest.mark.robot
         @pytest.mark.parametrize("number", range(3))
         def test_runs(number):
-            mine = pathlib.Path(f"running_{secrets.token_hex(4)}")
+            mine = here / f"running_{secrets.token_hex(4)}"
             mine.touch()
-            beside = len(list(pathlib.Path().glob("running_*")))
+            (here / f"begun_{secrets.token_hex(4)}").touch()
+            running = count("running")
+            assert running <= (2 if count("light") else 3)
+            end = time.monotonic() + 40
+            while not (here / "met").exists() and (count("begun") >= 12 if count("light") else count("running") < 3):
+                assert time.monotonic() < end
+            if not count("light"):
+                (here / "met").touch()
             mine.unlink()
-            assert beside <= 2
         """
-    light = "import pytest\n@pytest.mark.parametrize('number', range(5))\ndef test_light(number): pass\n"
-    write(tmp_path, **{f"test_robot_{name}": robot for name in "abcdefgh"}, test_light=light)
+    light = """
+        import pathlib, time
+        def test_light():
+            mine = pathlib.Path("light_{name}")
+            mine.touch()
+            end = time.monotonic() + 40
+            while len(list(pathlib.Path().glob("begun_*"))) < 6:
+                assert time.monotonic() < end
+            mine.unlink()
+        """
+    write(tmp_path, **{f"test_robot_{name}": robot for name in "abcdefgh"})
+    write(tmp_path, **{f"test_light_{name}": light.format(name=name) for name in "abcde"})
     code, output = run(tmp_path, "-n", "5")
     assert code == 0, output
     assert "29 passed" in output
+
+
+def test_one_worker_runs_robots_too(tmp_path: Path) -> None:
+    robot = "import pytest\n@pytest.mark.robot\ndef test_runs(): pass\n"
+    write(tmp_path, test_robot_a=robot, test_robot_b=robot, test_light="def test_light(): pass\n")
     code, output = run(tmp_path, "-n", "1")
     assert code == 0, output
-    assert "29 passed" in output
+    assert "3 passed" in output
+
+
+def test_what_waits_and_what_takes_longest_is_handed_out_first(tmp_path: Path) -> None:
+    one = """
+        import pytest
+        @pytest.mark.seconds({seconds})
+        {more}
+        def test_one():
+            open("order", "a").write("{name}")
+        def test_quick():
+            pass
+        """
+    for name, seconds, more in (("a", 1, ""), ("b", 3, ""), ("c", 2, "@pytest.mark.ros"), ("d", 9, "@pytest.mark.ros")):
+        write(tmp_path, **{f"test_{name}": one.format(name=name, seconds=seconds, more=more)})
+    write(tmp_path, test_e="def test_quick(): open('order', 'a').write('e')\n")
+    code, output = run(tmp_path, "-n", "1")
+    assert code == 0, output
+    assert (tmp_path / "order").read_text() == "dcbae"
 
 
 def test_robot_that_ends_its_process_is_replaced(tmp_path: Path) -> None:
