@@ -26,6 +26,14 @@ def untouched() -> Iterator[Bench]:
         yield bench
 
 
+@pytest.fixture(scope="module")
+def ready() -> Iterator[tuple[Bench, Done]]:
+    """The robot set up, for those who change nothing of that; and what its set-up has printed."""
+    with boot(("laptop", "robot")) as bench:
+        prepare(bench["laptop"])
+        yield bench, set_up(bench["laptop"]).check()
+
+
 def prepare(laptop: Machine) -> None:
     laptop.write("/etc/sudoers.d/pat", SUDO, mode=0o440)
     laptop.run(f"{UR} setup --yes", user="pat", timeout=900).check()  # it installs packages
@@ -68,9 +76,9 @@ def set_up_two(
     return laptop.run(line, user="pat", stdin=f"{current}\n{new}\n", timeout=900).check()
 
 
-def test_fresh_robot_becomes_ready_and_a_second_run_changes_nothing(pair: Bench) -> None:
-    laptop, robot = pair["laptop"], pair["robot"]
-    done = set_up(laptop).check()
+def test_fresh_robot_becomes_ready_and_a_second_run_changes_nothing(ready: tuple[Bench, Done]) -> None:
+    bench, done = ready
+    laptop, robot = bench["laptop"], bench["robot"]
     assert "NO" not in done.out
     assert "ready after" in done.out
 
@@ -83,16 +91,14 @@ def test_fresh_robot_becomes_ready_and_a_second_run_changes_nothing(pair: Bench)
         assert (robot.run("su -c true ros", user="pat", stdin=f"{word}\n").code == 0) is good
 
 
-def test_robot_takes_the_time_from_the_viewer(pair: Bench) -> None:
-    laptop, robot = pair["laptop"], pair["robot"]
-    set_up(laptop).check()
+def test_robot_takes_the_time_from_the_viewer(ready: tuple[Bench, Done]) -> None:
+    laptop, robot = ready[0]["laptop"], ready[0]["robot"]
     # ^ is a server; * one that is followed.
     robot.wait_for(f"chronyc -n sources | grep -q '^^\\* {laptop.address}'", deadline=120)
 
 
-def test_topics_arrive_both_ways_between_laptop_and_robot(pair: Bench) -> None:
-    laptop, robot = pair["laptop"], pair["robot"]
-    set_up(laptop).check()
+def test_topics_arrive_both_ways_between_laptop_and_robot(ready: tuple[Bench, Done]) -> None:
+    laptop, robot = ready[0]["laptop"], ready[0]["robot"]
     laptop.run(f"{UR} use bob", user="pat").check()
     users = {"laptop": "pat", "robot": "ros"}
     for speaker, listener in ((laptop, robot), (robot, laptop)):

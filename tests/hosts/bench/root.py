@@ -1,4 +1,7 @@
-"""The root file systems that computers of the bench share: made once, kept in a cache, never written to again."""
+"""The root file systems that computers of the bench share: made once, kept in a cache, never written to again.
+
+`python -m tests.hosts.bench.root` makes that of most tests.
+"""
 
 import fcntl
 import hashlib
@@ -113,3 +116,7 @@ def _sources() -> Path:
         if (folder / name).is_file():
             return folder / name
     return Path("/etc/apt/sources.list")
+
+
+if __name__ == "__main__":
+    make_root(cache_folder())
