@@ -65,7 +65,7 @@ def group_items(items: Sequence[pytest.Item]) -> list[list[int]]:
         return any(items[index].get_closest_marker("ros") is not None for index in group)
 
     def takes(group: list[int]) -> float:
-        return sum(mark.args[0] for index in group for mark in items[index].iter_markers("seconds"))
+        return sum(float(mark.args[0]) for index in group for mark in items[index].iter_markers("seconds"))
 
     return sorted(groups.values(), key=lambda each: (not waits(each), -takes(each)))
 
