@@ -3,8 +3,8 @@
 This process collects, and forks N workers, which run what it hands them: a file at a time, for the fixtures that its
 tests share, a folder where these have the scope of a package, or one test that shares none, where it is slow or boots
 computers. What takes longest comes first, by the marker `seconds`, so that no worker has much left when the others have
-nothing. At most half of the workers run tests that start a whole robot (the marker `robot`), whose programs wait for
-one another: five at once on two processors took minutes to start. Once only robots are left, one more does.
+nothing. A third of the workers run tests that start a whole robot (the marker `robot`), whose programs wait for one
+another: five at once on two processors took minutes to start. Once only robots are left, one more does.
 pytest-xdist collects once in each worker, which took a tenth of the time of all tests.
 """
 
@@ -114,7 +114,7 @@ class _Run:
     def run(self, count: int) -> None:
         """Start workers, report what they report, and replace those that end before their tests have."""
         stop = ""
-        self._most_robots = max(1, count // 2)
+        self._most_robots = max(1, (count + 1) // 3)
         try:
             for _ in range(min(count, len(self._groups) + len(self._robots))):
                 self._start()

@@ -104,7 +104,7 @@ def test_large_tests_of_a_file_run_beside_each_other(tmp_path: Path, mark: str) 
     assert code == 0, output
 
 
-def test_at_most_half_of_the_workers_run_robots_and_one_more_once_only_robots_are_left(tmp_path: Path) -> None:
+def test_at_most_a_third_of_the_workers_run_robots_and_one_more_once_only_robots_are_left(tmp_path: Path) -> None:
     robot = """
         import pathlib, pytest, secrets, time
         here = pathlib.Path()
