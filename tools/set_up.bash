@@ -296,8 +296,7 @@ install_python() {
     die "the Python packages could not be installed" "check the network and pip's settings (pip config list), then run this again"
   asked=0
   rm -rf .cache/pip
-  # On all processors, where pip would use one, and without the tests of packages, a fifth of them. What is not compiled
-  # is when it is used first.
+  # On all processors, where pip would use one, but for tests. What is not compiled here is when it is used first.
   run_step "compiling the Python packages" .venv/bin/python -I -m compileall -q -j 0 -x /tests/ .venv/lib/python3.*/site-packages
   if [[ -n $wheel ]]; then
     run_step "this project" copy_wheel || die "the project could not be copied into $state/.venv" "look at $log, then run this again"
