@@ -62,7 +62,7 @@ class ReplayScreen(FullScreenApp[None]):
             self.exit()
             return
         place = f"  {state.position:.1f} of {state.length:.1f} s  speed {state.speed:g}"
-        if not self.query(ProgressBar):  # the screen is being taken down
+        if not (self.query("#state") and self.query(ProgressBar)):  # the screen is being taken down
             return
         self.query_one("#state", Static).update(Text.assemble((state.doing, _STYLES[state.doing]), place))
         self.query_one(ProgressBar).update(total=max(state.length, 0.1), progress=state.position)
