@@ -35,7 +35,7 @@ class BusLink:
         number, answer = self._answers.add()
         self.send({**message, "id": number})
         try:
-            return await asyncio.wait_for(answer, 60.0)
+            return await asyncio.wait_for(answer, 100.0)  # less than a test has
         except asyncio.TimeoutError:
             raise LinkError("the robot does not answer") from None
 
