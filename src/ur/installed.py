@@ -17,7 +17,7 @@ from ur.source.diagnostic import UserError
 from ur.source.project import DISTRIBUTION, package_folder, project_folder, state_folder
 
 READY = "ready-run"
-_NO_VERBS = frozenset({"--version", "--help", "-h", "help", "__complete"})
+_NO_VERBS = frozenset({"--version", "--help", "-h", "help"})
 
 
 def enter_environment(arguments: Sequence[str]) -> int | None:

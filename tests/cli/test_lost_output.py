@@ -76,6 +76,12 @@ def test_reader_that_has_gone_ends_it_quietly(folder: Path) -> None:
     assert done.stderr == ""
 
 
+@pytest.mark.parametrize("how", [">/dev/full", ">&-", "| true"])
+def test_answer_to_tab_that_is_lost_says_nothing(folder: Path, how: str) -> None:
+    done = run(f"{UR} __complete bash 'ur ' {how}", folder)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
 @pytest.mark.parametrize("how", ["2>/dev/full", "2>&-", ">/dev/full 2>&-"])
 def test_error_output_that_is_lost_changes_no_exit_code(folder: Path, how: str) -> None:
     assert run(f"{UR} check no.launch {how}", folder).returncode == 2

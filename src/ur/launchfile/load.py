@@ -1,15 +1,19 @@
 """Loader of launch files of both launch languages: from files and arguments to a Plan."""
 
-from collections.abc import Sequence
+from __future__ import annotations
 
-from ur.launchfile.plan.commands import RunWith
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 from ur.launchfile.plan.draft import Draft
-from ur.launchfile.plan.load import load_ros1
 from ur.launchfile.plan.specs import MachineSpec, Plan, TraceStep
 from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.syntax.parse import is_ros2_name, is_ros2_tree
 from ur.launchfile.world.protocol import World
+
+if TYPE_CHECKING:
+    from ur.launchfile.plan.commands import RunWith
 
 
 def load_plan(
@@ -40,6 +44,8 @@ def load_plan(
             from ur.launchfile.ros2.load import load_ros2
 
             return load_ros2(files[0], arguments, world, trace, run=run)
+    from ur.launchfile.plan.load import load_ros1  # most arguments are read without it
+
     return load_ros1(files, arguments, world, trace, trees, computers, budget, parsed)
 
 

@@ -3,7 +3,8 @@ from pathlib import Path
 import pytest
 
 from ur.launchfile import MemoryWorld, SystemWorld, load_plan
-from ur.launchfile.query import find_node_file, format_arguments, read_arguments
+from ur.launchfile.query.arguments import format_arguments, read_arguments
+from ur.launchfile.query.explain import find_node_file
 from ur.source import UserError
 
 FILE = """<launch>

@@ -5,7 +5,6 @@ characters are not offered, since shells insert them incorrectly. It does not im
 names, and the user is waiting.
 """
 
-import gc
 import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -32,7 +31,6 @@ _HELP = Option(("--help",), "Show this page.")
 
 def answer_completion(words: Sequence[str]) -> int:
     """Print the candidates for a command line up to the cursor; none if an error occurs."""
-    gc.disable()  # garbage collection is useless in such a short process
     with suppress(Exception):
         from ur.launchfile.world.system import SystemWorld
 
@@ -40,6 +38,7 @@ def answer_completion(words: Sequence[str]) -> int:
         line = split_line(words[1] if len(words) > 1 else "")
         found = complete_line(line, SystemWorld(environment), make_known(environment))
         sys.stdout.write("".join(_row(each, *words) for each in found if each.text.isprintable()))
+        sys.stdout.flush()
     return 0
 
 
