@@ -10,7 +10,7 @@ import pytest
 
 from ur.check.render.text import shorten_paths
 from ur.check.session import CheckReport, check_paths
-from ur.launchfile import SystemWorld
+from ur.launchfile.world.system import SystemWorld
 from ur.source.render import render_human
 
 INPUTS = Path(__file__).parents[1] / "launchfile" / "golden"

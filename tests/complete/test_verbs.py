@@ -9,7 +9,7 @@ from ur.cli.verbs import VERBS
 from ur.complete.completions import Completion, NameSources, Option
 from ur.complete.line import split_line
 from ur.complete.verbs import complete_line
-from ur.launchfile import SystemWorld
+from ur.launchfile.world.system import SystemWorld
 
 LAUNCH = """<launch>
   <arg name="robot_base"/>

@@ -2,7 +2,9 @@
 
 from ur.graph.text import draw_graph
 from ur.graph.topics import find_base_uses, graph_plan
-from ur.launchfile import MemoryWorld, Plan, load_plan
+from ur.launchfile.load import load_plan
+from ur.launchfile.plan.specs import Plan
+from ur.launchfile.world.memory import MemoryWorld
 from ur.request.environment import PACKAGE
 
 PARAMS = """<param name="base" value="{base}"/><param name="variant" value="{variant}"/>

@@ -3,7 +3,8 @@
 from ur.graph.boxes import Branch
 from ur.graph.includes import build_trees, merge_trees
 from ur.graph.text import draw_tree
-from ur.launchfile import MemoryWorld, load_plan
+from ur.launchfile.load import load_plan
+from ur.launchfile.world.memory import MemoryWorld
 
 NODE = '<node name="{0}" pkg="p" type="t"/>'
 

@@ -3,7 +3,8 @@
 from ur.graph.boxes import DrawnGraph
 from ur.graph.text import draw_graph
 from ur.graph.topics import graph_plan, graph_system
-from ur.launchfile import MemoryWorld, load_plan
+from ur.launchfile.load import load_plan
+from ur.launchfile.world.memory import MemoryWorld
 
 LAUNCH = """<launch>
   <node name="driver" pkg="mine" type="driver.py"><!--ready: topic scan 5 Hz--></node>

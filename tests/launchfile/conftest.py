@@ -8,7 +8,10 @@ from typing import Any
 
 import pytest
 
-from ur.launchfile import SystemWorld, dump_plan, load_plan, run_command
+from ur.launchfile.dump import dump_plan
+from ur.launchfile.load import load_plan
+from ur.launchfile.plan.commands import run_command
+from ur.launchfile.world.system import SystemWorld
 
 HERE = Path(__file__).parent
 BASE_ENVIRONMENT = {

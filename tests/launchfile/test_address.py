@@ -1,7 +1,7 @@
 import pytest
 
-from ur.launchfile import MemoryWorld, resolve_addresses
-from ur.launchfile.address import join_addresses
+from ur.launchfile.address import join_addresses, resolve_addresses
+from ur.launchfile.world.memory import MemoryWorld
 from ur.source import UserError
 
 WORLD = MemoryWorld(

@@ -5,7 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from ur.launchfile import SystemWorld, check_executables, load_plan
+from ur.launchfile.load import load_plan
+from ur.launchfile.plan.executables import check_executables
+from ur.launchfile.world.system import SystemWorld
 from ur.source import render_human
 
 GOLDEN = Path(__file__).parent / "golden"

@@ -4,9 +4,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ur.launchfile import MemoryWorld, dump_plan, load_plan
+from ur.launchfile.dump import dump_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.query.arguments import read_arguments
+from ur.launchfile.world.memory import MemoryWorld
 
 
 def _load(files: dict[str, str | bytes] | str | bytes) -> Plan:

@@ -7,7 +7,7 @@ from tests.check.test_golden import INPUTS, THE_THIRTEEN, check
 from tests.lsp import random_edits
 
 from ur.check.worlds import make_world
-from ur.launchfile import SystemWorld
+from ur.launchfile.world.system import SystemWorld
 from ur.lsp.workspace import Workspace, encode_text
 
 TOP = """<launch>

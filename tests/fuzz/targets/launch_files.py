@@ -9,7 +9,7 @@ from tests.launchfile.fuzz.survive import CORPUS, WORDS, check_survives, read_co
 
 from ur.check.render.text import render_text
 from ur.check.session import check_paths
-from ur.launchfile import SystemWorld
+from ur.launchfile.world.system import SystemWorld
 from ur.source.diagnostic import UserError
 from ur.tools.format.run import format_file
 

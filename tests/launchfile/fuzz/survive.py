@@ -2,8 +2,10 @@
 
 from pathlib import Path
 
-from ur.launchfile import SystemWorld, dump_plan, load_plan
+from ur.launchfile.dump import dump_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.commands import refuse_command
+from ur.launchfile.world.system import SystemWorld
 from ur.source import render_human
 
 CORPUS = Path(__file__).parents[1] / "corpus"

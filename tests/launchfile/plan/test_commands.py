@@ -1,7 +1,9 @@
 from functools import partial
 
-from ur.launchfile import MemoryWorld, dump_plan, load_plan, run_command
-from ur.launchfile.plan.commands import CommandRunner
+from ur.launchfile.dump import dump_plan
+from ur.launchfile.load import load_plan
+from ur.launchfile.plan.commands import CommandRunner, run_command
+from ur.launchfile.world.memory import MemoryWorld
 
 
 def _dump(command: str, run: CommandRunner = run_command) -> dict[str, object]:

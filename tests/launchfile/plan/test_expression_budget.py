@@ -8,9 +8,10 @@ from xml.sax.saxutils import quoteattr
 import pytest
 from tests.limits import run_limited
 
-from ur.launchfile import MemoryWorld, load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.values.budget import Budget, ExpressionProblem
 from ur.launchfile.plan.values.expression import evaluate_expression
+from ur.launchfile.world.memory import MemoryWorld
 
 ROOT = Path(__file__).parents[3]
 CPU_SECONDS, MEMORY_KB = 10, 200_000  # of `ur check` on one file

@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 from tests.limits import run_limited
 
-from ur.launchfile import MemoryWorld, load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.plan.values.yaml_values import read_yaml
+from ur.launchfile.world.memory import MemoryWorld
 
 ROOT = Path(__file__).parents[3]
 CPU_SECONDS, MEMORY_KB = 10, 200_000  # of `ur check` on one file

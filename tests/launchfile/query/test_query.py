@@ -2,9 +2,11 @@ from pathlib import Path
 
 import pytest
 
-from ur.launchfile import MemoryWorld, SystemWorld, load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.query.arguments import format_arguments, read_arguments
 from ur.launchfile.query.explain import find_node_file
+from ur.launchfile.world.memory import MemoryWorld
+from ur.launchfile.world.system import SystemWorld
 from ur.source import UserError
 
 FILE = """<launch>

@@ -1,7 +1,8 @@
 """What launch files and the table of nodes tell of topics."""
 
-from ur.launchfile import MemoryWorld, load_plan
+from ur.launchfile.load import load_plan
 from ur.launchfile.query.topics import NameUse, find_name_uses
+from ur.launchfile.world.memory import MemoryWorld
 
 
 def uses_of(node: str) -> list[tuple[str | None, str, str]]:

@@ -3,8 +3,8 @@ from pathlib import Path
 
 import pytest
 
-from ur.launchfile import SystemWorld
 from ur.launchfile.world import PackageNotFound
+from ur.launchfile.world.system import SystemWorld
 
 
 def _package(folder: Path, name: str, extra: str = "") -> Path:

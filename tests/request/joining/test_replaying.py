@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.launchfile import SystemWorld
+from ur.launchfile.world.system import SystemWorld
 from ur.request.joining.replaying import find_robot_nodes, plan_replay
 from ur.robot.selection import Selection
 from ur.source.arguments import Argument

@@ -15,7 +15,8 @@ from ur.check.collect import collect_targets
 from ur.check.rule import survey_launch_file
 from ur.check.worlds import CachedWorld, make_world
 from ur.cli.main import main
-from ur.launchfile import NodeSpec, Plan, load_plan
+from ur.launchfile.load import load_plan
+from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.run.middleware.parameter_files import format_parameters
 from ur.source.diagnostic import Severity
 from ur.tools.convert.package import ConvertedFiles, convert_all

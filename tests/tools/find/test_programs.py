@@ -2,7 +2,7 @@
 
 import pytest
 
-from ur.launchfile import MemoryWorld
+from ur.launchfile.world.memory import MemoryWorld
 from ur.source.project import package_folder
 from ur.tools.find.programs import NodeProgram, may_name, program_files, read_program, source_files
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from ur.launchfile import MemoryWorld
+from ur.launchfile.world.memory import MemoryWorld
 from ur.tools.find.search import find_name
 
 TOP = """<launch>

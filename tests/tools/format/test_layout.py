@@ -4,7 +4,7 @@ from textwrap import dedent
 
 import pytest
 
-from ur.launchfile import MemoryWorld
+from ur.launchfile.world.memory import MemoryWorld
 from ur.source.diagnostic import UserError
 from ur.tools.format.run import Formatted, format_file
 

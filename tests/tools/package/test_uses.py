@@ -2,7 +2,7 @@
 
 import pytest
 
-from ur.launchfile import MemoryWorld
+from ur.launchfile.world.memory import MemoryWorld
 from ur.source.diagnostic import UserError
 from ur.tools.package.uses import find_used_packages
 

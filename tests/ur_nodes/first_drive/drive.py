@@ -7,7 +7,9 @@ from typing import Any
 
 from tests.ur_nodes.first_drive.stage import DrivenStage
 
-from ur.launchfile import Plan, SystemWorld, load_plan
+from ur.launchfile.load import load_plan
+from ur.launchfile.plan.specs import Plan
+from ur.launchfile.world.system import SystemWorld
 from ur.request.environment import add_own_package
 from ur.source.project import launch_library
 from ur_nodes.geometry.pose import Pose2

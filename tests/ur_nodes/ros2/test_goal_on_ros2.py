@@ -12,7 +12,7 @@ from tests.ros2_messages import add_messages
 from tests.ros2_session import Ros2Session
 from tests.ur_nodes.first_drive.drive import read_launch_files
 
-from ur.launchfile import Plan
+from ur.launchfile.plan.specs import Plan
 
 MODULES = {
     "/simulator": "ur_nodes.simulator.simulator_node",
