@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from ur.cli.computer.completing import answer_completion
+from ur.cli.computer.completing import answer_completion, make_known
+from ur.cli.verbs import VERBS
 
 
 @pytest.fixture(autouse=True)
@@ -50,3 +51,36 @@ def test_tab_offers(line: str, offered: list[str], workspace: Path, capsys: pyte
     assert answer_completion(["zsh", line]) == 0
     found = [row.split("\t")[1] for row in capsys.readouterr().out.splitlines()]
     assert sorted(found) == sorted(offered)
+
+
+def test_kinds_of_arguments_are_those_of_the_table_of_verbs() -> None:
+    known = make_known({})
+    assert {name: tuple(known.kinds(name)) for name in VERBS if name != "help"} == {
+        name: verb.arguments for name, verb in VERBS.items() if name != "help"
+    }
+
+
+def test_packages_and_arguments_are_those_of_this_moment(
+    workspace: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def offer(line: str) -> list[str]:
+        answer_completion(["zsh", line])
+        return [row.split("\t")[1] for row in capsys.readouterr().out.splitlines()]
+
+    monkeypatch.chdir(workspace / "houses")
+    package = workspace / "my_robot"
+    launch = package / "m_wander/launch/m_wander.launch.xml"
+    assert offer("ur launch my_r") == ["my_robot"]
+    (package / "package.xml").write_text("<package><name>my_rover</name></package>")  # as long as before
+    assert offer("ur launch my_r") == ["my_rover"]
+    launch.write_text('<launch><arg name="wide" default="0.8"/></launch>')
+    assert offer("ur launch my_rover m_wander.launch.xml ") == ["wide:="]
+    package.rename(workspace / "other")
+    assert offer("ur launch my_rover m_wander.launch.xml ") == ["wide:="]
+    (workspace / "added").mkdir()
+    (workspace / "added/package.xml").write_text("<package><name>my_rake</name></package>")
+    assert offer("ur launch my_r") == ["my_rake", "my_rover"]
+    (workspace / "other/CATKIN_IGNORE").touch()
+    assert offer("ur launch my_r") == ["my_rake"]
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(workspace / "houses"))
+    assert offer("ur launch my_r") == []

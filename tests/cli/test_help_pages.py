@@ -14,8 +14,7 @@ from ur.cli.launch.command import list_groups
 from ur.cli.main import main
 from ur.cli.verbs import OLD_SPELLINGS, VERBS, list_pages, load_verb
 from ur.cli.verbs.verb import PLUMBING
-from ur.request.environment import PACKAGE
-from ur.request.programs import list_programs
+from ur.request.programs import PACKAGE, list_programs
 
 
 def walk_verbs() -> Iterator[tuple[str, click.Command]]:

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ur.request.environment import PACKAGE
+from ur.request.programs import PACKAGE
 from ur.robot.base import Base, load_base
 from ur.robot.base.body_mesh import make_body, write_stl
 from ur.robot.base.urdf import write_urdf

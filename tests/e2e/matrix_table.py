@@ -10,8 +10,7 @@ import yaml
 
 from ur.launchfile.world.system import SystemWorld
 from ur.request.bases.base_argument import Need, describe_base, list_lacks, read_needs
-from ur.request.environment import PACKAGE
-from ur.request.programs import Program, find_launch_file, list_programs
+from ur.request.programs import PACKAGE, Program, find_launch_file, list_programs
 from ur.robot.base import Base, list_bases, list_variants, load_base
 
 TABLE = Path(__file__).with_name("matrix.yaml")

@@ -11,8 +11,7 @@ from tests.e2e.dropped_base import NAME, drop_base
 from tests.e2e.matrix_cell import try_cell
 from tests.e2e.matrix_table import load_cells
 
-from ur.request.environment import PACKAGE
-from ur.request.programs import list_programs
+from ur.request.programs import PACKAGE, list_programs
 
 SAMPLE = ("robot_base", "keyboard_drive", "keyboard_navigate", "make_map")
 

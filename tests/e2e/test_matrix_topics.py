@@ -7,8 +7,7 @@ import pytest
 from tests.e2e.matrix_table import Topic, list_all_bases, load_cells, make_cell
 from tests.e2e.matrix_topics import Heard, find_fault, find_tree_faults, read_stamp, read_transforms
 
-from ur.request.environment import PACKAGE
-from ur.request.programs import choose_program, list_programs
+from ur.request.programs import PACKAGE, choose_program, list_programs
 from ur.robot.base import load_base
 
 TREE = {"odom": {"map"}, "base": {"odom"}, "laser": {"base"}}

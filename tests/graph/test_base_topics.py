@@ -5,7 +5,7 @@ from ur.graph.topics import find_base_uses, graph_plan
 from ur.launchfile.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.memory import MemoryWorld
-from ur.request.environment import PACKAGE
+from ur.request.programs import PACKAGE
 
 PARAMS = """<param name="base" value="{base}"/><param name="variant" value="{variant}"/>
 <param name="package" value="{package}"/><param name="robots" value="{robots}"/>"""

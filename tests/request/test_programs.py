@@ -2,8 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.request.environment import PACKAGE
-from ur.request.programs import choose_program, find_launch_file, find_program, index_programs, list_programs
+from ur.request.programs import PACKAGE, choose_program, find_launch_file, find_program, index_programs, list_programs
 from ur.source import UserError
 
 

@@ -6,7 +6,7 @@ import pytest
 from tests.ros_session import free_port
 
 from ur.cli.main import main
-from ur.request.environment import PACKAGE
+from ur.request.programs import PACKAGE
 from ur.request.worlds import resolve_worlds
 from ur.source.arguments import Argument
 from ur.source.diagnostic import UserError

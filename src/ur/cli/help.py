@@ -55,8 +55,8 @@ def show_help(argv: list[str]) -> None:
 
 def _show_program(name: str, *, known_verb: bool) -> None:
     from ur.cli.launch.program_help import describe_program
-    from ur.request.environment import PACKAGE, add_own_package
-    from ur.request.programs import choose_program, index_programs
+    from ur.request.environment import add_own_package
+    from ur.request.programs import PACKAGE, choose_program, index_programs
 
     index = index_programs(PACKAGE, add_own_package(os.environ))
     names = {each.name for each in index.programs}

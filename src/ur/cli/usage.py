@@ -190,8 +190,8 @@ def _suggest_command(word: str) -> str | None:
         name = name.removesuffix(":")
         shown = name if name.isascii() and name.isidentifier() else "NAME"
         return f"arguments follow a program: ur run PROGRAM {write_assignment(shown, value)}"
-    from ur.request.environment import PACKAGE, add_own_package
-    from ur.request.programs import index_programs
+    from ur.request.environment import add_own_package
+    from ur.request.programs import PACKAGE, index_programs
 
     programs = {program.name for program in index_programs(PACKAGE, add_own_package(os.environ)).programs}
     if word not in programs and (known := suggest_for("ur", word)):

@@ -10,8 +10,7 @@ from ur.source.diagnostic import UserError
 
 def list_programs(environment: Mapping[str, str]) -> Iterator[Completion]:
     """Yield the programs, qualified by their package if two have the same name."""
-    from ur.request.environment import PACKAGE
-    from ur.request.programs import index_programs
+    from ur.request.programs import PACKAGE, index_programs
 
     found = index_programs(PACKAGE, environment).programs
     names = [each.name for each in found]
@@ -22,8 +21,7 @@ def list_programs(environment: Mapping[str, str]) -> Iterator[Completion]:
 
 def program_launch_file(name: str, environment: Mapping[str, str]) -> str | None:
     """Return the launch file that a program starts, or None."""
-    from ur.request.environment import PACKAGE
-    from ur.request.programs import find_launch_file, find_program
+    from ur.request.programs import PACKAGE, find_launch_file, find_program
 
     with suppress(UserError):
         path = find_launch_file(find_program(PACKAGE, name, environment))
@@ -58,16 +56,17 @@ def list_selections() -> Iterator[Completion]:
 
 
 def _bases() -> Iterator[Completion]:
-    from ur.request.environment import PACKAGE
+    from ur.source.project import LIBRARY, project_path
 
-    for path in sorted((PACKAGE / "bases").glob("*/base.yaml")):
-        with path.open(encoding="utf-8") as file:
+    folder = f"{project_path()}/{LIBRARY}/bases"
+    for name in sorted(os.listdir(folder)):  # noqa: PTH208 - pathlib is not worth its import here
+        with suppress(OSError), open(f"{folder}/{name}/base.yaml", encoding="utf-8") as file:  # noqa: PTH123 - likewise
             summary = next((line for line in file if line.startswith("summary:")), "").partition(":")[2].strip()
-        yield Completion(path.parent.name, summary)
+            yield Completion(name, summary)
 
 
 def _variants(base: str) -> Iterable[Completion]:
-    from ur.request.environment import PACKAGE
+    from ur.request.programs import PACKAGE
     from ur.robot.base import list_variants
 
     with suppress(UserError):
@@ -77,7 +76,7 @@ def _variants(base: str) -> Iterable[Completion]:
 
 def list_values(name: str, given: Mapping[str, str], environment: Mapping[str, str]) -> Iterable[Completion]:
     """Return the values of a launch argument by its name; empty for other names."""
-    from ur.request.environment import PACKAGE, current_selection
+    from ur.request.environment import current_selection
 
     if name == "robot_base":
         return _bases()
@@ -85,6 +84,7 @@ def list_values(name: str, given: Mapping[str, str], environment: Mapping[str, s
         with suppress(UserError):
             return _variants(given.get("robot_base") or current_selection(environment).base)
     if name == "world":
+        from ur.request.programs import PACKAGE
         from ur.worlds.choice import list_worlds
 
         return map(Completion, list_worlds(PACKAGE))

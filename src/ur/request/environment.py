@@ -1,19 +1,15 @@
 """Environment variables that follow from the selected robot: printed by `ur env`, and set by every verb."""
 
 import os
-import shlex
 from collections.abc import Callable, Mapping
-from pathlib import Path
 
-from ur.robot.selection import Selection, load_selection, parse_selection, selection_path
+from ur.robot.selection import Selection, load_selection, parse_selection, selection_file
 from ur.source.diagnostic import UserError
-from ur.source.project import launch_library, project_folder, state_folder
+from ur.source.project import LIBRARY, project_path, state_path
 from ur.source.user_folders import list_workspaces, user_folder
 from ur.system.debian_root import DebianRoot, find_root
 from ur.system.ros import NONE, Ros, choose_domain, facts_file, find_ros, graph_address, source_ros
 
-REPOSITORY = project_folder()
-PACKAGE = launch_library()
 CHOSEN = "UR_ROBOT"
 """The variable that names the robot for a process and its children, as `ur web ROBOT` does; it precedes the file."""
 
@@ -24,7 +20,7 @@ def current_selection(environment: Mapping[str, str]) -> Selection:
     """Return the selection of the environment, else the stored one. Raises UserError if one of them is invalid."""
     if chosen := environment.get(CHOSEN):
         return parse_selection(chosen)
-    return load_selection(selection_path(environment))
+    return load_selection(selection_file(environment))
 
 
 def watch_selection(environment: Mapping[str, str]) -> Callable[[], str]:
@@ -48,27 +44,29 @@ def environment_changes(
     selection: Selection,
     environment: Mapping[str, str],
     *,
-    package: Path = PACKAGE,
+    package: str | os.PathLike[str] = "",
     hostname: str | None = None,
     find: Callable[[Mapping[str, str]], DebianRoot | None] = find_root,
 ) -> dict[str, str]:
     """Return the variables to set so that `environment` follows the selection. Setting them twice changes nothing.
 
-    A ROS_MASTER_URI or ROS_HOSTNAME that the user has set stays; one of an earlier selection is removed.
+    A ROS_MASTER_URI or ROS_HOSTNAME that the user has set stays; one of an earlier selection is removed. `package` is
+    the launch library, by default that of this project.
     """
+    library = os.fspath(package) or _library()
     host = hostname or os.uname().nodename.split(".")[0]  # importing socket would slow Tab
     root = find(environment)
     path = environment.get("PATH", os.defpath)
     wanted = {
-        "ROS_PACKAGE_PATH": _package_path(environment, package),
-        "PATH": _in_front(str(package / "bin"), _in_front(root.programs, path) if root else path),
+        "ROS_PACKAGE_PATH": _package_path(environment, library),
+        "PATH": _in_front(f"{library}/bin", _in_front(root.programs, path) if root else path),
         MARK: str(selection),
     }
     if workspaces := list_workspaces(environment):
         wanted["CMAKE_PREFIX_PATH"] = os.pathsep.join(workspaces)
     ros = choose_ros(selection, environment)
     if ros is not None and ros.version != 1:
-        return wanted | (_ros2(ros, environment, str(package)) if ros.version else _without_ros(environment, wanted))
+        return wanted | (_ros2(ros, environment, library) if ros.version else _without_ros(environment, wanted))
     if environment.get("ROS_VERSION") in ("0", "2") and _marked(environment) is not None:
         wanted |= hide_ros2({**environment, **wanted})
     before = _network(_marked(environment), host)
@@ -84,7 +82,7 @@ def environment_changes(
 def choose_ros(selection: Selection, environment: Mapping[str, str]) -> Ros | None:
     """Return the ROS of this computer's nodes; None if none is installed."""
     try:
-        return find_ros(selection.ros, environment, str(state_folder(environment)))
+        return find_ros(selection.ros, environment, state_path(environment))
     except UserError:
         return None
 
@@ -123,9 +121,9 @@ def _without_ros(environment: Mapping[str, str], wanted: Mapping[str, str]) -> d
     }
 
 
-def add_own_package(environment: Mapping[str, str], *, package: Path = PACKAGE) -> dict[str, str]:
+def add_own_package(environment: Mapping[str, str]) -> dict[str, str]:
     """Return a copy of `environment` with this project's launch package on its path, and the workspaces of bases."""
-    added = {"ROS_PACKAGE_PATH": _package_path(environment, package)}
+    added = {"ROS_PACKAGE_PATH": _package_path(environment, _library())}
     if workspaces := list_workspaces(environment):
         added["CMAKE_PREFIX_PATH"] = os.pathsep.join(workspaces)
     return {**environment, **added}
@@ -141,7 +139,7 @@ def apply_selection(selection: Selection) -> None:
 
     With ROS 1 they hide a ROS 2 that the shell has sourced. Raises UserError if the chosen ROS is not installed.
     """
-    ros = find_ros(selection.ros, os.environ, str(state_folder()))
+    ros = find_ros(selection.ros, os.environ, state_path())
     if ros.version == 2 and not ros.sourced and not ros.wheels:
         os.environ.update(source_ros(ros.prefix, os.environ))
     os.environ.update(environment_changes(selection, os.environ))
@@ -177,6 +175,8 @@ def _is_below(entry: str, place: str) -> bool:
 
 def render_exports(changes: Mapping[str, str]) -> str:
     """Return `export` lines for a POSIX shell."""
+    import shlex  # which Tab does without
+
     return "".join(f"export {name}={shlex.quote(value)}\n" for name, value in changes.items())
 
 
@@ -194,9 +194,13 @@ def _marked(environment: Mapping[str, str]) -> Selection | None:
         return None
 
 
-def _package_path(environment: Mapping[str, str], package: Path) -> str:
+def _library() -> str:
+    return f"{project_path()}/{LIBRARY}"
+
+
+def _package_path(environment: Mapping[str, str], library: str) -> str:
     # Packages that `ur get` has built come last: those of the system or a workspace take precedence.
-    found = _in_front(str(package), environment.get("ROS_PACKAGE_PATH", ""), "/usr/share")
+    found = _in_front(library, environment.get("ROS_PACKAGE_PATH", ""), "/usr/share")
     made = own_packages(environment)
     there = os.path.isdir(made)  # noqa: PTH112 - this runs at each Tab
     return _in_front(found, "", made) if there and made not in found.split(os.pathsep) else found

@@ -169,12 +169,12 @@ def _owner(word: str, declared: Sequence[str]) -> str:
 
 def _known_values() -> Iterator[tuple[str, Sequence[str]]]:
     from ur.maps.store import own_store
-    from ur.request.environment import PACKAGE
     from ur.robot.base import list_bases
+    from ur.source.project import launch_library
     from ur.worlds.choice import WORLD, list_worlds
 
-    yield WORLD, list_worlds(PACKAGE)
-    yield "robot_base", list_bases(PACKAGE)
+    yield WORLD, list_worlds(launch_library())
+    yield "robot_base", list_bases(launch_library())
     yield "map", own_store(os.environ).names()
 
 

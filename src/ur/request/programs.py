@@ -12,11 +12,15 @@ from typing import TYPE_CHECKING, NamedTuple
 from ur.source.arguments import Argument
 from ur.source.diagnostic import user_error
 from ur.source.foreign.files import read_head, read_text
+from ur.source.project import launch_library
 from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
     from ur.launchfile.query.arguments import ArgumentSpec
     from ur.request.launch_request import LaunchFiles
+
+PACKAGE = launch_library()
+"""The launch library, whose programs are found first."""
 
 PREFIX = "ur_"
 _HEAD = 30  # lines

@@ -13,9 +13,10 @@ from ur.launchfile.plan.names import join_names
 from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.query.explain import dump_params, find_node_file, list_files, list_nodes
 from ur.launchfile.world.system import SystemWorld
-from ur.request.environment import PACKAGE, own_packages
+from ur.request.environment import own_packages
 from ur.request.launch_request import LaunchRequest, make_request
 from ur.request.plan_files import complete_arguments, find_node, localisation_argument, show_findings, texts
+from ur.request.programs import PACKAGE
 from ur.robot.selection import Selection
 from ur.source.arguments import CommandLine
 from ur.source.diagnostic import Severity, UserError

@@ -5,9 +5,9 @@ from pathlib import Path
 
 from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.maps.names import check_map_name
-from ur.request.environment import PACKAGE
 from ur.source.arguments import Argument, values_of
 from ur.source.diagnostic import UserError, user_error
+from ur.source.project import LIBRARY, launch_library
 from ur.worlds.choice import (
     PATHS,
     WORLD,
@@ -33,14 +33,14 @@ def resolve_worlds(
     for each in arguments:
         name, value = each.name, each.value
         if name in PATHS and name in declared and not value:
-            expected = f"one of {', '.join(list_worlds(PACKAGE))}, or " if name == WORLD else ""
+            expected = f"one of {', '.join(list_worlds(launch_library()))}, or " if name == WORLD else ""
             message = f"{name}:= has no value, expected {expected}the path of a YAML file"
             raise user_error(message, rule="bad-argument", help=f"write {name}:=VALUE without a blank")
         if name == "map_file" and robot and value and not value.startswith("/"):
             message = f"{each} is read on {robot}, expected the absolute path of a file there"
             help_ = f"copy the map to {robot}, for example with 'ur sync {robot}', and give its path there"
             raise user_error(message, rule="bad-argument", help=help_)
-    own = all(Path(path).is_relative_to(PACKAGE) for path in files)
+    own = all(Path(path).is_relative_to(launch_library()) for path in files)
     folder = Path.cwd()
     resolved = [Argument(each.name, resolve_path(each.name, each.value, folder, always=own)) for each in arguments]
     return (*resolved, *_start_arguments(values_of(resolved), declared))
@@ -66,12 +66,12 @@ def check_worlds(plan: Plan) -> None:
     Raises UserError if one does not exist or is invalid, a new map has a bad name, or the robot would start in a wall.
     """
     parameters = {each.name: each.value for each in plan.params}
-    by_fiducials = any(node.package == PACKAGE.name and node.type == "fiducial_slam" for node in plan.nodes)
+    by_fiducials = any(node.package == LIBRARY and node.type == "fiducial_slam" for node in plan.nodes)
     for node in plan.nodes:
         name = parameters.get(f"{node.full_name}/map_name")
-        if node.package == PACKAGE.name and node.type == "slam_gmapping" and name:
+        if node.package == LIBRARY and node.type == "slam_gmapping" and name:
             check_map_name(str(name))
-        if node.package != PACKAGE.name or not plan.is_local(node):
+        if node.package != LIBRARY or not plan.is_local(node):
             continue
         if node.type == "simulator":
             path = parameters.get(f"{node.full_name}/world_file")
@@ -86,8 +86,8 @@ def check_worlds(plan: Plan) -> None:
 
 def _check_world(path: str, start: Sequence[float]) -> None:
     if not Path(path).is_file():
-        raise explain_missing_world(path, PACKAGE)
-    if Path(path).is_relative_to(PACKAGE):
+        raise explain_missing_world(path, launch_library())
+    if Path(path).is_relative_to(launch_library()):
         return  # those of the launch library are read by its tests
     from ur.worlds.world_file import read_world
 
@@ -116,7 +116,7 @@ def _check_fiducials(path: str) -> None:
 def _check_map(node: NodeSpec) -> None:
     named = dict(node.env).get("UR_MAP_FILE", "")
     path = Path(named)
-    if not named or path.is_relative_to(PACKAGE):
+    if not named or path.is_relative_to(launch_library()):
         return
     if not path.is_file():
         raise explain_missing_map(named)

@@ -4,18 +4,21 @@ Written `sim[:BASE[:VARIANT]]` for a simulated robot on this computer, `ROBOT[:B
 computer is `ROBOT.local`; with ` --ros 1`, ` --ros 2` or ` --ros none` if that was chosen.
 """
 
+import os
 import re
 from collections.abc import Mapping
-from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from ur.source.diagnostic import UserError, user_error, user_error_about
 from ur.source.user_folders import user_folder
 
+if TYPE_CHECKING:
+    from pathlib import Path
+
 SIMULATION = "sim"
 DEFAULT_BASE = "stage"
-_HOST = re.compile(r"[A-Za-z0-9]([A-Za-z0-9-]{0,61}[A-Za-z0-9])?")  # RFC 1123, one label
-_PART = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+_HOST = r"[A-Za-z0-9]([A-Za-z0-9-]{0,61}[A-Za-z0-9])?"  # RFC 1123, one label; texts: Tab seldom needs them
+_PART = r"[A-Za-z0-9][A-Za-z0-9_-]*"
 _ROS = " --ros "
 _FORM = "sim[:BASE[:VARIANT]] or ROBOT[:BASE[:VARIANT]]"
 
@@ -53,12 +56,12 @@ def parse_selection(text: str) -> Selection:
         raise _bad(text, f"ROS {ros!r} is not known", "--ros 1, --ros 2 or --ros none")
     robot, *parts = names.split(":")
     robot = robot.removesuffix(".local")
-    if not _HOST.fullmatch(robot):
+    if not re.fullmatch(_HOST, robot):
         raise _bad(text, f"{robot!r} is not a valid host name")
     if len(parts) > 2:
         raise _bad(text, "too many parts")
     for part in parts:
-        if part and not _PART.fullmatch(part):
+        if part and not re.fullmatch(_PART, part):
             raise _bad(text, f"{part!r} is not a name")
     if names.endswith(":"):
         raise _bad(text, "nothing follows the last ':'", "'ur use sim' selects the plain simulated robot")
@@ -68,15 +71,23 @@ def parse_selection(text: str) -> Selection:
     return Selection(robot, base or (DEFAULT_BASE if robot == SIMULATION else ""), variant, ros)
 
 
-def selection_path(environment: Mapping[str, str]) -> Path:
+def selection_path(environment: Mapping[str, str]) -> "Path":
     """Return the path of the file with the selection, below the user's configuration folder (XDG base directories)."""
-    return Path(user_folder("XDG_CONFIG_HOME", environment)) / "ubiquity_launches" / "selection"
+    from pathlib import Path  # which Tab does without
+
+    return Path(selection_file(environment))
 
 
-def load_selection(path: Path) -> Selection:
+def selection_file(environment: Mapping[str, str]) -> str:
+    """Return the path of the file with the selection as a text."""
+    return f"{user_folder('XDG_CONFIG_HOME', environment)}/ubiquity_launches/selection"
+
+
+def load_selection(path: str | os.PathLike[str]) -> Selection:
     """Load the stored selection, or the default one if none is stored. Raises UserError for an invalid file."""
     try:
-        text = path.read_text(encoding="utf-8")
+        with open(path, encoding="utf-8") as file:  # noqa: PTH123 - as above
+            text = file.read()
     except FileNotFoundError:
         return Selection()
     except (OSError, UnicodeDecodeError) as problem:
@@ -92,7 +103,7 @@ def load_selection(path: Path) -> Selection:
 _HELP = "'ur use sim' selects the simulated robot again"
 
 
-def store_selection(path: Path, selection: Selection) -> None:
+def store_selection(path: "Path", selection: Selection) -> None:
     """Store the selection. Raises UserError.
 
     The file is replaced atomically, also in case of a power cut. A symbolic link stays one.

@@ -4,7 +4,6 @@ Every command splits them here, once, and passes values on. roslaunch's rules ab
 `ur.launchfile.plan.names.read_assignments`.
 """
 
-import shlex
 from collections.abc import Iterable
 from typing import NamedTuple
 
@@ -16,6 +15,8 @@ def split_words(text: str) -> list[str]:
     """Return the words of a command line as a shell would. Raises ValueError, also for one that is too long."""
     if len(text) > _LONGEST:
         raise ValueError(f"More than {_LONGEST:,} characters")
+    import shlex  # for most command lines it would only cost time
+
     return shlex.split(text)
 
 

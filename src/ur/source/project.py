@@ -4,13 +4,18 @@ A clone and a copy have the same folders. A wheel contains the Python packages, 
 folder of the package `ur` that `tools/build_wheel.py` creates. Only this module depends on the difference.
 """
 
+from __future__ import annotations
+
 import os
 import sys
 from collections.abc import Iterator, Mapping
 from functools import cache
-from pathlib import Path
 
 from ur.source.user_folders import user_folder
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from pathlib import Path
 
 # The running files, and those of the set-up: no tests, no documents, no generated files.
 PARTS = (
@@ -35,22 +40,38 @@ _PYTHON_PACKAGES = ("ur", "ur_nodes")
 _LEFT_OUT = ("__pycache__", ".egg-info", ".pyc")
 
 
-@cache
+# Tab needs two of these folders, as texts: importing pathlib would take a tenth of its time.
+# ruff: noqa: PTH112, PTH118, PTH120
+
+
 def package_folder() -> Path:
     """Return the folder of the Python package `ur`."""
-    return Path(__file__).resolve().parents[1]
+    from pathlib import Path
+
+    return Path(_package())
+
+
+@cache
+def _package() -> str:
+    return os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
 
 
 def is_installed() -> bool:
     """Return whether this process runs from a wheel."""
-    return (package_folder() / DATA_FOLDER).is_dir()
+    return os.path.isdir(os.path.join(_package(), DATA_FOLDER))
 
 
 def project_folder() -> Path:
     """Return the folder of the launch library, the locks and the set-up: of a clone or copy, or within the wheel."""
-    package = package_folder()
-    data = package / DATA_FOLDER
-    return data if data.is_dir() else package.parents[1]
+    from pathlib import Path
+
+    return Path(project_path())
+
+
+def project_path() -> str:
+    """Return the project folder as a text."""
+    package = _package()
+    return os.path.join(package, DATA_FOLDER) if is_installed() else os.path.dirname(os.path.dirname(package))
 
 
 def project_file(name: str) -> Path:
@@ -67,9 +88,16 @@ def launch_library() -> Path:
 
 def state_folder(environment: Mapping[str, str] = os.environ) -> Path:
     """Return the folder of `.venv` and `.cache`: the clone or copy, or for a wheel a folder of the user."""
+    from pathlib import Path
+
+    return Path(state_path(environment))
+
+
+def state_path(environment: Mapping[str, str] = os.environ) -> str:
+    """Return the state folder as a text."""
     if not is_installed():
-        return project_folder()
-    return Path(user_folder("XDG_DATA_HOME", environment)) / "ubiquity_launches"
+        return project_path()
+    return f"{user_folder('XDG_DATA_HOME', environment)}/ubiquity_launches"
 
 
 def list_files(root: Path | None = None) -> Iterator[tuple[str, Path, str]]:

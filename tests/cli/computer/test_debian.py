@@ -5,13 +5,14 @@ from pathlib import Path
 import pytest
 
 from ur.cli.main import main
-from ur.request.environment import REPOSITORY, environment_changes
+from ur.request.environment import environment_changes
 from ur.request.requirements.preparation import Account, install_debian
 from ur.robot.selection import parse_selection
 from ur.source.diagnostic import UserError
+from ur.source.project import project_folder
 from ur.system.debian_root import DebianRoot, install_command
 
-SCRIPT = REPOSITORY / "tools" / "debian_root.bash"
+SCRIPT = project_folder() / "tools" / "debian_root.bash"
 
 
 def run_script(*words: str, data: Path) -> subprocess.CompletedProcess[str]:
@@ -70,7 +71,7 @@ def test_both_spellings_reach_the_root_without_a_set_up_and_the_old_one_warns(tm
     environment = {**os.environ, "XDG_DATA_HOME": str(tmp_path)}
     told = []
     for words in (["setup", "debian"], ["debian"]):
-        command = [str(REPOSITORY / "ur"), *words, "status"]
+        command = [str(project_folder() / "ur"), *words, "status"]
         done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
         assert (done.returncode, done.stdout[:14]) == (0, "no Debian root")
         told.append(done.stderr)

@@ -15,7 +15,7 @@ from tests.robot.description.urdfs import MESHES, SMALL
 from ur.cli.files.new_things import describe_observed
 from ur.cli.main import main
 from ur.cli.verbs import load_verb
-from ur.request.environment import PACKAGE as LIBRARY
+from ur.request.programs import PACKAGE as LIBRARY
 from ur.robot.base import load_base, read_base
 from ur.robot.base.files import find_base_package
 from ur.tools.new.parts import NodeTopic, Observed

@@ -4,7 +4,7 @@ import pytest
 
 from ur.launchfile.world.system import SystemWorld
 from ur.request.bases.base_argument import describe_lack, describe_need, find_variants, list_lacks, read_needs
-from ur.request.environment import PACKAGE
+from ur.request.programs import PACKAGE
 from ur.robot.base import Base, load_base
 
 

@@ -6,8 +6,7 @@ import pytest
 
 from ur.launchfile.load import load_plan
 from ur.launchfile.world.system import SystemWorld
-from ur.request.environment import PACKAGE
-from ur.request.programs import Program, find_launch_file, list_programs
+from ur.request.programs import PACKAGE, Program, find_launch_file, list_programs
 from ur.run.join.decision import is_base
 
 PROGRAMS = list_programs(PACKAGE / "bin")

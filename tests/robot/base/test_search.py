@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.request.environment import PACKAGE
+from ur.request.programs import PACKAGE
 from ur.robot.base import load_base
 from ur.robot.base.files import find_base_package, list_base_packages
 from ur.source.diagnostic import UserError

@@ -19,7 +19,8 @@ from ur.cli.output import plain_text
 from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, print_json_of_each, run_for_each
 from ur.devices.known import Expected
 from ur.recordings.black_boxes import notify_black_boxes
-from ur.request.environment import PACKAGE, choose_ros, current_selection
+from ur.request.environment import choose_ros, current_selection
+from ur.request.programs import PACKAGE
 from ur.request.remote.connection import connect_robot, list_nodes, robot_address
 from ur.robot.base import load_base
 from ur.robot.devices import expected_devices

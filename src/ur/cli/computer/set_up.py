@@ -10,7 +10,6 @@ import click
 from ur.cli.changing import ChangeReporter, show_changes
 from ur.complete.verbs import SCRIPTS
 from ur.mcp import PACKAGES
-from ur.request.environment import REPOSITORY
 from ur.request.requirements.python_packages import need_all
 from ur.robot.setup.change import Change
 from ur.robot.setup.engine import apply_change, apply_states, gather, gather_facts, plan_changes, plan_undo
@@ -20,7 +19,7 @@ from ur.robot.setup.wanted import Wanted
 from ur.robot.ssh.shell import LocalShell
 from ur.source.diagnostic import user_error
 from ur.source.progress_line import show_progress
-from ur.source.project import state_folder
+from ur.source.project import project_folder, state_folder
 from ur.system.debian_root import MARK
 
 
@@ -96,8 +95,8 @@ def debian(action: str, argv: tuple[str, ...]) -> None:
         raise user_error(
             f"'ur setup debian {action}' cannot run inside the Debian root, expected a shell of this computer",
             rule="inside-root",
-            help=f"in another terminal: {REPOSITORY}/ur setup debian {' '.join((action, *argv))}",
+            help=f"in another terminal: {project_folder()}/ur setup debian {' '.join((action, *argv))}",
             subject=action,
         )
-    script = str(REPOSITORY / "tools" / "debian_root.bash")
+    script = str(project_folder() / "tools" / "debian_root.bash")
     os.execv("/bin/bash", ["bash", script, action, *argv])  # noqa: S606 - the script takes the place of this process

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 import click
 
-from ur.request.environment import PACKAGE, add_own_package, current_selection
-from ur.request.programs import Program, find_launch_file, index_programs, read_program_arguments
+from ur.request.environment import add_own_package, current_selection
+from ur.request.programs import PACKAGE, Program, find_launch_file, index_programs, read_program_arguments
 from ur.robot.base import Base, load_base
 from ur.source.diagnostic import UserError
 from ur.source.printable import printable

@@ -11,9 +11,9 @@ import click
 from ur.cli.launch.command import make_options
 from ur.cli.launch.launch import explain_problem, launch_line
 from ur.cli.launch.options import LEASE
-from ur.request.environment import PACKAGE, add_own_package, apply_selection, current_selection
+from ur.request.environment import add_own_package, apply_selection, current_selection
 from ur.request.launch_request import LaunchOptions, check_options
-from ur.request.programs import check_arguments, find_launch_file, find_program, read_launch_argv
+from ur.request.programs import PACKAGE, check_arguments, find_launch_file, find_program, read_launch_argv
 from ur.robot.selection import Selection
 from ur.source.arguments import split_argv
 from ur.source.diagnostic import UserError, user_error, user_error_about

@@ -15,7 +15,7 @@ import click
 
 from ur.cli.changing import show_changes
 from ur.cli.output import ask_twice, read_lines
-from ur.request.environment import PACKAGE
+from ur.request.programs import PACKAGE
 from ur.robot.base import list_bases, load_base
 from ur.robot.discovery.record import DEFAULT_USER, RobotRecord, records_folder, render_record
 from ur.robot.image.copy import copied_image, packing_of

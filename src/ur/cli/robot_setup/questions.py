@@ -9,7 +9,7 @@ from pathlib import Path
 from ur.cli.output import ask_twice, check_name, read_lines, taken_error
 from ur.cli.robot_setup.contact import TERMINAL, SetupTerminal
 from ur.cli.robots.fleet import choose_robots
-from ur.request.environment import PACKAGE
+from ur.request.programs import PACKAGE
 from ur.request.remote.connection import robot_address
 from ur.robot.base import list_bases, list_variants, load_base
 from ur.robot.discovery.record import DEFAULT_USER, RobotRecord, load_records, records_folder

@@ -21,7 +21,8 @@ from ur.cli.robot_setup.questions import PLAIN, ask_task, check_names, list_know
 from ur.cli.robot_setup.rename import rename
 from ur.cli.robots.fleet import ALL, run_for_each
 from ur.devices.needs import examine
-from ur.request.environment import PACKAGE, current_selection
+from ur.request.environment import current_selection
+from ur.request.programs import PACKAGE
 from ur.robot.base import load_base
 from ur.robot.deploy.repository import read_programs, read_repository
 from ur.robot.devices import expected_devices, inspect_devices

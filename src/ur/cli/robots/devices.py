@@ -13,7 +13,7 @@ import click
 from ur.cli.output import plain_text, write_exactly
 from ur.devices.known import Device, DeviceSnapshot, Expected, describe_device, find_known
 from ur.devices.needs import Need, examine, list_problems, write_rules
-from ur.request.environment import PACKAGE
+from ur.request.programs import PACKAGE
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.robot.base import load_base
 from ur.robot.devices import expected_devices, inspect_devices

@@ -7,7 +7,8 @@ from contextlib import suppress
 
 import click
 
-from ur.request.environment import PACKAGE, choose_ros, current_selection
+from ur.request.environment import choose_ros, current_selection
+from ur.request.programs import PACKAGE
 from ur.robot.selection import Selection, load_selection, parse_selection, selection_path, store_selection
 from ur.source.diagnostic import UserError, user_error
 from ur.source.project import project_file, state_folder

@@ -70,8 +70,8 @@ class _Played:
 
 
 def _read_request(recording: str, program: str, arguments: Sequence[str]) -> _Played:
-    from ur.request.environment import PACKAGE, add_own_package
-    from ur.request.programs import find_launch_file, find_program
+    from ur.request.environment import add_own_package
+    from ur.request.programs import PACKAGE, find_launch_file, find_program
 
     path = Path(recording)
     if not path.is_file():

@@ -167,11 +167,13 @@ def read_package_name(path: str) -> str | None:
 
 def package_name_in(path: str, data: bytes) -> str | None:
     """Return the name as `read_package_name` does, from the content of the file."""
-    # A processing instruction may hold what looks like a comment; the declaration does not, nor does that of a schema.
-    begin = _PROLOG.match(data)
-    body = data[begin.end() :] if begin else data
-    simple = b"<![CDATA[" not in body and b"<?" not in body
-    plain = _COMMENT.sub(b"", body) if simple and b"<!--" in body else body
+    simple, plain = False, data
+    if b"<!" in data or b"metapackage" in data:
+        # A processing instruction may hold what looks like a comment; the declaration does not, nor that of a schema.
+        begin = _PROLOG.match(data)
+        body = data[begin.end() :] if begin else data
+        simple = b"<![CDATA[" not in body and b"<?" not in body
+        plain = _COMMENT.sub(b"", body) if simple and b"<!--" in body else body
     if b"metapackage" not in plain and b"<!--" not in plain and b"<![CDATA[" not in plain:
         names = _NAME.findall(plain)
         if len(names) == 1 and names[0].isascii():

@@ -4,7 +4,7 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ur.request.environment import PACKAGE, add_own_package
+from ur.request.environment import add_own_package
 from ur.robot.boot.launch_file import RobotLaunch, choose_arguments, find_launch, is_launch_name
 from ur.robot.boot.units import (
     FOLDER,
@@ -33,6 +33,7 @@ from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.arguments import Argument, split_argv, values_of
 from ur.source.diagnostic import UserError, user_error
+from ur.source.project import LIBRARY, launch_library
 
 PAGE = "web"
 """The name of the page among programs."""
@@ -64,12 +65,12 @@ def parse_request(argv: Sequence[str]) -> BootRequest:
     if rest and is_launch_name(rest[0]):
         return BootRequest(rest[0].partition(".")[0].lower(), first, rest[0], rest[1:])
     program = first.removeprefix("ur_")
-    if "/" not in first and (PACKAGE / "bin" / f"ur_{program}").is_file():
+    if "/" not in first and (launch_library() / "bin" / f"ur_{program}").is_file():
         from ur.request.programs import choose_program, find_launch_file, list_programs
 
-        path = find_launch_file(choose_program(list_programs(PACKAGE / "bin", PACKAGE.name), program))
+        path = find_launch_file(choose_program(list_programs(launch_library() / "bin", LIBRARY), program))
         if path is not None:
-            return BootRequest(program, PACKAGE.name, path.name, rest)
+            return BootRequest(program, LIBRARY, path.name, rest)
     return BootRequest(first.rpartition("/")[2].lower(), "", "", tuple(argv))
 
 
@@ -112,13 +113,13 @@ def bring_library(request: BootRequest, shell: SshShell, user: str, report: Call
     `report` is called with each change. Raises UserError if it is not set up on the robot, so that its nodes could not
     run.
     """
-    if request.package != PACKAGE.name and not request.page:
+    if request.package != LIBRARY and not request.page:
         return 0
     wanted = read_repository()
     _, count = apply_states(shell, lambda _: [wanted], user, FactsRequest(user), root=False, report=report)
     if shell.run(f"for d in {' '.join(LIBRARIES)}; do [ -r $d/.venv/ready-run ] && exit; done; exit 1").code:
         raise _problem(
-            f"{shell.address.host}: {PACKAGE.name} is there and not set up, and its nodes need that",
+            f"{shell.address.host}: {LIBRARY} is there and not set up, and its nodes need that",
             f"ur robot setup {shell.address.host.removesuffix('.local')} completes it; then run this again",
         )
     if request.page:

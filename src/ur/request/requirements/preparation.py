@@ -25,9 +25,8 @@ from typing import Protocol
 
 from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.world.protocol import PackageNotFound, World
-from ur.request.environment import PACKAGE
 from ur.request.launch_request import Report
-from ur.request.programs import read_head_lines
+from ur.request.programs import PACKAGE, read_head_lines
 from ur.request.requirements.python_packages import DiskFullError, need_all, run_installer
 from ur.run.process.command import is_packaged
 from ur.run.startup.node_selection import check_display, has_display, is_view

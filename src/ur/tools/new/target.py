@@ -65,7 +65,7 @@ class BaseDestination:
 
 def target_of(package: str | None, workspace: str | None) -> BaseDestination:
     """Return the requested destination; by default the package around the current folder. Raises UserError."""
-    from ur.request.environment import PACKAGE
+    from ur.request.programs import PACKAGE
     from ur.source.user_folders import MARKER
 
     if workspace is None:
