@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -76,7 +75,7 @@ def index_programs(library: Path, environment: Mapping[str, str]) -> ProgramInde
     others = (
         program
         for name, folder in sorted(packages.items())
-        if name != library.name
+        if name != library.name and os.access(f"{folder}/bin", os.F_OK)
         for program in list_programs(f"{folder}/bin", name)
     )
     return ProgramIndex((*own, *others))
@@ -127,6 +126,8 @@ def choose_program(programs: Sequence[Program], name: str, problem: str = "") ->
             help=" or ".join(f"ur run {each.package}/{each.name}" for each in found),
             subject=name,
         )
+    import shlex  # which Tab does without
+
     if last.endswith((".launch", ".launch.xml", ".launch.py", ".launch.yaml", ".test")):
         raise user_error(
             f"{name!r} is the name of a launch file, expected the name of a program",
