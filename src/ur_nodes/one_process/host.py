@@ -6,9 +6,9 @@ that has the terminal has the main thread, and the process ends with it.
 
 from __future__ import annotations
 
-import contextlib
 import logging
 import logging.handlers
+import os
 import runpy
 import signal
 import sys
@@ -16,11 +16,11 @@ import threading
 import time
 import traceback
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TextIO
+from typing import NoReturn, TextIO
 
 from ur.source.foreign.json_values import read_json
 from ur_nodes.file_facts import FileFacts
@@ -196,7 +196,6 @@ class Host:
         """Run a node, and restart it as the plan requires."""
         while not self._over.is_set():
             code = self._run_module(start, started)
-            started()
             self._output.write_line("INFO", start.name, f"ended, exit code {code}")
             if start.required and not self._over.is_set():
                 self._code = code
@@ -206,22 +205,24 @@ class Host:
                     if each.terminal and (node := self._bus.nodes.get(each.name)):
                         node.end("a required node has ended")
             if not start.respawn or self._over.wait(start.respawn_delay):
-                return
+                break
+        started()  # the run may end before its first start
 
     def _run_module(self, start: NodeStart, started: Callable[[], None]) -> int:
         """Run the module of a node on this thread. Returns its exit code."""
-        release = _Release(self._arguments, started)
-        context = NodeContext(self._bus, start.name, start.remaps, release, self._nodes.append)
+        release = ExitStack()
+        release.callback(started)
+        context = NodeContext(self._bus, start.name, start.remaps, release.close, self._add)
         return self._run_words(start.words, context, release)
 
     def _run_for_viewer(self, words: Sequence[str]) -> None:
         """Run a module whose node chooses its name."""
-        release = _Release(self._arguments, lambda: None)
-        self._run_words(words, NodeContext(self._bus, started=release), release)
+        release = ExitStack()
+        self._run_words(words, NodeContext(self._bus, started=release.close), release)
 
-    def _run_words(self, words: Sequence[str], context: NodeContext, release: _Release) -> int:
+    def _run_words(self, words: Sequence[str], context: NodeContext, release: ExitStack) -> int:
         context.enter()
-        self._arguments.acquire()
+        release.enter_context(self._arguments)
         try:
             sys.argv = list(words)
             if words[0].endswith(".py"):
@@ -235,15 +236,24 @@ class Host:
                 self._output.write_line("ERROR", context.name, line)
             return 1
         finally:
-            release()
+            release.close()
         return 0
+
+    def _add(self, node: LiveNode) -> None:
+        """Note a node that has started; the end of the run may have begun meanwhile."""
+        self._nodes.append(node)
+        if self._over.is_set():
+            self._end_node(node)
+
+    def _end_node(self, node: LiveNode) -> None:
+        with suppress(RuntimeError):  # the bus has failed
+            self._bus.do(lambda: node.end("the run ends"))
 
     def _end_nodes(self) -> None:
         """End all nodes in reverse order, so that nodes that drive end before the base."""
         self._over.set()
         for node in reversed(self._nodes):
-            with suppress(RuntimeError):  # the bus has failed
-                self._bus.do(lambda each=node: each.end("the run ends"))  # type: ignore[misc]
+            self._end_node(node)
         until = time.monotonic() + _NODE_LIMIT
         for node in self._nodes:
             node.over.wait(max(0.0, until - time.monotonic()))
@@ -252,24 +262,14 @@ class Host:
             thread.join(max(0.0, until - time.monotonic()))
 
 
-class _Release:
-    """Releases a lock once, and makes a call; for two threads."""
-
-    def __init__(self, lock: threading.Lock, then: Callable[[], None]) -> None:
-        self._lock, self._then = lock, then
-        self._once = threading.Lock()
-
-    def __call__(self) -> None:
-        if self._once.acquire(blocking=False):
-            with contextlib.suppress(RuntimeError):
-                self._lock.release()
-            self._then()
-
-
-def main() -> int:
-    """Run the plan that the command line names."""
-    return Host(read_plan(sys.argv[1])).run()
+def main() -> NoReturn:
+    """Run the plan that the command line names, and end without the clean-up of Python, which may take seconds."""
+    code = Host(read_plan(sys.argv[1])).run()
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError):  # it is no longer read
+            stream.flush()
+    os._exit(code)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()
