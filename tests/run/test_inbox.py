@@ -1,7 +1,8 @@
 import os
 import select
+import signal
 
-from ur.run.loop import Inbox
+from ur.run.loop import ECHO, Inbox
 
 
 def test_task_that_is_posted_wakes_the_loop_and_is_taken_once() -> None:
@@ -31,3 +32,19 @@ def test_task_that_is_posted_after_the_end_writes_into_no_file_that_has_the_pipe
         for ends in pipes:
             for end in ends:
                 os.close(end)
+
+
+def test_signal_that_arrives_twice_at_once_is_one_request_and_later_a_second_one() -> None:
+    now = 100.0
+    received: list[int] = []
+    inbox = Inbox(received.append, lambda: now)
+    try:
+        for signum in (signal.SIGINT, signal.SIGINT, signal.SIGTERM):
+            signal.raise_signal(signum)
+        now += ECHO
+        signal.raise_signal(signal.SIGINT)
+        for task in inbox.drain():
+            task()
+        assert received == [signal.SIGINT, signal.SIGTERM, signal.SIGINT]
+    finally:
+        inbox.close()

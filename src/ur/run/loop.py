@@ -157,22 +157,22 @@ def allow_open_files(count: int) -> None:
 
 Task = Callable[[], None]
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # signals that request the end of a run
+ECHO = 0.25  # s; timeout(1) signals a process and its group, which is one request and not a second, urgent one
 
 
 class Inbox:
     """A queue of tasks, readable (`fileno`) while it is not empty. Handles SIGNALS until it is closed."""
 
-    def __init__(self, on_signal: Callable[[int], None]) -> None:
-        """Create the inbox; `on_signal` is called later, in the loop's thread, with a signal."""
+    def __init__(self, on_signal: Callable[[int], None], read_clock: Callable[[], float] = time.monotonic) -> None:
+        """Create the inbox; `on_signal` is called later, in the loop's thread, with a signal, once in ECHO s."""
         self._tasks: deque[Task] = deque()
         self._open = threading.Lock()  # held while the pipe is written to or closed
         self._closed = False
         self._reader, self._writer = os.pipe2(os.O_CLOEXEC | os.O_NONBLOCK)
         self._old_writer = signal.set_wakeup_fd(self._writer, warn_on_full_buffer=False)
-        self._handlers = {
-            signum: signal.signal(signum, lambda number, _: self._tasks.append(lambda: on_signal(number)))
-            for signum in SIGNALS
-        }
+        self._on_signal, self._read_clock = on_signal, read_clock
+        self._echoes: dict[int, float] = {}  # the end of ECHO, by signal
+        self._handlers = {signum: signal.signal(signum, self._note_signal) for signum in SIGNALS}
 
     def fileno(self) -> int:
         """Return the descriptor for poll."""
@@ -186,6 +186,12 @@ class Inbox:
             self._tasks.append(task)
             with suppress(BlockingIOError):  # the pipe is full: the loop wakes up anyway
                 os.write(self._writer, b"\0")
+
+    def _note_signal(self, signum: int, _frame: object) -> None:
+        now = self._read_clock()
+        if now >= self._echoes.get(signum, now):
+            self._echoes[signum] = now + ECHO
+            self._tasks.append(lambda: self._on_signal(signum))
 
     def clear(self) -> None:
         """Make the descriptor unreadable until the next task arrives."""

@@ -179,10 +179,8 @@ class Host:
         try:
             return ViewerSocket(self._plan.viewers, self._run_for_viewer)
         except OSError as problem:
-            reason = problem.strerror or str(problem)
-            self._output.write_line(
-                "WARN", self._plan.name, f"the page cannot show this run: {self._plan.viewers}: {reason}"
-            )
+            text = f"the page cannot show this run: {self._plan.viewers}: {problem.strerror or problem}"
+            self._output.write_line("WARN", self._plan.name, text)
             return None
 
     def _start_all(self, nodes: Sequence[NodeStart], first: threading.Event | None = None) -> None:

@@ -75,14 +75,12 @@ class MasterMiddleware:
         return remove_registrations(self.master, list(names))
 
     def examine_exit(self, event: Exited) -> Event:
-
         return examine_exit(event, self.master)
 
     def watch(self, report: Callable[[Event], None]) -> threading.Event:
         return start_watch(self.master, report)
 
     def view(self) -> GraphView:
-
         return MasterView(self.master)
 
 

@@ -101,12 +101,9 @@ class StartProgress:
 
     def note(self, event: Event, state: State) -> None:
         """Process an event, with the state of the run after it."""
+        if self._count is not None and isinstance(event, Started) and event.name == self._count.name:
+            self._count.begin(event.pid, time.monotonic())
         self.follow(state)
-        each = state.find(event.name) if isinstance(event, Started) else None
-        if each is not None and not each.unit.core and isinstance(event, Started):
-            if self._count is not None and event.name == self._count.name:
-                self._count.begin(event.pid, time.monotonic())
-            self.follow(state)
 
     def follow(self, state: State) -> None:
         """Check the readiness of the nodes of this state while a client requests it."""
