@@ -140,6 +140,26 @@ def test_pipe_of_a_flood_is_read_seldom_once_it_holds_enough(tmp_path: Path) -> 
     os.close(log)
 
 
+def test_flood_of_long_reads_is_logged_in_full_and_its_lines_are_estimated(tmp_path: Path) -> None:
+    reader, writer = os.pipe()
+    log = os.open(tmp_path / "log", os.O_WRONLY | os.O_CREAT)
+    shown: list[str] = []
+    stream = Stream("/a", reader, log, lambda _, line: shown.append(line), lambda: 100.0)
+    recent: deque[str] = deque(maxlen=KEPT_LINES)
+    os.write(writer, b"x\n" * MOST_SHOWN)
+    assert stream.read(recent)
+    printed = b"".join(b"%07d\n" % number for number in range(LONGEST_LINE // 4))
+    os.write(writer, printed)
+    assert stream.read(recent)
+    assert recent[-1] == f"{LONGEST_LINE // 4 - 1:07}"
+    os.close(writer)
+    assert not stream.read(recent)
+    assert shown[-1] == f"... about {LONGEST_LINE // 4} lines are not shown here; the log file has them"
+    assert (tmp_path / "log").read_bytes() == b"x\n" * MOST_SHOWN + printed
+    stream.close()
+    os.close(log)
+
+
 def test_stream_that_ends_in_a_flood_tells_what_was_lost(tmp_path: Path) -> None:
     reader, writer = os.pipe()
     log = os.open(tmp_path / "log", os.O_WRONLY | os.O_CREAT)
