@@ -31,7 +31,7 @@ from ur.run.supervisor.events import Event, SetupFailed, ShareFailed, ShareStart
 from ur.run.supervisor.state import Planned
 from ur.source.diagnostic import Diagnostic, UserError, user_error
 from ur.source.project import launch_library
-from ur.source.run_users import FOLDER_VARIABLE, note_user, read_birth
+from ur.source.run_users import FOLDER_VARIABLE, list_users, note_user, read_birth
 
 if TYPE_CHECKING:
     from ur.run.clients.protocol import RunStarted
@@ -281,7 +281,9 @@ def claim(entry: RunEntry, nodes: Sequence[NodeSpec], plan: Plan, options: RunOp
 
 
 def list_joined_runs(entry: RunEntry) -> Sequence[str]:
-    """Return the ids of the runs that have joined a run."""
+    """Return the ids of the runs that have joined a run, which are users of it."""
+    if not list_users(entry.folder):
+        return ()
     from ur.run.join.owner import list_joined
 
     return list_joined(entry.run, os.environ, os.getuid())

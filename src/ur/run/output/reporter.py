@@ -53,12 +53,10 @@ class RunReporter:
 
     def report_joined(self) -> None:
         """Warn about the runs that end with this one."""
-        if self._list_joined is None:
-            return
-        from ur.run.join.owner import describe_joined  # only for a run that ends
+        if self._list_joined is not None and (runs := self._list_joined()):
+            from ur.run.join.owner import describe_joined  # for few runs, and it takes time
 
-        if text := describe_joined(self._list_joined()):
-            self.warn(text)
+            self.warn(describe_joined(runs))
 
     def record_end(self, exit_code: int | None, cause: str) -> None:
         """Record the end of the run, with its last lines and the logs of its nodes."""
