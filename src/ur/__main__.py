@@ -30,6 +30,9 @@ def main(arguments: Sequence[str]) -> int:
 if __name__ == "__main__":
     try:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, (signal.SIGINT,))  # see the script `ur`
-        sys.exit(main(sys.argv[1:]))
+        code = main(sys.argv[1:])
+        if sys.argv[1:2] == ["launch"]:  # Python's clean-up would take longer than the rest of its end
+            os._exit(code)
+        sys.exit(code)
     except KeyboardInterrupt:  # while modules are still being imported
         sys.exit(130)

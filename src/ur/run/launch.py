@@ -66,14 +66,16 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         detached = options.call_started is not None
         entry, listener = register(plan, middleware.address, folder, environment, console, detached=detached)
         claim(entry, nodes, plan, options)
-        if keep_terminal := any(
-            node.terminal for node in nodes
-        ):  # such a program shows the robot's other users; other programs get the environment of roslaunch
+        keep_terminal = any(node.terminal for node in nodes)
+        if keep_terminal:  # it shows the robot's other users; other programs get the environment of roslaunch
             environment[FOLDER_VARIABLE] = entry.folder
         _begin(host, environment, entry, fork_command(programs, environment, entry.folder), keep_terminal=keep_terminal)
         terminal = None if detached else find_terminal()
         ignore_background_write()
-        _announce(console, middleware, folder=folder, nodes=len(nodes))
+        console.inform(middleware.describe())
+        console.inform(f"{len(nodes)} node{'' if len(nodes) == 1 else 's'}, log files in {folder}")
+        if not nodes:
+            console.warn("there is no node to start; the master runs until Ctrl-C")
         run = Run(
             programs=(*middleware.core, *programs),
             folder=folder,
@@ -192,13 +194,6 @@ def _report_share(options: RunOptions) -> Callable[[], Event] | None:
         return ShareFailed(problem) if problem else ShareStarted()
 
     return report
-
-
-def _announce(console: Console, middleware: Middleware, *, folder: str, nodes: int) -> None:
-    console.inform(middleware.describe())
-    console.inform(f"{nodes} node{'' if nodes == 1 else 's'}, log files in {folder}")
-    if not nodes:
-        console.warn("there is no node to start; the master runs until Ctrl-C")
 
 
 def find_middleware(

@@ -263,9 +263,8 @@ class Host:
 def main() -> NoReturn:
     """Run the plan that the command line names, and end without the clean-up of Python, which may take seconds."""
     code = Host(read_plan(sys.argv[1])).run()
-    for stream in (sys.stdout, sys.stderr):
-        with suppress(OSError):  # it is no longer read
-            stream.flush()
+    with suppress(OSError):  # it is no longer read
+        sys.stdout.flush()
     os._exit(code)
 
 

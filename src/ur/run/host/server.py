@@ -130,10 +130,7 @@ class _Host:
                 if pid is not None:
                     signal_group(pid, signum)
             case ("sweep", signum):
-                self._sweeping = signum
-                self._forks.end()
-                signal_descendants(signum)
-                self._reap()
+                self._sweep(signum)
             case ("begin", environment, keep_terminal, server):
                 self._environment = environment
                 if keep_terminal:
@@ -144,6 +141,13 @@ class _Host:
                     self._forks.begin(self._creator, server, environment)
         for descriptor in descriptors:
             os.close(descriptor)
+
+    def _sweep(self, signum: int) -> None:
+        self._sweeping = signum
+        self._forks.end()
+        self._reap()
+        if self._sweeping:  # else nothing is below this process, which would be looked for among all processes
+            signal_descendants(signum)
 
     def _start(
         self, name: str, argv: list[str], cwd: str, changes: dict[str, str | None], session_mode: str, stdio: list[int]
