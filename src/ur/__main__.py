@@ -31,7 +31,7 @@ if __name__ == "__main__":
     try:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, (signal.SIGINT,))  # see the script `ur`
         code = main(sys.argv[1:])
-        if sys.argv[1:2] == ["launch"]:  # Python's clean-up would take longer than the rest of its end
+        if code == 0 and sys.argv[1:2] == ["launch"]:  # all is written, and Python's clean-up would take the longest
             os._exit(code)
         sys.exit(code)
     except KeyboardInterrupt:  # while modules are still being imported
