@@ -66,10 +66,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         detached = options.call_started is not None
         entry, listener = register(plan, middleware.address, folder, environment, console, detached=detached)
         claim(entry, nodes, plan, options)
-        keep_terminal = any(node.terminal for node in nodes)
-        if keep_terminal:  # it shows the robot's other users; other programs get the environment of roslaunch
-            environment[FOLDER_VARIABLE] = entry.folder
-        _begin(host, environment, entry, fork_command(programs, environment, entry.folder), keep_terminal=keep_terminal)
+        _begin(host, environment, entry, fork_command(programs, environment, entry.folder), nodes)
         terminal = None if detached else find_terminal()
         ignore_background_write()
         console.inform(middleware.describe())
@@ -112,8 +109,11 @@ def fork_command(programs: Sequence[UnitProgram], environment: Mapping[str, str]
 
 
 def _begin(
-    host: ProcessHost, environment: Mapping[str, str], entry: RunEntry, server: tuple[str, ...], *, keep_terminal: bool
+    host: ProcessHost, environment: dict[str, str], entry: RunEntry, server: tuple[str, ...], nodes: Sequence[NodeSpec]
 ) -> None:
+    keep_terminal = any(node.terminal for node in nodes)
+    if keep_terminal:  # it shows the robot's other users; other programs get the environment of roslaunch
+        environment[FOLDER_VARIABLE] = entry.folder
     try:
         host.begin(environment, keep_terminal=keep_terminal, server=server)
     except HostLost:

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import threading
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from types import SimpleNamespace
@@ -52,8 +53,8 @@ NEVER = "import shared\nshared.started_after_end = True\n"
 
 
 @pytest.fixture
-def shared(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
-    """What the modules of the nodes import."""
+def shared(monkeypatch: pytest.MonkeyPatch) -> Iterator[SimpleNamespace]:
+    """What the modules of the nodes import. A host changes the arguments and streams of its process."""
     made = SimpleNamespace(
         limit=LIMIT,
         loading=threading.Event(),
@@ -64,10 +65,9 @@ def shared(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     )
     monkeypatch.setitem(sys.modules, "shared", made)
     monkeypatch.setenv("ROS_VERSION", "0")
-    monkeypatch.setattr(sys, "argv", sys.argv)
-    monkeypatch.setattr(sys, "stdout", sys.stdout)
-    monkeypatch.setattr(sys, "stderr", sys.stderr)
-    return made
+    before = sys.argv, sys.stdout, sys.stderr
+    yield made
+    sys.argv, sys.stdout, sys.stderr = before
 
 
 def write_plan(folder: Path, modules: dict[str, str]) -> ProcessPlan:
