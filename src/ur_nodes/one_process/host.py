@@ -16,7 +16,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -208,19 +208,18 @@ class Host:
 
     def _run_module(self, start: NodeStart, started: Callable[[], None]) -> int:
         """Run the module of a node on this thread. Returns its exit code."""
-        release = ExitStack()
-        release.callback(started)
-        context = NodeContext(self._bus, start.name, start.remaps, release.close, self._add)
+        release = _Release(self._arguments, started)
+        context = NodeContext(self._bus, start.name, start.remaps, release, self._add)
         return self._run_words(start.words, context, release)
 
     def _run_for_viewer(self, words: Sequence[str]) -> None:
         """Run a module whose node chooses its name."""
-        release = ExitStack()
-        self._run_words(words, NodeContext(self._bus, started=release.close), release)
+        release = _Release(self._arguments, lambda: None)
+        self._run_words(words, NodeContext(self._bus, started=release), release)
 
-    def _run_words(self, words: Sequence[str], context: NodeContext, release: ExitStack) -> int:
+    def _run_words(self, words: Sequence[str], context: NodeContext, release: _Release) -> int:
         context.enter()
-        release.enter_context(self._arguments)
+        self._arguments.acquire()
         try:
             sys.argv = list(words)
             if words[0].endswith(".py"):
@@ -234,7 +233,7 @@ class Host:
                 self._output.write_line("ERROR", context.name, line)
             return 1
         finally:
-            release.close()
+            release()
         return 0
 
     def _add(self, node: LiveNode) -> None:
@@ -258,6 +257,20 @@ class Host:
             node.join()
         for thread in self._threads:  # each logs its exit code
             thread.join(max(0.0, until - time.monotonic()))
+
+
+class _Release:
+    """Releases a lock once, and makes a call; for two threads."""
+
+    def __init__(self, lock: threading.Lock, then: Callable[[], None]) -> None:
+        self._lock, self._then = lock, then
+        self._once = threading.Lock()
+
+    def __call__(self) -> None:
+        if self._once.acquire(blocking=False):
+            with suppress(RuntimeError):
+                self._lock.release()
+            self._then()
 
 
 def main() -> NoReturn:
