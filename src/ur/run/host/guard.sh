@@ -51,9 +51,8 @@ if [ "$word" != ended ]; then
   [ -z "$1" ] || echo 1 >"$1/cgroup.kill"
   kill_children
 fi
-[ -z "$1" ] || read -r _ # the end of the pipe: the host has exited, and so left the group
 tries=100
-while [ -n "$1" ] && [ $tries -gt 0 ] && ! rmdir "$1" 2>/dev/null; do # it may not quite have exited
+while [ -n "$1" ] && [ $tries -gt 0 ] && ! rmdir "$1" 2>/dev/null; do # the host may be on its way out
   sleep 0.01
   tries=$((tries - 1))
 done
