@@ -160,6 +160,23 @@ def test_flood_of_long_reads_is_logged_in_full_and_its_lines_are_estimated(tmp_p
     os.close(log)
 
 
+def test_lines_before_a_long_one_are_counted_in_a_flood(tmp_path: Path) -> None:
+    reader, writer = os.pipe()
+    log = os.open(tmp_path / "log", os.O_WRONLY | os.O_CREAT)
+    shown: list[str] = []
+    stream = Stream("/a", reader, log, lambda _, line: shown.append(line), lambda: 100.0)
+    recent: deque[str] = deque(maxlen=KEPT_LINES)
+    os.write(writer, b"x\n" * MOST_SHOWN)
+    assert stream.read(recent)
+    os.write(writer, b"y\n" * 1000 + b"z" * LONGEST_LINE)
+    assert stream.read(recent)
+    os.close(writer)
+    assert not stream.read(recent)
+    assert shown[-1] == "... 1001 lines are not shown here; the log file has them"
+    stream.close()
+    os.close(log)
+
+
 def test_stream_that_ends_in_a_flood_tells_what_was_lost(tmp_path: Path) -> None:
     reader, writer = os.pipe()
     log = os.open(tmp_path / "log", os.O_WRONLY | os.O_CREAT)

@@ -141,10 +141,13 @@ class Stream:
             self._describe_lost(self._allowance.settle() + len(rest))
             return False
         begin = max(0, size - LONGEST_LINE)
-        self._about = "about " if begin else self._about
         write_log(self._log, memoryview(self._buffer)[:size])
         count, lines = self._lines.skip(bytes(self._buffer[begin:size]), KEPT_LINES)
-        self._allowance.spend(count * size // (size - begin), now)  # to count them would take longer than to write them
+        if begin and count > KEPT_LINES:  # enough for an estimate; to count all would take longer than to write them
+            self._about, count = "about ", count * size // (size - begin)
+        elif begin:
+            count += self._buffer.count(b"\n", 0, begin)
+        self._allowance.spend(count, now)
         recent.extend(map(make_printable, lines))
         # A third of the pipe's capacity and more must be free, so that the node does not block.
         self.may_pause = MOST_READ < len(self._buffer) > 1.6 * size
