@@ -24,6 +24,13 @@ def test_user_whose_process_has_ended_is_none(tmp_path: Path) -> None:
     assert list_users(str(tmp_path)) == []
 
 
+def test_user_is_listed_among_many_that_have_ended(tmp_path: Path) -> None:
+    note_user(str(tmp_path), "m_wander.1")
+    for number in range(150):
+        (tmp_path / "users" / f"keyboard_drive.{number}").write_text(f"{number} 0 keyboard_drive.{number}")
+    assert list_users(str(tmp_path)) == ["m_wander.1"]
+
+
 @pytest.mark.parametrize("text", ["", "1", "x y z", "1 None a", "\x00", "9" * 500])
 def test_file_that_is_no_user_is_ignored(tmp_path: Path, text: str) -> None:
     (tmp_path / "users").mkdir()

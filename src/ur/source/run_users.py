@@ -38,11 +38,10 @@ def forget_user(folder: str, name: str) -> None:
 def list_users(folder: str) -> list[str]:
     """Return the names of the running processes that use a run, each once."""
     try:
-        files = sorted(Path(folder, _USERS).iterdir())[:_MOST_USERS]
+        found = {name for name in map(_read_user, Path(folder, _USERS).iterdir()) if name}
     except OSError:
         return []
-    found = {name for name in map(_read_user, files) if name}
-    return sorted(found, key=lambda name: (name == PAGE, name))
+    return sorted(found, key=lambda name: (name == PAGE, name))[:_MOST_USERS]
 
 
 def describe_users(names: Iterable[str]) -> str:
