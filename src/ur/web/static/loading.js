@@ -5,7 +5,8 @@ const PAUSE = 1000; // ms
 
 /** @param {Event} event of an element; these do not bubble */
 async function recover({ target }) {
-  if (!(target instanceof HTMLElement && target.matches("script, link[rel=stylesheet]"))) return;
+  const parts = location.pathname === "/login" ? "script" : "script, link[rel=stylesheet]"; // a login may be under way
+  if (!(target instanceof HTMLElement && target.matches(parts))) return;
   removeEventListener("error", recover, true);
   for (;;) {
     const box = document.querySelector("#empty, #message");
@@ -13,7 +14,7 @@ async function recover({ target }) {
     box?.removeAttribute("hidden");
     await new Promise((done) => setTimeout(done, PAUSE));
     const answer = await fetch(target.getAttribute("src") ?? target.getAttribute("href") ?? "", { cache: "reload" }).catch(() => null);
-    if (answer?.ok) break;
+    if (answer?.ok || answer?.status === 403) break; // 403: the session has ended, and the page leads to the login
   }
   location.reload();
 }
