@@ -55,7 +55,7 @@ beside() {
   is_wanted "$1" || return 0
   printf '\n==== %s, beside what follows: %s\n' "$1" "${*:2}"
   set -m # a process group of its own, which ends with this shell
-  measure "$@" >"$work/$1" 2>&1 </dev/null &
+  { exec 8>&- && measure "$@"; } >"$work/$1" 2>&1 </dev/null & # 8: a lock of the one who calls
   set +m
   started[$1]="$! $SECONDS"
 }
