@@ -1,7 +1,4 @@
-"""The root file systems that computers of the bench share: made once, kept in a cache, never written to again.
-
-`python -m tests.hosts.bench.root` makes that of most tests.
-"""
+"""The root file systems that computers of the bench share: made once, kept in a cache, never written to again."""
 
 import fcntl
 import hashlib
@@ -116,7 +113,3 @@ def _sources() -> Path:
         if (folder / name).is_file():
             return folder / name
     return Path("/etc/apt/sources.list")
-
-
-if __name__ == "__main__":
-    make_root(cache_folder())
