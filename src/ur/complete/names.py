@@ -56,9 +56,9 @@ def list_selections() -> Iterator[Completion]:
 
 
 def _bases() -> Iterator[Completion]:
-    from ur.source.project import LIBRARY, project_path
+    from ur.source.project import library_path
 
-    folder = f"{project_path()}/{LIBRARY}/bases"
+    folder = f"{library_path()}/bases"
     for name in sorted(os.listdir(folder)):  # noqa: PTH208 - pathlib is not worth its import here
         with suppress(OSError), open(f"{folder}/{name}/base.yaml", encoding="utf-8") as file:  # noqa: PTH123 - likewise
             summary = next((line for line in file if line.startswith("summary:")), "").partition(":")[2].strip()

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 
 from ur.robot.selection import Selection, load_selection, parse_selection, selection_file
 from ur.source.diagnostic import UserError
-from ur.source.project import LIBRARY, project_path, state_path
+from ur.source.project import library_path, state_path
 from ur.source.user_folders import list_workspaces, user_folder
 from ur.system.debian_root import DebianRoot, find_root
 from ur.system.ros import NONE, Ros, choose_domain, facts_file, find_ros, graph_address, source_ros
@@ -53,7 +53,7 @@ def environment_changes(
     A ROS_MASTER_URI or ROS_HOSTNAME that the user has set stays; one of an earlier selection is removed. `package` is
     the launch library, by default that of this project.
     """
-    library = os.fspath(package) or _library()
+    library = os.fspath(package) or library_path()
     host = hostname or os.uname().nodename.split(".")[0]  # importing socket would slow Tab
     root = find(environment)
     path = environment.get("PATH", os.defpath)
@@ -123,7 +123,7 @@ def _without_ros(environment: Mapping[str, str], wanted: Mapping[str, str]) -> d
 
 def add_own_package(environment: Mapping[str, str]) -> dict[str, str]:
     """Return a copy of `environment` with this project's launch package on its path, and the workspaces of bases."""
-    added = {"ROS_PACKAGE_PATH": _package_path(environment, _library())}
+    added = {"ROS_PACKAGE_PATH": _package_path(environment, library_path())}
     if workspaces := list_workspaces(environment):
         added["CMAKE_PREFIX_PATH"] = os.pathsep.join(workspaces)
     return {**environment, **added}
@@ -192,10 +192,6 @@ def _marked(environment: Mapping[str, str]) -> Selection | None:
         return parse_selection(environment[MARK])
     except (KeyError, UserError):
         return None
-
-
-def _library() -> str:
-    return f"{project_path()}/{LIBRARY}"
 
 
 def _package_path(environment: Mapping[str, str], library: str) -> str:
